@@ -1,1 +1,1 @@
-"""An instrument's text file in, points that a profile may go through out."""
+"""Measured traces: reading, checking and preparing the points of a profile."""

@@ -1,8 +1,8 @@
-"""The two columns of a trace in a text file, as instruments, spreadsheets and programs write them.
+"""The two columns of a trace in a text file of an instrument, a spreadsheet or a program.
 
-A file has many readings: what stands between columns, what marks decimals, which columns are meant,
-in which units. One that can be told is taken; where two are possible the file is refused, with both
-of them and what to write for each.
+The delimiter, the decimal mark, the columns and their units have to be recognized. If this is
+possible in one way only, it is used. If there are two ways, the file is refused; the message shows
+both and the option that selects each.
 """
 
 import re
@@ -19,11 +19,12 @@ from numpy.typing import NDArray
 from contact.errors import SceneError, shown
 from contact.model.checks import integer
 from contact.model.traces.dropouts import (
+    MIN_POINTS,
     is_comment,
     missing_number,
     no_height,
     without_phrases,
-)  # fmt: skip
+)
 from contact.model.traces.header import (
     Unit,
     bare_name,
@@ -47,17 +48,12 @@ from contact.model.traces.readings import (
 from contact.model.traces.text import Layout, Row, at, rows_of
 from sie import Array
 
-FEWEST = 4  # points
-_HEAD = 500  # rows in which nearly all files have begun
-_REMARKS = 3  # rows before the data that may be their header though it cannot be divided
-_DELIMITERS = {
-    ";": ";",
-    "\t": "\t",
-    "tab": "\t",
-    ",": ",",
-    " ": None,
-    "blank": None,
-}  # None: white space
+# Rows in which the data of nearly all files begin; only if they do not, all rows are searched.
+_HEAD_ROWS = 500
+# Rows before the data that may be a header although they cannot be divided into columns.
+_HEADER_ROWS = 3
+# Names of delimiters; None stands for white space.
+_DELIMITERS = {";": ";", "\t": "\t", "tab": "\t", ",": ",", " ": None, "blank": None}
 _DECIMALS = (".", ",")
 _QUOTED = re.compile(r'"[+-]?\d*,\d+([eE][+-]?\d+)?"')
 _GROUPED = re.compile(r"(?<![\d.,])\d{1,3}([.,' \xa0\u202f])\d{3}(\1\d{3})*[.,]\d")
@@ -65,11 +61,11 @@ _GROUPED = re.compile(r"(?<![\d.,])\d{1,3}([.,' \xa0\u202f])\d{3}(\1\d{3})*[.,]\
 
 @dataclass(frozen=True)
 class Header:
-    """What stands before the data about the wanted columns.
+    """The header of the wanted columns.
 
-    units: those of the columns, None where none is said, and the line that says them. depth: the
-    name of the heights where it says that they grow into the body. remark: the line and the word of
-    a unit that belongs to no column.
+    line: the line with the units, 0 without any; units: of the columns, None for a column without
+    one; depth: the name of the heights if it means depths; remark: line and word of a unit that
+    belongs to no column.
     """
 
     line: int
@@ -80,22 +76,20 @@ class Header:
 
 @dataclass(frozen=True)
 class Table:
-    """The wanted columns as in the file (n, 1 or 2), the line of each row, and the header."""
+    """The wanted columns as in the file (n, 1 or 2), the line numbers of the rows, and the header."""
 
     values: Array
     lines: NDArray[np.int64]
     header: Header
     counts: bool = False
-    """Whether the positions are 0, 1, 2, ... or 1, 2, 3, ..., as they stand."""
+    """Whether the positions are 0, 1, 2, ... or 1, 2, 3, ..."""
     number_above: int = 0
-    """The line of a number among the remarks above heights alone."""
+    """The line of a number just above a single column of heights, 0 without one."""
 
 
 @dataclass(frozen=True)
 class _Found:
-    """A layout under which rows of numbers begin with row `first`, and the places of the wanted
-    ones among the cells.
-    """
+    """A layout with which rows of numbers begin at row `first`; places: indices of the columns."""
 
     layout: Layout
     places: tuple[int, ...]
@@ -103,15 +97,19 @@ class _Found:
 
 
 def read_table(
-    path: str | Path, columns: Any = (), decimal: Any = None, delimiter: Any = None, wanted: int = 2,
+    path: str | Path,
+    columns: Any = (),
+    decimal: Any = None,
+    delimiter: Any = None,
+    wanted: int = 2,
     missing: Any = None,
-) -> Table:  # fmt: skip
-    """The numbers of a file's `wanted` columns: 2, positions and heights, or 1, heights alone.
+) -> Table:
+    """The wanted columns of a file: 2 for positions and heights, 1 for heights alone.
 
-    The data begin with the first two rows in a run whose columns are numbers, and go on to the end
-    of the file; empty lines and comments (#) are passed over. columns: indices from 0, or names of
-    the header; left out, the file must have no more than these. missing: what stands, besides the
-    usual words, where there is no height; heights there are nan.
+    The data begin with the first two successive rows whose columns are numbers, and reach to the
+    end of the file; empty lines and comments (#) are skipped. columns: indices from 0, or names of
+    the header; if left out, the file must have no other columns of numbers. missing: a further mark
+    for a missing height; missing heights are nan.
     """
     given = _columns(columns, wanted)
     between, marks = _asked(decimal, delimiter)
@@ -121,7 +119,7 @@ def read_table(
     places = given or tuple(range(wanted))
     found = _with_dropouts(rows, _find(path, rows, places, layouts), missing)
     data = _data(path, rows, found, layouts)
-    if len(data.rows) < (FEWEST if given else data.width):
+    if len(data.rows) < (MIN_POINTS if given else data.width):
         refuse_sideways(path, rows, layouts)
     if decimal is None:
         refuse_unclear_commas(data)
@@ -133,8 +131,8 @@ def read_table(
     lines = np.array([line for line, _ in data.rows])
     if wanted == 1:
         _refuse_lost_lines(path, lines)
-    if len(values) < FEWEST:
-        least = f"only {len(values)} rows of numbers, at least {FEWEST} are needed"
+    if len(values) < MIN_POINTS:
+        least = f"only {len(values)} rows of numbers, at least {MIN_POINTS} are needed"
         raise at(path, lines[-1], least)
     header = _header(data)
     counts = not given and wanted == 2 and header.line == 0 and _counts(data, values)
@@ -142,9 +140,9 @@ def read_table(
 
 
 def in_metres(path: str | Path, table: Table, units: Any) -> tuple[Array, str]:
-    """The numbers of a table in metres, and the units.
+    """The numbers of a table in metres, and the units as text.
 
-    They are those of the header unless others are given, which must not contradict it.
+    Given units must not contradict those of the header.
     """
     count, said, line = table.values.shape[1], table.header.units, table.header.line
     place = f"line {line} of the file {shown(str(path))}"
@@ -162,12 +160,12 @@ def in_metres(path: str | Path, table: Table, units: Any) -> tuple[Array, str]:
         if unit is not None and unit.why_not:
             raise SceneError(f"units must be given: {place} says {unit.why_not}", "units")
     if None in said and any(said):
-        told = f"{place} says them of one column only, {written(both)}"
-        raise SceneError(f"units must be given: {told}", "units")
+        what = f"{place} says them of one column only, {written(both)}"
+        raise SceneError(f"units must be given: {what}", "units")
     if table.header.remark is not None and not any(said):
         line, word = table.header.remark
-        told = f"line {line} of the file {shown(str(path))} speaks of {word!r}, but of no column"
-        raise SceneError(f"units must be given: {told}; m if they are metres", "units")
+        what = f"line {line} of the file {shown(str(path))} speaks of {word!r}, but of no column"
+        raise SceneError(f"units must be given: {what}; m if they are metres", "units")
     source = "the header's units" if any(said) else "no units being given"
     metre = Unit("m", 1.0)
     known = [unit or metre for unit in said]
@@ -175,10 +173,8 @@ def in_metres(path: str | Path, table: Table, units: Any) -> tuple[Array, str]:
     return table.values * lengths, f"{written([unit.word for unit in known])}, {source}"
 
 
-# What is asked for
-# ------------------------------------------------------------------------------------------------------------
 def _columns(columns: Any, wanted: int) -> tuple[int | str, ...]:
-    """The columns asked for; empty if the file is to tell."""
+    """The columns given by the user, checked; empty if none are given."""
     allowed = (
         "two different column indices (from 0) or names"
         if wanted == 2
@@ -196,7 +192,7 @@ def _columns(columns: Any, wanted: int) -> tuple[int | str, ...]:
 
 
 def _asked(decimal: Any, delimiter: Any) -> tuple[tuple[str | None, ...], tuple[str, ...]]:
-    """What may stand between columns, and what may mark decimals."""
+    """The possible delimiters and decimal marks."""
     if decimal is not None and (not isinstance(decimal, str) or decimal not in _DECIMALS):
         raise SceneError.of("decimal", decimal, '"." or ","')
     if delimiter is not None and (not isinstance(delimiter, str) or delimiter not in _DELIMITERS):
@@ -205,15 +201,13 @@ def _asked(decimal: Any, delimiter: Any) -> tuple[tuple[str | None, ...], tuple[
     return between, _DECIMALS if decimal is None else (decimal,)
 
 
-# The table
-# --------------------------------------------------------------------------------------------------------------------
 def _find(
     path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]
 ) -> _Found:
-    """The layout under which rows of numbers begin first."""
+    """The layout with which rows of numbers begin earliest in the file."""
     names = [column for column in wanted if isinstance(column, str)]
     named = not names
-    for among in (rows[:_HEAD], rows):
+    for among in (rows[:_HEAD_ROWS], rows):
         found = []
         for layout in layouts:
             start, header = _named(among, layout, names)
@@ -236,8 +230,9 @@ def _find(
 
 
 def _named(rows: list[Row], layout: Layout, names: list[str]) -> tuple[int | None, list[str]]:
-    """The row after the one that holds every name once, with or without units, and its fields; row
-    0 if no names are asked for.
+    """The index of the row after the header with all names, and the fields of the header.
+
+    The index is None without such a header, and 0 if there are no names.
     """
     if not names:
         return 0, []
@@ -260,10 +255,11 @@ def _first_of_two(
 
 
 def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
-    """The same, begun with the first of the rows above that are points, too.
+    """The data, extended upwards by points among rows with missing heights.
 
-    They are no two in a run: others between them lack a height, or have another word for it, which
-    is refused by name. Of heights alone such a word may as well be the header.
+    Such points were not found as two successive rows of numbers. A row with an unknown word for a
+    missing height is included and refused later. For heights alone, such a word ends the data,
+    since it may be the header.
     """
     *others, last = found.places
     first = above = found.first
@@ -274,7 +270,7 @@ def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
         if found.layout.numbers(cells, found.places) is not None:
             first = above
             continue
-        # A lone number between blanks may be anything, such as the number of points.
+        # A single number in a row may be something else, such as the number of points.
         lone = last >= len(cells) and (found.layout.delimiter or "\n") not in text
         if lone or (others and found.layout.numbers(cells, others) is None):
             break
@@ -288,7 +284,7 @@ def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
 def _why_none(
     path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]
 ) -> str:
-    """What to do about a file without two rows of numbers in the wanted columns."""
+    """Advice for a file without two rows of numbers in the wanted columns."""
     refuse_sideways(path, rows, layouts)
     if any(_GROUPED.search(line) for _, line in rows):
         return ": numbers with separators of thousands are not read, write them without"
@@ -315,13 +311,13 @@ def _why_none(
 def _tables(
     rows: list[Row], layouts: list[Layout], places: tuple[int, ...] = (0, 1)
 ) -> list[tuple[int, list[str]]]:
-    """The first row of numbers in some columns and its cells, under each layout that has any."""
+    """Index and cells of the first row of numbers, for each layout that has one."""
     starts = ((layout, _first_of_two(rows, 0, layout, places)) for layout in layouts)
     return [(i, layout.cells(rows[i][1])) for layout, i in starts if i is not None]
 
 
 def _no_names(rows: list[Row], layouts: list[Layout]) -> str:
-    """The names that there are, where others were asked for."""
+    """The names in the file's header, for the message that other names are missing."""
     for layout in layouts:
         for start, cells in _tables(rows, [layout]):
             for line, text in reversed(rows[:start]):
@@ -332,8 +328,9 @@ def _no_names(rows: list[Row], layouts: list[Layout]) -> str:
 
 
 def _data(path: str | Path, rows: list[Row], found: _Found, layouts: list[Layout]) -> Data:
-    """The rows of a table. Signs of decimals may be seen in later rows only, as in 1;2 and then
-    1,5;2.
+    """The rows of a table, with the decimal mark that fits all of them.
+
+    The first decimal mark may come in a late row, as in "1;2" followed by "1,5;2".
     """
     tail = [row for row in rows[found.first :] if not is_comment(row[1])]
 
@@ -358,7 +355,7 @@ def _data(path: str | Path, rows: list[Row], found: _Found, layouts: list[Layout
 
 
 def _numbers(data: Data, i: int, missing: Any) -> list[float]:
-    """The numbers of a row, nan for a height that is missing."""
+    """The numbers of a row; nan for a missing height."""
     line, text = data.rows[i]
     cells = data.cells[i]
     values = data.layout.numbers(cells, data.places)
@@ -378,9 +375,9 @@ def _numbers(data: Data, i: int, missing: Any) -> list[float]:
 
 
 def _refuse_lost_lines(path: str | Path, lines: NDArray[np.int64]) -> None:
-    """Of heights alone an empty line or a comment may be one that is missing.
+    """Refuse empty lines and comments among heights alone: they may be missing points.
 
-    It is none where all lines stand as far apart.
+    Equal distances between all lines are accepted.
     """
     wide = np.flatnonzero(np.diff(lines) != np.min(np.diff(lines), initial=1 << 60))
     if wide.size:
@@ -390,7 +387,7 @@ def _refuse_lost_lines(path: str | Path, lines: NDArray[np.int64]) -> None:
 
 
 def _counts(data: Data, values: Array) -> bool:
-    """Whether the first column may count the points: 0, 1, 2, ... or 1, 2, 3, ... without decimals."""
+    """Whether the first column may be an index of the points: 0, 1, 2, ... or 1, 2, 3, ..."""
     whole = all(row[0].isdigit() for row in data.cells if row)
     x = values[:, 0]
     heights_too = np.all(values[:, 1] == np.rint(values[:, 1]))
@@ -398,11 +395,11 @@ def _counts(data: Data, values: Array) -> bool:
 
 
 def _number_above(data: Data) -> int:
-    """The line of a number just above heights alone, behind which is a word; 0 without one.
+    """The line of a decimal number just above a single column of heights; 0 without one.
 
-    A whole number, of points or for the units, is no height.
+    Whole numbers are ignored: they are numbers of points.
     """
-    for line, text in data.before[-_REMARKS:]:
+    for line, text in data.before[-_HEADER_ROWS:]:
         cells = data.layout.cells(text)
         if len(cells) == 1 and "." in cells[0] and data.layout.number(cells[0]) is not None:
             return line
@@ -410,14 +407,14 @@ def _number_above(data: Data) -> int:
 
 
 def _header(data: Data) -> Header:
-    """What the rows before the data say of the wanted columns."""
+    """The header of the wanted columns, from the rows before the data."""
     named = [(line, [fields[place] for place in data.places]) for line, fields in data.headers()]
     depth = next((cells[-1] for _, cells in named if is_depth(cells[-1])), "")
     said: Header | None = None
     past_names = False
     for i, (line, cells) in enumerate(named):
         above = next((other for upper, other in named[i + 1 :] if upper != line), [])
-        # Above the names of the columns stand titles, and words in brackets are parts of them.
+        # Rows above the names of the columns are titles; words in brackets there are no units.
         units: tuple[Unit | None, ...] | None = units_row(cells, above)
         if units is None:
             units = (None,) * len(cells) if past_names else units_of(cells)
@@ -428,11 +425,11 @@ def _header(data: Data) -> Header:
         past_names = past_names or any(is_name(cell) for cell in cells)
     if said is not None:
         return said
-    # Units may stand in the rows of the data too, as in "0.5 um  1.2 um".
+    # Units may also stand in the rows of data, as in "0.5 um  1.2 um".
     spoken = ((line, mentioned(text)) for line, text in [*data.before, data.rows[0]])
     remark = next(((line, word) for line, word in spoken if word), None)
     if remark is None and not named:
-        # A header of other words between blanks than there are columns, a unit for each column.
-        words = ((line, unit_words(text)) for line, text in data.before[-_REMARKS:])
+        # A header that cannot be divided into columns may still have one unit per column.
+        words = ((line, unit_words(text)) for line, text in data.before[-_HEADER_ROWS:])
         remark = next(((line, w[0]) for line, w in words if len(w) == data.width > 1), None)
     return Header(0, (None,) * len(data.places), depth, remark)

@@ -1,11 +1,9 @@
-"""Gaussian profile filters (ISO 16610-21): waves longer than a cut-off kept, and by their
-difference the shorter ones.
+"""Gaussian profile filters (ISO 16610-21): a low-pass filter, and a high-pass by the difference.
 
 The weight is s(t) = exp(-pi (t/(alpha lambda))^2)/(alpha lambda) with alpha = sqrt(ln 2/pi) =
-0.4697, which lets a wave of length lambda through by half: one of the length l by exp(-pi (alpha
-lambda/l)^2). Near the ends, where a part of the weights would fall beyond the trace, the height is
-that of the straight line fitted with the weights that are left (ISO 16610-28): lines stay lines up
-to the ends.
+0.4697. A wave of length l is multiplied by exp(-pi (alpha lambda/l)^2), which is 1/2 at the cut-off
+lambda. Near the ends of the trace, a straight line is fitted with the weights that lie within it
+(ISO 16610-28), so that straight lines are not changed.
 """
 
 from math import ceil, log, pi, sqrt
@@ -19,41 +17,42 @@ from contact.model.units import quantity
 from sie import Array
 
 ALPHA = sqrt(log(2) / pi)
-# In cut-offs: so far away a weight is below 1e-17 of the largest.
+# Half-width of the weights in cut-offs: beyond, they are below 1e-17 of the largest.
 _REACH = 1.7
-# In pitches: a shorter cut-off leaves the points as they are.
-_SHORTEST = 2.0
-# In pitches: positions this near an even pitch are even, for a weight that is much wider.
-_EVEN = 1e-3
+# Smallest cut-off in pitches: a shorter one would not change the points.
+_MIN_CUT_OFF = 2.0
+# Deviation from even positions in pitches that does not matter: the weights are much wider.
+_MAX_UNEVENNESS = 1e-3
 
 
 def refuse_cut_offs(lambda_s: Any, lambda_c: Any) -> None:
-    """SceneError where they are no lengths [m], or not in order; None: no filter."""
+    """Raise SceneError if the cut-offs are not lengths [m] in the right order; None is no filter."""
     short, long = positive_or_none("lambda_s", lambda_s), positive_or_none("lambda_c", lambda_c)
     if short is not None and long is not None and not short < long:
         raise SceneError.of("lambda_s", lambda_s, f"below lambda_c = {long!r}")
 
 
 def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
-    """What a Gaussian filter lets through of heights at even positions. name: what the cut-off is
-    called where it is refused.
-    """
+    """Low-pass filtered heights at even positions; name: of the cut-off, for error messages."""
     length = float(x[-1] - x[0])
     pitch = length / (x.size - 1)
-    if float(np.max(np.abs(x - np.linspace(x[0], x[-1], x.size)))) > _EVEN * pitch:
+    uneven = float(np.max(np.abs(x - np.linspace(x[0], x[-1], x.size))))
+    if uneven > _MAX_UNEVENNESS * pitch:
         raise SceneError.of(
             name, cut_off, "left out where positions are not even: regrid = true makes them so"
         )
-    if not _SHORTEST * pitch <= cut_off <= length:
-        allowed = f"two pitches at least and the length of the trace at most, {quantity(_SHORTEST * pitch, 'm')} to {quantity(length, 'm')}"
-        raise SceneError.of(name, cut_off, f"{allowed} (it is in metres)")
+    shortest = _MIN_CUT_OFF * pitch
+    if not shortest <= cut_off <= length:
+        allowed = "two pitches at least and the length of the trace at most"
+        limits = f"{quantity(shortest, 'm')} to {quantity(length, 'm')}"
+        raise SceneError.of(name, cut_off, f"{allowed}, {limits} (it is in metres)")
     reach = min(x.size - 1, ceil(_REACH * cut_off / pitch))
     t = np.arange(-reach, reach + 1) * pitch / cut_off
     weight = np.exp(-pi * (t / ALPHA) ** 2)
     level = float(np.mean(height))
     ones = np.ones_like(height)
-    # The line through the heights at t = x_j - x_i: sums of weights, of weights times t, and of
-    # t^2; kernels turned round.
+    # Moments for the local straight line at every point: sums of the weights times 1, t, t^2, and
+    # of the heights times 1, t. A convolution reverses its kernel, hence the signs.
     s0, s2 = _convolved(ones, weight), _convolved(ones, weight * t**2)
     s1, h0, h1 = (
         -_convolved(ones, weight * t),
@@ -64,7 +63,7 @@ def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
 
 
 def _convolved(values: Array, kernel: Array) -> Array:
-    """The middle of a convolution, as long as the values."""
+    """The central part of a convolution, of the same length as `values`."""
     size = values.size + kernel.size - 1
     whole = np.fft.irfft(np.fft.rfft(values, size) * np.fft.rfft(kernel, size), size)
     first = kernel.size // 2

@@ -1,8 +1,8 @@
-"""Files of profilometers and microscopes, by the package SurfaceTopography (extra `instruments`): a
-line scan, or a line of a map.
+"""Files of profilometers and microscopes, read by the package SurfaceTopography.
 
-A map z(x, y) has lines along x, numbered by their place in y, and along y, numbered by their place
-in x; between two points heights are interpolated bilinearly.
+The package comes with the extra `instruments`. A trace is a line scan or a line of a map z(x, y).
+The lines along x are numbered by their place in y, and those along y by their place in x. Heights
+on a line between two points are interpolated bilinearly.
 """
 
 import re
@@ -17,20 +17,23 @@ from contact.model.checks import finite_array, integer, one_of
 from contact.model.traces.text import at
 from sie import Array
 
-# Endings of formats that the package reads, but those of tables of text.
-FORMATS = (
-    "x3p", "sur", "pro", "sdf", "di", "spm", "mdt", "opd", "opdx", "ibw", "mi", "datx", "tif", "tiff", "tmd", "vk3", "vk4", "vk6",
-    "vk7", "zmg", "zon", "os3d", "al3d", "ezd", "nid", "bcr", "bcrf", "dat", "gwy", "plu", "apx", "frt", "lext", "oir", "poir",
-    "cur", "stp", "tom", "top", "plux", "jpk", "mnt", "qep", "nms", "mat",
-)  # fmt: skip
-# Those that may be text throughout and are no table.
+# File name endings of the formats of the package, without those of text tables.
+FORMATS = tuple(
+    (
+        "x3p sur pro sdf di spm mdt opd opdx ibw mi datx tif tiff tmd vk3 vk4 vk6 vk7 zmg zon os3d "
+        "al3d ezd nid bcr bcrf dat gwy plu apx frt lext oir poir cur stp tom top plux jpk mnt qep "
+        "nms mat"
+    ).split()
+)
+# Formats whose files may be text but are not tables.
 _OF_TEXT = ("sdf", "bcr", "bcrf")
-_NUMBERED = re.compile(r"\d{3}")  # of one maker's files
+# One manufacturer numbers its files by their endings.
+_NUMBERED = re.compile(r"\d{3}")
 ALONG = ("x", "y")
 
 
 def is_instrument_file(path: str | Path) -> bool:
-    """By its ending, and where tables have the same ending by what is in it."""
+    """Whether a file is an instrument's, by its ending and, if needed, its first bytes."""
     ending = Path(path).suffix[1:].lower()
     if ending not in FORMATS and not _NUMBERED.fullmatch(ending):
         return False
@@ -40,7 +43,7 @@ def is_instrument_file(path: str | Path) -> bool:
         with Path(path).open("rb") as stream:
             head = stream.read(1 << 16)
     except OSError:
-        return False  # said where the file is read
+        return False  # the error is reported when the file is read
     return head.startswith(b"PK") or (
         b"\0" in head and not head.startswith((b"\xff\xfe", b"\xfe\xff"))
     )
@@ -49,13 +52,13 @@ def is_instrument_file(path: str | Path) -> bool:
 def read_instrument(
     path: str | Path, channel: Any = None, line: Any = None, along: Any = None
 ) -> tuple[Array, Array, str]:
-    """Positions and heights [m], nan where nothing was measured, and what was read."""
+    """Positions and heights [m] (nan if not measured), and a note on what was read."""
     package = require("SurfaceTopography")
     try:
         reader = package.open_topography(str(path))
         channels = [found for found in reader.channels if found.is_height_channel]
         names = [found.name for found in channels]
-    except Exception as error:  # of any reader, and of formats that are none
+    except Exception as error:  # the readers raise many kinds of errors
         raise at(path, 0, f"no reader of an instrument's format takes it ({error})") from error
     chosen = channels[_place(path, names, channel)]
     try:
@@ -64,7 +67,7 @@ def read_instrument(
         if surface.unit is None:
             raise at(path, 0, "the file says no unit of its lengths: export it as text")
         surface = surface.to_unit("m")
-        # Of a line scan; nan where nothing was measured.
+        # Only a line scan has positions; a map has physical sizes.
         positions = (
             np.empty(0) if surface.dim == 2 else np.asarray(surface.positions(), dtype=float)
         )
@@ -73,37 +76,33 @@ def read_instrument(
         raise
     except Exception as error:
         raise at(path, 0, f"its channel {chosen.name!r} cannot be read ({error})") from error
-    told = f"channel {chosen.name!r}, lengths in the file's units"
+    note = f"channel {chosen.name!r}, lengths in the file's units"
     if heights.ndim == 1:
         if line is not None or along is not None:
             raise SceneError.of(
                 "line", line, "left out, with along: the file holds one line scan, no map"
             )
-        return positions, heights, told
+        return positions, heights, note
     x, height, where = _of_map(heights, surface.physical_sizes, line, along)
-    return x, height, f"{told}, {where}"
+    return x, height, f"{note}, {where}"
 
 
 def _place(path: str | Path, names: list[str], channel: Any) -> int:
-    """The place of the channel of a name or number; without one of the only one of heights."""
-    told = ", ".join(f"{place} {name!r}" for place, name in enumerate(names)) or "none"
+    """The index of a channel given by name or number; without one, of the only height channel."""
+    listed = ", ".join(f"{place} {name!r}" for place, name in enumerate(names)) or "none"
     if channel is None and len(names) == 1:
         return 0
     if channel is None:
-        raise SceneError(
-            f"file {str(path)!r}: its channels of heights are {told}: channel says which is meant",
-            "channel",
-        )
+        what = f"its channels of heights are {listed}: channel says which is meant"
+        raise SceneError(f"file {str(path)!r}: {what}", "channel")
     if not isinstance(channel, str):
         if integer("channel", channel) >= len(names):
-            raise SceneError.of("channel", channel, f"the number or name of one of heights: {told}")
+            allowed = f"the number or name of one of heights: {listed}"
+            raise SceneError.of("channel", channel, allowed)
         return int(channel)
-    if names.count(one_of("channel", channel, names)) > 1:
-        raise SceneError.of(
-            "channel",
-            channel,
-            f"a number, as {names.count(channel)} channels are called that: {told}",
-        )
+    if (same := names.count(one_of("channel", channel, names))) > 1:
+        allowed = f"a number, as {same} channels are called that: {listed}"
+        raise SceneError.of("channel", channel, allowed)
     return names.index(channel)
 
 
@@ -118,7 +117,10 @@ def _of_map(
         return _between(heights, dx, dy, line)
     direction = one_of("along", "x" if along is None else along, ALONG)
     count, most, step = (nx, ny, dx) if direction == "x" else (ny, nx, dy)
-    allowed = f"the number of a line along {direction}, 0 to {most - 1}, or two points [[x, y], [x, y]] [m]; the map is {nx} x {ny}"
+    allowed = (
+        f"the number of a line along {direction}, 0 to {most - 1}, "
+        f"or two points [[x, y], [x, y]] [m]; the map is {nx} x {ny}"
+    )
     if line is None or isinstance(line, (str, bool, float)) or integer("line", line) >= most:
         raise SceneError.of("line", line, allowed)
     height = np.array(heights[:, line] if direction == "x" else heights[line, :])
@@ -130,7 +132,7 @@ def _of_map(
 
 
 def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Array, str]:
-    """Heights on the straight line between two points, about a pitch of the map apart."""
+    """Heights on the straight line between two points, at about the pitch of the map."""
     ends = finite_array("line", line, 2)
     nx, ny = heights.shape
     far = np.array([(nx - 1) * dx, (ny - 1) * dy])
@@ -140,11 +142,8 @@ def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Ar
         or np.any(ends > far * (1 + 1e-12))
         or np.array_equal(*ends)
     ):
-        raise SceneError.of(
-            "line",
-            line,
-            f"two different points [[x, y], [x, y]] within 0 to {far[0]:.6g} and 0 to {far[1]:.6g} m",
-        )
+        within = f"within 0 to {far[0]:.6g} and 0 to {far[1]:.6g} m"
+        raise SceneError.of("line", line, f"two different points [[x, y], [x, y]] {within}")
     length = float(np.hypot(*(ends[1] - ends[0])))
     count = max(4, int(round(length / min(dx, dy))) + 1)
     points = ends[0] + np.linspace(0, 1, count)[:, None] * (ends[1] - ends[0])
@@ -152,7 +151,7 @@ def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Ar
     i, j = np.minimum(u.astype(int), nx - 2), np.minimum(v.astype(int), ny - 2)
     s, t = u - i, v - j
     corners = ((0, 0, (1 - s) * (1 - t)), (1, 0, s * (1 - t)), (0, 1, (1 - s) * t), (1, 1, s * t))
-    # A corner that was not measured counts only where it has a weight.
+    # A missing height matters only if its weight is positive.
     height = sum(
         np.where(weight > 0, weight * heights[i + a, j + b], 0.0) for a, b, weight in corners
     )

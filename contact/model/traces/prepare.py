@@ -1,10 +1,10 @@
-"""Measured traces: from a file of an instrument to points a spline may go through.
+"""Measured traces: from a file of an instrument to the points of a spline.
 
-In this order: read positions and heights, to metres; put them in order; fill dropouts; regrid
-(uniform positions); lambda_s (Gaussian low-pass, against noise); detrend (subtract the
-least-squares polynomial, the form); lambda_c (Gaussian high-pass, against waviness); taper (bring
-both ends to one height, so that one length is a period). What was done is said in `Trace.history`,
-what is doubtful in `Trace.warnings`; `Trace.stages` has the points after each step.
+The steps, in this order: read positions and heights and convert them to metres; sort the points;
+fill dropouts; regrid (even positions); lambda_s (Gaussian low-pass filter, against noise); detrend
+(subtract a least-squares polynomial, the form); lambda_c (Gaussian high-pass filter, against
+waviness); taper (bring both ends to one height, so that the length is a period). `Trace.history`
+lists the steps, `Trace.warnings` the doubts, and `Trace.stages` has the points after each step.
 """
 
 from dataclasses import dataclass
@@ -19,8 +19,16 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError, shown
 from contact.model.checks import finite, integer, one_of, positive, such
-from contact.model.traces.dropouts import FILLS, filled, in_order, marks, spikes, too_many
-from contact.model.traces.file import FEWEST, in_metres, read_table
+from contact.model.traces.dropouts import (
+    FILLS,
+    MIN_POINTS,
+    filled,
+    in_order,
+    marks,
+    spikes,
+    too_many,
+)
+from contact.model.traces.file import in_metres, read_table
 from contact.model.traces.filters import low_pass, refuse_cut_offs
 from contact.model.traces.instruments import is_instrument_file, read_instrument
 from contact.model.traces.text import at
@@ -28,31 +36,38 @@ from contact.model.units import quantity
 from sie import Array
 
 _TRENDS = {"none": -1, "line": 1, "quadratic": 2}
-_HIGHEST_TREND = 12  # degree of a form; more is a filter
-_ROUNDING_SEEN_FROM = 32  # points: with fewer, coarse positions may well be meant as they stand
-# Heights that agree this far, relative to the highest before anything was subtracted, are one
-# height.
-_ROUNDING = 1e-12
-# Points that regrid may make of fewer: straight lines between what was measured add corners and
-# time, and no knowledge.
-_MOST_REGRID = 20_000
-# [m]: from a few atoms to the longest guides and roads that a trace of one scan is taken of.
-_LENGTHS = (1e-9, 1.0)
-_PITCHES = (1e-12, 1e-3)
-# [m]: traces of instruments, where metres are a guess. One in mm is longer, if above 50 µm.
-_LENGTHS_UNSAID = (1e-9, 5e-2)
-_PITCHES_UNSAID = (1e-12, 1e-4)
-_SHALLOWEST = 1e-11  # [m]: below an atom
 
-# A period so many times longer than the trace leaves most of it to a spline through nothing.
-_MOST_BEYOND = 1.5
+
+@dataclass(frozen=True)
+class TraceLimits:
+    """Limits of the preparation, and of what is plausible for a measured trace."""
+
+    # Degree of a form; higher waves are removed by a filter.
+    max_trend: int = 12
+    # With fewer points, coarse positions are taken as they are, not as rounded even ones.
+    min_points_rounded: int = 32
+    # Range of heights over the largest raw height that is round-off: the trace is flat.
+    round_off: float = 1e-12
+    # Points that regrid may create: linear interpolation adds corners and time, no information.
+    max_regrid: int = 20_000
+    # Lengths and pitches of a surface [m]: from a few atoms to a guideway or a road.
+    lengths: tuple[float, float] = (1e-9, 1.0)
+    pitches: tuple[float, float] = (1e-12, 1e-3)
+    # The same without given units, where metres are a guess: a trace in mm is usually longer.
+    guessed_lengths: tuple[float, float] = (1e-9, 5e-2)
+    guessed_pitches: tuple[float, float] = (1e-12, 1e-4)
+    # Smallest range of heights [m]: below the size of an atom.
+    min_depth: float = 1e-11
+    # Period over length of the trace; beyond, much of the period would be a spline without data.
+    max_period: float = 1.5
+
+
+_LIMITS = TraceLimits()
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What a file says: positions and heights [m] as they stand there, the line of each, and the
-    units.
-    """
+    """The content of a file: positions and heights [m], line numbers, and the units as text (said)."""
 
     path: str
     x: Array
@@ -60,17 +75,15 @@ class Reading:
     lines: NDArray[np.int64]
     said: str
     depth: str = ""
-    """The name of the heights where it says that they grow into the body."""
+    """The name of the heights if it means depths, else ""."""
     sure: bool = True
-    """Whether the units are said; else they are taken for metres."""
+    """Whether units are given; otherwise metres are assumed."""
     doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Preparation:
-    """What is done to points that were read, in this order; the keys of a scene's [profile] of
-    these names.
-    """
+    """The steps of the preparation in their order, named like the keys of [profile]."""
 
     sort: bool = False
     invert: bool | None = None
@@ -88,8 +101,8 @@ class Preparation:
         if self.invert is not None and not isinstance(self.invert, bool):
             raise SceneError.of("invert", self.invert, "true or false")
         _degree(self.detrend)
-        # True: as many as points are, or the measured length; false: as if left out.
-        for name, check in (("regrid", partial(integer, least=FEWEST)), ("period", positive)):
+        # True means the number of points, or the measured length; false means left out.
+        for name, check in (("regrid", partial(integer, least=MIN_POINTS)), ("period", positive)):
             given = getattr(self, name)
             if not (given is None or isinstance(given, bool)):
                 check(name, given)
@@ -107,9 +120,7 @@ class Preparation:
 
 @dataclass(frozen=True)
 class Trace:
-    """Positions and heights [m], the period if there is one, what was done to get them, what is
-    doubtful about them, and what they were made of.
-    """
+    """A prepared trace: points [m], period or None, history, warnings, stages, and its source."""
 
     x: Array
     height: Array
@@ -120,17 +131,14 @@ class Trace:
     source: tuple[Reading, Preparation] | None = None
 
 
-# Keys that say how a table of text is laid out, and where in a map of an instrument's file a trace
-# is, with what they are if left out.
+# Keys for text tables, and keys for the files of instruments, with their values if left out.
 _LAYOUT = {"columns": (), **dict.fromkeys(("units", "pitch", "decimal", "delimiter", "missing"))}
 _PLACE = dict.fromkeys(("channel", "line", "along"))
 _OF_INSTRUMENTS = "a table of text has columns, and channels and lines are an instrument file's"
 
 
 def load_trace(path: str | Path, **keys: Any) -> Trace:
-    """Read a file and prepare it. keys: the arguments of `contact.read_trace`, which says what each
-    does.
-    """
+    """Read and prepare the trace of a file; keys: the arguments of `contact.read_trace`."""
     layout, place = (
         {name: keys.pop(name, usual) for name, usual in known.items()}
         for known in (_LAYOUT, _PLACE)
@@ -152,7 +160,7 @@ def load_trace(path: str | Path, **keys: Any) -> Trace:
 
 
 def prepared(reading: Reading, by: Preparation) -> Trace:
-    """Points that were read, put in order, filled, filtered and levelled as asked."""
+    """The prepared trace of the points of a file."""
     path, x, height, lines, said = (
         reading.path,
         reading.x,
@@ -187,10 +195,10 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     size = float(np.max(np.abs(height)))
     if by.detrend != "none":
         height = subtract_trend(x, height, by.detrend)
-        done(
-            f"least-squares {by.detrend if isinstance(by.detrend, str) else f'polynomial of degree {by.detrend}'} subtracted"
-        )
-    if float(np.ptp(height)) <= _ROUNDING * size:
+        is_name = isinstance(by.detrend, str)
+        form = by.detrend if is_name else f"polynomial of degree {by.detrend}"
+        done(f"least-squares {form} subtracted")
+    if float(np.ptp(height)) <= _LIMITS.round_off * size:
         after = "" if by.detrend == "none" else f", once its {by.detrend} is subtracted"
         raise at(path, 0, f"the heights are the same everywhere{after}")
     if by.lambda_c is not None:
@@ -207,23 +215,23 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
 
 
 def _upside_down(reading: Reading, by: Preparation) -> bool:
-    """Whether heights are to be turned; refused where the file calls them depths and nobody says."""
+    """Whether heights are inverted; SceneError if the file calls them depths and `invert` is None."""
     if reading.depth and by.invert is None:
-        told = f"the heights are called {shown(reading.depth)}"
+        what = f"the heights are called {shown(reading.depth)}"
         choices = "invert = true if they grow into the body, invert = false if they grow out of it"
-        raise at(reading.path, 0, f"{told}: {choices}")
+        raise at(reading.path, 0, f"{what}: {choices}")
     return bool(by.invert)
 
 
 def _at_places(
     path: str, x: Array, height: Array, lines: NDArray[np.int64], count: bool | int | None
 ) -> tuple[Array, Array, str]:
-    """Points at their own positions, none of which is repeated, or at `count` even ones."""
+    """The points at their own, distinct positions, or at `count` even ones, and a note."""
     if count is None or _pitch_behind_rounding(x) is None:
         _refuse_repeated(path, x, lines)
     if count is None:
         return x, height, ""
-    count, most = x.size if count is True else count, max(_MOST_REGRID, x.size)
+    count, most = x.size if count is True else count, max(_LIMITS.max_regrid, x.size)
     if count > most:
         between = f"between the {x.size} points of the file there are but straight lines"
         allowed = f"at most {most}: {between}, and nothing more to be known"
@@ -240,7 +248,7 @@ def _table(
     delimiter: Any,
     missing: Any,
 ) -> Reading:
-    """What a text file says."""
+    """The content of a text file."""
     step = None if pitch is None else positive("pitch", pitch)
     if missing is not None and not (isinstance(missing, str) and missing.strip()):
         missing = finite("missing", missing, "a word or a number of the file")
@@ -280,54 +288,58 @@ def _refuse_repeated(path: str | Path, x: Array, lines: NDArray[np.int64]) -> No
 def _measured_length(x: Array, height: Array) -> float:
     difference = float(height[-1] - height[0])
     if abs(difference) > 1e-9 * float(np.ptp(height)):
-        allowed = f"a number, or true with end heights that agree (they differ by {difference:.3g} m: give taper)"
+        apart = f"they differ by {difference:.3g} m: give taper"
+        allowed = f"a number, or true with end heights that agree ({apart})"
         raise SceneError.of("period", True, allowed)
     return float(x[-1] - x[0])
 
 
 def _doubtful_heights(name: str, x: Array, height: Array, many: str) -> tuple[str, ...]:
-    """What is doubtful about heights. many: how many are missing, if that is a large part."""
-    told = [f"{many}, more than a tenth of them"] if many else []
+    """Warnings about the heights; many: a note on missing ones if they are a large part."""
+    missing = [f"{many}, more than a tenth of them"] if many else []
     far = marks(height) or spikes(x, height)
-    return tuple(f"{name}: {what}" for what in (*told, far) if what)
+    return tuple(f"{name}: {what}" for what in (*missing, far) if what)
 
 
 def _doubts(reading: Reading, x: Array, height: Array, period: float | None) -> tuple[str, ...]:
-    """What the lengths of a file say against its units, and against a period."""
+    """Warnings about implausible lengths, pitches, heights or periods."""
     length, depth = float(x[-1] - x[0]), float(np.ptp(height))
     pitch = length / (x.size - 1)
-    lengths, pitches = (_LENGTHS, _PITCHES) if reading.sure else (_LENGTHS_UNSAID, _PITCHES_UNSAID)
+    lengths, pitches = _LIMITS.lengths, _LIMITS.pitches
+    if not reading.sure:
+        lengths, pitches = _LIMITS.guessed_lengths, _LIMITS.guessed_pitches
     size = f"{quantity(length, 'm')} long with a pitch of {quantity(pitch, 'm')}"
-    told = f"{Path(reading.path).name}, read in {reading.said}, is a trace {size}"
+    trace = f"{Path(reading.path).name}, read in {reading.said}, is a trace {size}"
     within = f"heights within {quantity(depth, 'm')}"
     if not (lengths[0] <= length <= lengths[1] and pitches[0] <= pitch <= pitches[1]):
         rare = "which is not that of a surface" if reading.sure else "which is rare"
-        return (f"{told}, {rare}: units says what the numbers of the file are in",)
+        return (f"{trace}, {rare}: units says what the numbers of the file are in",)
     if depth > length:
         swap = "columns may be the other way round, or units two, of positions and of heights"
-        return (f"{told} and {within}, more than it is long: {swap}",)
-    if depth < _SHALLOWEST:
+        return (f"{trace} and {within}, more than it is long: {swap}",)
+    if depth < _LIMITS.min_depth:
         two = "units may be two, of positions and of heights"
-        return (f"{told} and {within}, less than an atom: {two}",)
-    if period is not None and period > _MOST_BEYOND * length:
+        return (f"{trace} and {within}, less than an atom: {two}",)
+    if period is not None and period > _LIMITS.max_period * length:
         part = f"a small part of the period of {quantity(period, 'm')}"
-        return (f"{told}, {part}: period is in metres, as all lengths but the file's",)
+        return (f"{trace}, {part}: period is in metres, as all lengths but the file's",)
     return ()
 
 
 def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
-    """Heights at `count` uniform positions, and a sentence on how.
+    """Positions and heights at `count` even positions, and a note on what was done.
 
-    Positions printed with too few digits (0.0, 0.2, 0.3, 0.5 for a pitch of 0.156) make a spline
-    invent slopes. If rounding explains every deviation from an even pitch, the points are taken as
-    even and their heights stay as measured.
+    Positions printed with too few digits (0.0, 0.2, 0.3, 0.5 for a pitch of 0.156) give a spline
+    false slopes. If rounding explains all deviations from an even pitch, the positions are replaced
+    by even ones and the heights are not changed.
     """
     note = "positions as in the file"
     pitch = _pitch_behind_rounding(x)
     if pitch is not None:
         moved = x[0] + pitch * np.arange(x.size)
         far = float(np.max(np.abs(moved - x)))
-        note = f"positions taken as even, pitch {pitch:.9g} m: rounding explains their shifts (<= {far:.2g} m)"
+        note = f"positions taken as even, pitch {pitch:.9g} m: "
+        note += f"rounding explains their shifts (<= {far:.2g} m)"
         x = moved
     even = np.linspace(x[0], x[-1], count)
     if count == x.size and float(np.max(np.abs(even - x))) <= 1e-9 * (x[-1] - x[0]) / (count - 1):
@@ -340,13 +352,14 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
 
 
 def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
-    """Heights less their least-squares line, parabola or polynomial of a degree."""
+    """Heights minus their least-squares line, parabola or polynomial of given degree."""
     return np.asarray(height - np.polynomial.Polynomial.fit(x, height, _degree(kind))(x))
 
 
 def taper_ends(x: Array, height: Array, fraction: float) -> Array:
-    """Heights blended at both ends into their mean there by w = (1 - cos(pi s))/2; end slopes are
-    0.
+    """Heights blended at both ends into their mean, with the weight (1 - cos(pi s))/2.
+
+    The slopes at the ends become 0.
     """
     length = x[-1] - x[0]
     s = np.minimum(1.0, np.minimum(x - x[0], x[-1] - x) / (fraction * length))
@@ -355,10 +368,10 @@ def taper_ends(x: Array, height: Array, fraction: float) -> Array:
 
 
 def _pitch_behind_rounding(x: Array) -> float | None:
-    """The even pitch whose positions, rounded to a decimal place, are these; None if there is none."""
+    """The even pitch of which the positions are the rounded values; None if there is none."""
     n = x.size
     length = float(x[-1] - x[0])
-    if n < _ROUNDING_SEEN_FROM or length <= 0:
+    if n < _LIMITS.min_points_rounded or length <= 0:
         return None
     slope = float(np.polyfit(np.arange(n) - (n - 1) / 2, x, 1)[0])
     index = np.arange(n)
@@ -367,7 +380,8 @@ def _pitch_behind_rounding(x: Array) -> float | None:
         place = 10.0**power
         off = np.abs(x / place - np.rint(x / place))
         if np.max(off) <= 1e-6:
-            # Half a place for the rounding, and what the fit itself is off by.
+            # Rounding moves a point by half a decimal place; the second term is the error of the
+            # fit.
             allowed = place * (0.5 + 1 / np.sqrt(n))
             return slope if float(np.max(np.abs(x - fitted))) <= allowed else None
     return None
@@ -376,11 +390,12 @@ def _pitch_behind_rounding(x: Array) -> float | None:
 def _degree(detrend: Any) -> int:
     if isinstance(detrend, str):
         return _TRENDS[one_of("detrend", detrend, _TRENDS)]
-    allowed = f"none, line, quadratic, or the degree of a polynomial, 0 to {_HIGHEST_TREND}"
+    highest = _LIMITS.max_trend
+    allowed = f"none, line, quadratic, or the degree of a polynomial, 0 to {highest}"
     if (
         isinstance(detrend, bool)
         or not isinstance(detrend, Integral)
-        or not 0 <= int(detrend) <= _HIGHEST_TREND
+        or not 0 <= int(detrend) <= highest
     ):
         raise SceneError.of("detrend", detrend, allowed)
     return int(detrend)

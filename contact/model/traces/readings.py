@@ -1,6 +1,4 @@
-"""Rows of numbers that can be read in two ways: refused, with both readings and what to write for
-each.
-"""
+"""Refusal of tables that can be read in two ways; the message shows both and the option for each."""
 
 import re
 from collections.abc import Iterator
@@ -12,27 +10,30 @@ from contact.model.traces.header import header_fields, in_pairs, is_name, unit_o
 from contact.model.traces.text import Layout, Row, at
 
 _WHOLE = re.compile(r"[+-]?\d+([eE][+-]?\d+)?")
-# Names of columns that count the points.
+# Names of columns that are an index of the points.
 _COUNTS = (
     "", "#", "i", "n", "no", "nr", "idx", "index", "point", "points", "sample", "samples", "row",
     "count", "punkt", "messpunkt", "nummer", "number", "numero", "номер", "№", "序号", "番号",
 )  # fmt: skip
-_REMARKS = 3  # rows before heights alone that may be about them: any remark has one field, as they
+# Rows before a single column of heights that may be its header.
+_HEADER_ROWS = 3
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _NUMBER = re.compile(r"[+-]?[\d.,]")
 _FREE_NUMBER = re.compile(r"(?<!\w)\d")
-_LONG = 20  # rows: in a shorter table a whole number is its length by chance
-_SIDEWAYS = 8  # numbers in a row that make it one of a table on its side
+# In a table with fewer rows, a first number may equal the number of rows by chance.
+_LONG_TABLE = 20
+# Numbers per row from which a table with few rows is taken for a transposed one.
+_MIN_SIDEWAYS = 8
 
 
 def is_count(name: str) -> bool:
-    """Whether a column of that name counts the points."""
+    """Whether a column of that name is an index of the points."""
     return name.strip(".").lower() in _COUNTS
 
 
 @dataclass(frozen=True)
 class Data:
-    """The rows from the first of numbers on: their lines and cells, and the rows before them."""
+    """The rows of data with their line numbers and cells, and the rows before them."""
 
     path: str | Path
     layout: Layout
@@ -51,38 +52,40 @@ class Data:
         return self.before[-1][1] if self.before else ""
 
     def headers(self) -> Iterator[tuple[int, list[str]]]:
-        """Line and fields of the rows that may be headers of the columns, the nearest first.
+        """Line number and fields of possible headers, the nearest to the data first.
 
-        They have as many fields as the data have columns; rows of other numbers end the search.
+        A header has as many fields as the data have columns; a row of other numbers ends the
+        search.
         """
-        near = self.before
+        candidates = self.before
         if self.width == 1:
-            near = [row for row in near[-_REMARKS:] if not _FREE_NUMBER.search(row[1])]
-        for line, text in reversed(near):
+            candidates = [r for r in candidates[-_HEADER_ROWS:] if not _FREE_NUMBER.search(r[1])]
+        for line, text in reversed(candidates):
             if self.layout.numbers(self.layout.cells(text), self.places) is not None:
                 return
             for i, fields in enumerate(header_fields(text, self.layout.delimiter)):
                 if len(fields) == 2 * self.width:
                     fields = in_pairs(fields)
-                # Divided as the data are, the last columns may have no name, or no unit.
+                # The last columns may have no name or no unit.
                 columns = text.count(self.layout.delimiter or "\n") + 1
                 if i == 0 and len(fields) < columns == self.width:
                     fields = [*fields, *[""] * (self.width - len(fields))]
-                # What begins with a number, as "1500.0 um", is no name of a column.
+                # A field that begins with a number, such as "1500.0 um", is not a column's name.
                 if len(fields) == self.width and not any(_NUMBER.match(field) for field in fields):
                     yield line, fields
 
     @property
     def names(self) -> list[str]:
-        """Names of the columns, of the nearest row that looks like names."""
+        """Names of the columns, from the nearest row that looks like names."""
         found = [fields for _, fields in self.headers()]
         usual = (f for f in found if any(is_name(n) or n and is_count(n) or unit_of(n) for n in f))
         return next(usual, found[0] if found else [f"column {k}" for k in range(self.width)])
 
 
 def refuse_unclear_commas(data: Data) -> None:
-    """Commas between columns, or in numbers: 0,5,1,2 is 0 | 5 | 1 | 2 or 0.5 | 1.2; and 1,234 may
-    be 1234.
+    """Refuse commas that may be delimiters, decimal marks or separators of thousands.
+
+    For example, 0,5,1,2 is 0 | 5 | 1 | 2 or 0.5 | 1.2; and 1,234 may be 1234.
     """
     layout, wanted = data.layout, len(data.places)
     if layout.decimal == ",":
@@ -97,24 +100,23 @@ def refuse_unclear_commas(data: Data) -> None:
     if layout.delimiter != "," or any('"' in text for _, text in data.rows):
         return
     for (line, text), cells in zip(data.rows, data.cells, strict=True):
-        # 1,000.5 and 0,05: nobody writes 000.5 or 05, but where all numbers are padded.
+        # In 1,000.5 and 0,05 the parts 000.5 and 05 are not numbers of their own, unless all
+        # numbers are padded with zeros.
         part = next((cell for cell in cells[1:] if re.match(r"0\d", cell)), None)
         if (
             part is not None
             and not re.match(r"0\d", cells[0])
             and (data.width <= wanted or not _are_columns(cells))
         ):
-            readings = f"{part!r} in {text.strip()!r} can be read as a column, or as the end of a number with a comma in it"
-            raise at(
-                data.path,
-                line,
-                f'{readings}: write decimal = "." for the first, take the commas out of numbers for the second',
-            )
+            readings = f"{part!r} in {text.strip()!r} can be read as a column, or as the end of "
+            readings += "a number with a comma in it"
+            cure = 'decimal = "." for the first, take the commas out of numbers for the second'
+            raise at(data.path, line, f"{readings}: write {cure}")
     if data.width <= wanted:
         return
     for (_, text), cells in zip(data.rows, data.cells, strict=True):
-        # A space behind a comma, a point, or a sign in every place but the first: commas stand
-        # between columns.
+        # A space behind a comma, a decimal point, or a sign in every field but the first shows that
+        # commas are delimiters.
         if (
             re.search(r",\s+\S", text)
             or not _are_columns(cells)
@@ -127,7 +129,7 @@ def refuse_unclear_commas(data: Data) -> None:
 
 
 def _are_columns(cells: list[str]) -> bool:
-    """Whether a row may be whole numbers between commas, two or more."""
+    """Whether a row may be two or more whole numbers divided by commas."""
     return len(cells) > 1 and all(_WHOLE.fullmatch(cell) for cell in cells)
 
 
@@ -140,12 +142,11 @@ def _refuse_commas(data: Data, cells: list[list[str]]) -> None:
         if most % 2 == 0
         else "with decimal commas in some of them"
     )
-    readings = f"{data.rows[i][1].strip()!r} can be read as {most} columns, {' | '.join(cells[i])}, or {as_decimals}"
-    raise at(
-        data.path,
-        data.rows[i][0],
-        f'{readings}: write decimal = "." for the first, decimal = "," for the second',
-    )
+    line, text = data.rows[i]
+    columns = f"{most} columns, {' | '.join(cells[i])}"
+    readings = f"{text.strip()!r} can be read as {columns}, or {as_decimals}"
+    cure = 'write decimal = "." for the first, decimal = "," for the second'
+    raise at(data.path, line, f"{readings}: {cure}")
 
 
 def _refuse_unclear_thousands(data: Data) -> None:
@@ -159,15 +160,12 @@ def _refuse_unclear_thousands(data: Data) -> None:
     if marked and all(_THOUSANDS.fullmatch(cell) for _, cell in marked):
         line, cell = marked[0]
         readings = f"{cell!r} can be read as {cell.replace(',', '.')} or as {cell.replace(',', '')}"
-        raise at(
-            data.path,
-            line,
-            f'{readings}: write decimal = "," for the first, take the commas out for the second',
-        )
+        cure = 'write decimal = "," for the first, take the commas out for the second'
+        raise at(data.path, line, f"{readings}: {cure}")
 
 
 def refuse_unclear_columns(data: Data) -> None:
-    """More columns of numbers than are wanted, and none of them chosen."""
+    """Refuse a table with more columns of numbers than wanted if none are chosen."""
     layout, wanted, names = data.layout, len(data.places), data.names
     numeric = [
         k
@@ -178,11 +176,11 @@ def refuse_unclear_columns(data: Data) -> None:
     if len(numeric) <= wanted:
         first = names[data.places[0]]
         if wanted == 2 and is_count(first):
-            told = f"the first column is called {first!r}, a count, and no positions"
+            what = f"the first column is called {first!r}, a count, and no positions"
             choice = (
                 "columns = [1] and pitch, their distance [m]; if it is positions, columns = [0, 1]"
             )
-            raise at(data.path, line, f"{told}; of heights alone write {choice}")
+            raise at(data.path, line, f"{what}; of heights alone write {choice}")
         return
     i = next(i for i, row in enumerate(data.cells) if len(row) > numeric[-1])
     choices = [numeric[:wanted], numeric[1 : 1 + wanted]]
@@ -192,14 +190,13 @@ def refuse_unclear_columns(data: Data) -> None:
     )
     what = "positions and heights" if wanted == 2 else "the heights"
     row = shown(" | ".join(data.cells[i])).strip("'")
-    told = f"{len(numeric)} columns of numbers, {row}: which are {what} is not to be told"
-    raise at(
-        data.path, data.rows[i][0], f"{told}; write {readings}, or as they are, counted from 0"
-    )
+    unclear = f"{len(numeric)} columns of numbers, {row}: which are {what} is not to be told"
+    cure = f"write {readings}, or as they are, counted from 0"
+    raise at(data.path, data.rows[i][0], f"{unclear}; {cure}")
 
 
 def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) -> None:
-    """A table whose rows are what its columns should be: few rows, each of many numbers."""
+    """Refuse a transposed table: a few rows of many numbers each."""
     for layout in layouts:
         counts = [
             (sum(layout.number(cell) is not None for cell in layout.cells(text)), line)
@@ -207,7 +204,7 @@ def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) ->
         ]
         long = [(count, line) for count, line in counts if count > 1]
         least = min(long, default=(0, 0))[0]
-        if least >= _SIDEWAYS and 2 * len(long) <= least:
+        if least >= _MIN_SIDEWAYS and 2 * len(long) <= least:
             many = (
                 f"{len(long)} rows of {least} numbers"
                 if len(long) > 1
@@ -217,22 +214,22 @@ def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) ->
 
 
 def refuse_count(data: Data) -> None:
-    """A number of points among the first rows, which would be one of them.
+    """Refuse a number of points among the first rows, which would be read as a point.
 
-    It is a whole number, the number of the rows below it, or below the next two in a long table.
-    Positions at even steps may begin so too, as 11, 10, 9.
+    It is a whole number that equals the number of rows below it (in a long table, also below the
+    next two rows). Evenly spaced positions such as 11, 10, 9 are accepted.
     """
     total, mark = len(data.rows), data.layout.decimal
     first = [[row[k] if k < len(row) else "" for k in data.places] for row in data.cells[:5]]
     values = [data.layout.number(cells[0]) for cells in first]
     for i, (value, cells) in enumerate(zip(values[:3], first, strict=False)):
-        below = range(i + 1, 4) if total >= _LONG else (1,)
+        below = range(i + 1, 4) if total >= _LONG_TABLE else (1,)
         if not _WHOLE.fullmatch(cells[0]) or value not in [total - k for k in below]:
             continue
         near = [number for number in values[i : i + 3] if number is not None]
         if len(cells) == 2 and len(near) == 3 and 2 * near[1] == near[0] + near[2]:
             continue
         line, text = data.rows[i]
-        told = f"{shown(text.strip())} looks like the number of points below it"
-        what = f"take the line out, or put # before it; if it is a point, write {cells[0]}{mark}0"
-        raise at(data.path, line, f"{told}: {what}")
+        what = f"{shown(text.strip())} looks like the number of points below it"
+        cure = f"take the line out, or put # before it; if it is a point, write {cells[0]}{mark}0"
+        raise at(data.path, line, f"{what}: {cure}")

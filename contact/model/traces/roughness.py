@@ -1,14 +1,14 @@
-"""Numbers and curves of a trace: parameters of ISO 21920-2 over its whole length, how often a
-height occurs, and the power spectrum.
+"""Roughness of a trace: parameters of ISO 21920-2, distribution of heights, and power spectrum.
 
-With the heights z above their mean, <.> the mean over the length of the trace:
+With the heights z above their mean, and <.> the mean over the length of the trace:
 
-    Ra = <|z|>,  Rq = <z^2>^(1/2),  Rsk = <z^3>/Rq^3,  Rku = <z^4>/Rq^4,  Rdq = <z'^2>^(1/2), the rms slope.
+    Ra = <|z|>,  Rq = <z^2>^(1/2),  Rsk = <z^3>/Rq^3,  Rku = <z^4>/Rq^4,
+    Rdq = <z'^2>^(1/2), the rms slope.
 
-All are integrals over the spline that is solved, by Gauss's rule on each of its pieces: exact to
-rounding but for Ra, whose integrand has kinks. They are P-, W- or R-parameters as the trace has
-been filtered; no division into sections is made, and Rdq is that of the spline, where the standard
-has a formula of seven points.
+All are integrals over the spline of the trace, by a Gauss rule on each piece: exact to round-off,
+except for Ra, whose integrand has kinks. They are P-, W- or R-parameters depending on the filters.
+Unlike in the standard, the trace is not divided into sections, and Rdq uses the slope of the spline
+instead of a seven-point formula.
 """
 
 from dataclasses import dataclass
@@ -21,14 +21,15 @@ from sie import Array
 if TYPE_CHECKING:
     from contact.model.profiles.sampled import Sampled
 
-# Of Gauss's rule: exact to the degree 13; z^4 of a cubic has 12.
-_NODES = 7
-_MOST_BINS = 64
+# Gauss nodes per piece: exact to degree 13, and z^4 of a cubic has degree 12.
+_GAUSS_NODES = 7
+# Bins of the distribution of heights, at most.
+_MAX_BINS = 64
 
 
 @dataclass(frozen=True)
 class Roughness:
-    """Lengths in m; `depth` is the highest point less the lowest."""
+    """Roughness parameters; lengths in m, `depth` from the lowest to the highest point."""
 
     points: int
     length: float
@@ -43,11 +44,11 @@ class Roughness:
 
 
 def roughness(trace: "Sampled") -> Roughness:
-    """The parameters of a trace."""
+    """The roughness parameters of a trace."""
     knots = trace.x if trace.period is None else np.append(trace.x, trace.x[0] + trace.period)
     steps = np.diff(knots)
     length = float(knots[-1] - knots[0])
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS_NODES)
     at = (knots[:-1, None] + 0.5 * steps[:, None] * (1 + nodes)).ravel()
     part = (0.5 * steps[:, None] * weights).ravel() / length
     z = -trace.height(at)
@@ -68,11 +69,10 @@ def roughness(trace: "Sampled") -> Roughness:
 
 
 def power_spectrum(trace: "Sampled") -> tuple[Array, Array]:
-    """Wavenumbers q = 2 pi/wavelength [1/m] and the one-sided density C(q) [m^3]: the integral of C
-    over q is Rq^2.
+    """Wavenumbers q = 2 pi/wavelength [1/m] and the one-sided power spectral density C(q) [m^3].
 
-    From as many even points of the spline as there are; a trace that just ends has its line
-    subtracted and is weighted by Hann's window, whose loss of power is made good.
+    The integral of C over q is Rq^2. The spline is sampled at as many even points as the trace has.
+    A trace without period is detrended by a line and weighted by a normalized Hann window.
     """
     n = trace.x.size
     if trace.period is not None:
@@ -95,11 +95,9 @@ def power_spectrum(trace: "Sampled") -> tuple[Array, Array]:
 
 
 def height_distribution(trace: "Sampled") -> tuple[Array, Array]:
-    """Edges of equal bins [m], from the mean height, and the density of heights in them [1/m], by
-    the length of the trace.
-    """
+    """Edges of equal bins [m], measured from the mean height, and the density of heights [1/m]."""
     n = trace.x.size
-    count = int(np.clip(np.sqrt(n), 8, _MOST_BINS))
+    count = int(np.clip(np.sqrt(n), 8, _MAX_BINS))
     if trace.period is not None:
         at = trace.x[0] + trace.period * np.arange(4 * n) / (4 * n)
     else:

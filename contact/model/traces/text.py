@@ -1,6 +1,4 @@
-"""A text file as numbered rows, and a row as cells and numbers: encodings, line ends, delimiters,
-quotes, decimal marks.
-"""
+"""Text files as numbered rows of cells: encodings, line endings, delimiters, quotes, decimal marks."""
 
 import csv
 import re
@@ -22,16 +20,14 @@ _COMMA_DECIMALS = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
 
 @dataclass(frozen=True)
 class Layout:
-    """What stands between the columns (None: white space), what marks decimals, and whether quotes
-    keep the two apart.
-    """
+    """The delimiter (None: white space), the decimal mark, and whether numbers are in quotes."""
 
     delimiter: str | None
     decimal: str
     quoted: bool = False
 
     def cells(self, line: str) -> list[str]:
-        """The cells of a row, without what is empty behind the last."""
+        """The cells of a row without empty ones at its end."""
         if '"' in line:
             parts = unquoted(line, self.delimiter)
         elif self.delimiter == self.decimal and not self.quoted:
@@ -44,7 +40,7 @@ class Layout:
         return parts
 
     def number(self, cell: str) -> float | None:
-        """A cell as a number, nan and inf among them; None if it is none."""
+        """The number in a cell (nan and inf included), or None."""
         if self.decimal == ",":
             if not _COMMA_NUMBER.fullmatch(cell):
                 return nan if cell.lower() == "nan" else None
@@ -55,7 +51,7 @@ class Layout:
             return _written_elsewhere(cell)
 
     def numbers(self, cells: list[str], places: Sequence[int]) -> list[float] | None:
-        """The numbers in some places of a row; None if one of them has none."""
+        """The numbers in given places of a row; None if one is not a number."""
         if len(cells) <= max(places):
             return None
         found = [self.number(cells[place]) for place in places]
@@ -63,7 +59,7 @@ class Layout:
 
 
 def _written_elsewhere(number: str) -> float | None:
-    """A number with the minus sign of typesetters, or the exponent of Fortran; None if it is none."""
+    """A number with a typographic minus sign or a Fortran exponent, or None."""
     try:
         return float(_FORTRAN.sub(r"\1e\2", number.replace("\u2212", "-")))
     except ValueError:
@@ -71,9 +67,7 @@ def _written_elsewhere(number: str) -> float | None:
 
 
 def rows_of(path: str | Path) -> list[Row]:
-    """Numbered lines that are not empty; any line ending, also the doubled CR that some instruments
-    write.
-    """
+    """The non-empty lines of a file with their numbers, for any kind of line ending."""
     text = _text(path, _bytes(path))
     return [(i, line) for i, line in enumerate(re.split("\r*\n|\r", text), 1) if line.strip()]
 
@@ -104,8 +98,8 @@ def _text(path: str | Path, raw: bytes) -> str:
                 "a text file, not a spreadsheet or an archive: save its table as CSV",
             )
         if b"\0" in raw:
-            allowed = "a text file with a table of numbers, or an instrument's with its own ending (this one is binary)"
-            raise SceneError.of("file", str(path), allowed)
+            allowed = "a text file with a table of numbers, or an instrument's with its own ending"
+            raise SceneError.of("file", str(path), f"{allowed} (this one is binary)")
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         return raw.decode("latin-1")
@@ -121,7 +115,7 @@ def unquoted(line: str, delimiter: str | None) -> list[str]:
 
 
 def _is_decimals(line: str) -> bool:
-    """Whether all commas of a row can be told apart: every number has its decimals."""
+    """Whether every number of a row has decimals, so that commas of both kinds can be told apart."""
     return (
         re.fullmatch(
             rf"\s*{_COMMA_DECIMALS.pattern}(\s*,\s*{_COMMA_DECIMALS.pattern})*[\s,]*", line
@@ -131,6 +125,6 @@ def _is_decimals(line: str) -> bool:
 
 
 def at(path: str | Path, line: int, what: str) -> SceneError:
-    """The error of one line of a file; 0 where it has no lines."""
+    """The SceneError for a line of a file; line 0 names the file only."""
     place = f", line {int(line)}" if line else ""
     return SceneError(f"file {shown(str(path))}{place}: {what}", "file", str(path))

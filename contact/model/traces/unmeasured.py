@@ -1,7 +1,7 @@
-"""Intervals of a prepared trace whose heights were not measured: tapered ends, dropouts, closures.
+"""Intervals of a prepared trace whose heights were not measured.
 
-They follow from the points that were read, the preparation, and the prepared points. Load in them
-is an artefact of the preparation: contact.solution.preparation says how much there is.
+They are tapered ends, dropouts, and the piece that closes a period. Load in them is an artefact of
+the preparation; contact.solution.preparation measures it.
 """
 
 from __future__ import annotations
@@ -16,16 +16,17 @@ from sie import Array
 if TYPE_CHECKING:
     from contact.model.traces.prepare import Preparation, Reading
 
-_ROUNDING = 1e-6  # relative: pieces between points that agree this far are equally long
+# Relative difference up to which two pieces between points have the same length.
+_SAME_LENGTH = 1e-6
 
 
 class Kind(Enum):
-    """What was done to an interval, in words, and what to do where it bears load."""
+    """The kinds of intervals: a name, and advice if such an interval carries load."""
 
     TAPERED = (
         "the tapered ends",
-        'a smaller taper changes less, detrend = "quadratic" or a higher degree takes off a form that '
-        "lifts the ends, and without period no taper is needed",
+        'a smaller taper changes less, detrend = "quadratic" or a higher degree takes off a form '
+        "that lifts the ends, and without period no taper is needed",
     )
     FILLED = (
         "dropouts that were filled by straight lines",
@@ -43,7 +44,7 @@ class Kind(Enum):
 
 
 class Interval(NamedTuple):
-    """From left to right [m]."""
+    """An interval [m] and its kind."""
 
     left: float
     right: float
@@ -53,7 +54,7 @@ class Interval(NamedTuple):
 def intervals(
     source: tuple[Reading, Preparation] | None, x: Array, period: float | None
 ) -> tuple[Interval, ...]:
-    """The intervals of points x [m]; source None: the points are as they were measured."""
+    """The unmeasured intervals of points x [m]; source: None for points as measured."""
     found = [*_joined(x, period)]
     if source is not None:
         reading, by = source
@@ -62,13 +63,13 @@ def intervals(
 
 
 def _joined(x: Array, period: float | None) -> list[Interval]:
-    """The piece that closes the period, where it is longer than every piece between two points."""
+    """The piece that closes the period, if it is longer than all pieces between two points."""
     if period is None:
         return []
     left, right = float(x[-1]), float(x[0]) + period
     return (
         [Interval(left, right, Kind.JOINED)]
-        if right - left > (1 + _ROUNDING) * float(np.max(np.diff(x)))
+        if right - left > (1 + _SAME_LENGTH) * float(np.max(np.diff(x)))
         else []
     )
 
