@@ -19,7 +19,7 @@ from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.lag_table import regular_values
 from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.zones import Zones
-from sie.density.located import Located
+from sie.density.base import DensityBase
 from sie.jumps.forcing import ForcingJumps
 from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
@@ -44,7 +44,7 @@ OPTIONS = DensityOptions()
 
 
 @dataclass(frozen=True, eq=False)
-class Series(Located):
+class Series(DensityBase):
     """sum_j c_j T_j(t) / sqrt(1 - t^2) + closed forms of the jumps, on each zone; see
     `sie.Density`.
     """

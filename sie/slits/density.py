@@ -17,14 +17,14 @@ from sie.basis.interval import theta as theta_of
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.sums import pair_blocks
 from sie.basis.zones import Zones
+from sie.density.base import DensityBase
 from sie.density.density import Density
-from sie.density.located import Located
 from sie.density.series import OPTIONS as SAMPLES
 from sie.density.series import angles_at_kinks, even_angles, from_zones
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.plane import SlitPlane
-from sie.slits.slits import OPTIONS, Merged, Slits, outside_slit
+from sie.slits.slits import OPTIONS, SlitGeometry, Slits, outside_slit
 
 # Half widths from a wide zone beyond which the coefficients of the slack that other zones see have
 # all of it.
@@ -32,16 +32,16 @@ _FAR = excess_of(DIGITS / OPTIONS.min_slack_modes)
 
 
 @dataclass(frozen=True, eq=False)
-class SlitDensity(Located):
+class SlitDensity(DensityBase):
     """phi on zones with narrow gaps: wide zones that span the gaps have g - s on their right side.
 
     Members are those of `Density`, for the zones as they were given. `solve_zones` makes it.
 
     Attributes
     ----------
-    merged : Merged
-        The zones (`merged.pieces`), the wide zones that span the narrow gaps (`merged.wide`), and
-        the slits in these.
+    geometry : SlitGeometry
+        The zones (`geometry.pieces`), the wide zones that span the narrow gaps (`geometry.wide`),
+        and the slits in these.
     smooth : Density
         c = phi - P[s] on the wide zones, P[s] the density of the slack s: as smooth as the right
         side.
@@ -69,7 +69,7 @@ class SlitDensity(Located):
     ('SlitDensity', [0.5, 0.5])
     """
 
-    merged: Merged
+    geometry: SlitGeometry
     smooth: Density
     whole: Density
     slits: tuple[Slits, ...]
@@ -79,7 +79,7 @@ class SlitDensity(Located):
 
     @property
     def zones(self) -> Zones:
-        return self.merged.pieces
+        return self.geometry.pieces
 
     @property
     def kernel(self) -> Kernel:
@@ -100,7 +100,7 @@ class SlitDensity(Located):
 
     @cached_property
     def sampling(self) -> Index:
-        return self.smooth.sampling[self.merged.piece_zone]
+        return self.smooth.sampling[self.geometry.piece_zone]
 
     def kinks_of(self, here: Slits) -> list[tuple[int, SlitKink]]:
         """(slit, jump) for each jump in a slit of one wide zone."""
@@ -136,7 +136,7 @@ class SlitDensity(Located):
         return self._on_slits(self._of_slits(1))
 
     def _on_slits(self, series: list[list[Array]]) -> Density:
-        slits = self.merged.slits
+        slits = self.geometry.slits
         table = np.zeros((len(slits), max(len(one) for row in series for one in row)))
         for here, row in zip(self.slits, series, strict=True):
             for i, one in zip(here.which, row, strict=True):
@@ -161,18 +161,18 @@ class SlitDensity(Located):
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by piece and distances from its ends over its half width."""
         zone = np.asarray(zone, dtype=np.intp)
-        if not self.merged.next_to_slit[zone].any():  # a piece without slits is its wide zone
-            return self._edged.at(self.merged.piece_zone[zone], left, right)
-        merged, wide = self.merged, self.merged.wide
+        if not self.geometry.next_to_slit[zone].any():  # a piece without slits is its wide zone
+            return self._edged.at(self.geometry.piece_zone[zone], left, right)
+        geometry, wide = self.geometry, self.geometry.wide
         piece, lf, rt = np.broadcast_arrays(zone, np.asarray(left, float), np.asarray(right, float))
         shape = piece.shape
         piece, lf, rt = piece.ravel(), lf.ravel(), rt.ravel()
         half = self.zones.half[piece]
-        i = merged.piece_zone[piece]
+        i = geometry.piece_zone[piece]
         w = wide.half[i]
         from_left, from_right = (
-            (merged.start[piece] + lf * half) / w,
-            (merged.rest[piece] + rt * half) / w,
+            (geometry.start[piece] + lf * half) / w,
+            (geometry.rest[piece] + rt * half) / w,
         )
         out = self._edged.at(i, from_left, from_right).copy()
         for here, row in zip(self.slits, self._tilde, strict=True):
@@ -181,7 +181,7 @@ class SlitDensity(Located):
                 continue
             added = np.zeros(len(on))
             p = piece[on]
-            begin, end = merged.start[p], merged.stop[p]
+            begin, end = geometry.start[p], geometry.stop[p]
             for slit, a, b, d in zip(here.slits, here.start, here.stop, row, strict=True):
                 past = begin >= b
                 away = np.where(past, begin - b + lf[on] * half[on], a - end + rt[on] * half[on])
@@ -212,7 +212,7 @@ class SlitDensity(Located):
         At the right end of a slit it is that of sigma with the opposite sign.
         """
         left, right = (part.copy() for part in self._edged.edge_slopes)
-        wide = self.merged.wide
+        wide = self.geometry.wide
         for here, row in zip(self.slits, self._tilde, strict=True):
             scale = slope_scale(wide.half[here.zone])
             for slit, before, after, d in zip(here.slits, here.start, here.rest, row, strict=True):
@@ -224,7 +224,7 @@ class SlitDensity(Located):
         slopes_left, slopes_right = self.edges((left, right), self._sigma_slopes, (1.0, -1.0))
         # 1 / X varies along the piece, so that K / (X sqrt(d)) has a share in A.
         k_left, k_right = self.intensities
-        before, after = self.merged.slit_before, self.merged.slit_after
+        before, after = self.geometry.slit_before, self.geometry.slit_after
         by_left, by_right = (
             0.5 / from_end - 0.5 / to_end
             for from_end, to_end in zip(*self._end_distances, strict=True)
@@ -260,10 +260,10 @@ class SlitDensity(Located):
 
         Its share of the angles of its wide zone, doubled for the slits.
         """
-        merged, w = self.merged, self.merged.wide.half[self.merged.piece_zone]
+        geometry, w = self.geometry, self.geometry.wide.half[self.geometry.piece_zone]
         left, right = (
-            theta_of(merged.start / w, 2 - merged.start / w),
-            theta_of(2 - merged.rest / w, merged.rest / w),
+            theta_of(geometry.start / w, 2 - geometry.start / w),
+            theta_of(2 - geometry.rest / w, geometry.rest / w),
         )
         return np.clip(
             2 * self.sampling * (left - right) / np.pi, SAMPLES.min_samples, SAMPLES.max_angles
@@ -271,8 +271,8 @@ class SlitDensity(Located):
 
     def _sample_angles(self, piece: int, count: int) -> Array:
         """`count` angles of a piece, and angles on both sides of its largest kinks."""
-        merged, zone = self.merged, int(self.merged.piece_zone[piece])
-        w, half, start = merged.wide.half[zone], self.zones.half[piece], merged.start[piece]
+        geometry, zone = self.geometry, int(self.geometry.piece_zone[piece])
+        w, half, start = geometry.wide.half[zone], self.zones.half[piece], geometry.start[piece]
         theta = even_angles(count)
         left, height = self.jumps.sharpest(zone)
         left = (left * w - start) / half
@@ -286,13 +286,15 @@ class SlitDensity(Located):
 
         Values of slits are divided by X and multiplied by the signs of their left and right ends.
         """
-        before, after = self.merged.slit_before, self.merged.slit_after
+        before, after = self.geometry.slit_before, self.geometry.slit_after
         root_left, root_right = self.slit_roots
         left = np.where(
-            before < 0, wide[0][self.merged.piece_zone], (signs[1] * slits[1] / root_right)[before]
+            before < 0,
+            wide[0][self.geometry.piece_zone],
+            (signs[1] * slits[1] / root_right)[before],
         )
         right = np.where(
-            after < 0, wide[1][self.merged.piece_zone], (signs[0] * slits[0] / root_left)[after]
+            after < 0, wide[1][self.geometry.piece_zone], (signs[0] * slits[0] / root_left)[after]
         )
         return left, right
 
@@ -301,15 +303,17 @@ class SlitDensity(Located):
         """Distances of both ends of all slits (2, slits) from the left and from the right end of
         their zone.
         """
-        merged, ends = self.merged, self.merged.slits.table.T
-        return ends - merged.wide.a[merged.slit_zone], merged.wide.b[merged.slit_zone] - ends
+        geometry, ends = self.geometry, self.geometry.slits.table.T
+        return ends - geometry.wide.a[geometry.slit_zone], geometry.wide.b[
+            geometry.slit_zone
+        ] - ends
 
     @cached_property
     def slit_roots(self) -> Array:
         """X at the left and right end of each slit (2, slits)."""
         from_left, from_right = self._end_distances
         return np.asarray(
-            root_weight(from_left, from_right) / self.merged.wide.half[self.merged.slit_zone]
+            root_weight(from_left, from_right) / self.geometry.wide.half[self.geometry.slit_zone]
         )
 
     # Totals.
@@ -328,13 +332,13 @@ class SlitDensity(Located):
         doubled node counts, until the value no longer changes; the logarithms of kinks in closed
         form.
         """
-        out = self.whole.totals[self.merged.piece_zone].copy()
+        out = self.whole.totals[self.geometry.piece_zone].copy()
         wide, kinks = (
-            self.merged.wide,
+            self.geometry.wide,
             replace(self.jumps.chosen(self.jumps.order == 0), splines={}),
         )
-        for piece in np.flatnonzero(self.merged.next_to_slit):
-            zone = int(self.merged.piece_zone[piece])
+        for piece in np.flatnonzero(self.geometry.next_to_slit):
+            zone = int(self.geometry.piece_zone[piece])
             before, after = self.zones.a[piece] - wide.a[zone], wide.b[zone] - self.zones.b[piece]
             half, w = self.zones.half[piece], wide.half[zone]
             last, n, here = np.inf, 64, 0.0
@@ -363,12 +367,12 @@ class SlitDensity(Located):
     # Values on the line.
     def _into_wide(self, x: Array) -> Array:
         """x moved by periods to lie right of the first wide zone's left end."""
-        return wrapped(x, self.merged.wide.a[0], self.kernel.period)
+        return wrapped(x, self.geometry.wide.a[0], self.kernel.period)
 
     @property
     def slit_count(self) -> int:
         """Number of narrow gaps that are treated as slits of wider zones."""
-        return len(self.merged.slits)
+        return len(self.geometry.slits)
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
         """(whether x lies in a slit, integral of s from the slit's left end to x)."""
@@ -403,7 +407,7 @@ class SlitDensity(Located):
         """The density at complex points."""
         kinks = [self.kinks_of(here) for here in self.slits]
         return SlitPlane(
-            self.merged, self.whole, self._slack_density, self.slits, self.series, kinks
+            self.geometry, self.whole, self._slack_density, self.slits, self.series, kinks
         )
 
     def _on_line(self, x: Array, potential: bool) -> Array:
@@ -414,15 +418,15 @@ class SlitDensity(Located):
         if not potential:
             return np.asarray((out - self.slack(place)).reshape(x.shape))
         # On a wide zone P[s] adds its mean opening to the potential, and subtracts the opening.
-        i = np.maximum(np.searchsorted(self.merged.wide.a, place, side="right") - 1, 0)
-        on = (place >= self.merged.wide.a[i]) & (place <= self.merged.wide.b[i])
+        i = np.maximum(np.searchsorted(self.geometry.wide.a, place, side="right") - 1, 0)
+        on = (place >= self.geometry.wide.a[i]) & (place <= self.geometry.wide.b[i])
         out += np.where(on, self.mean_openings[i] - self.opening(place)[1], 0.0)
         return np.asarray(out.reshape(x.shape))
 
     @cached_property
     def mean_openings(self) -> Array:
         """Mean over each wide zone of the integral of s."""
-        out = np.zeros(len(self.merged.wide))
+        out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slits, self.series, strict=True):
             out[here.zone] = here.mean_row @ np.concatenate(row) + (
                 here.mean_of_kinks if self.forced else 0.0
@@ -435,7 +439,7 @@ class SlitDensity(Located):
         some = np.array([here.zone for here in self.slits])
         count = max(self.whole.coefficients.shape[1], self.smooth.coefficients.shape[1])
         whole, smooth = (widened(d.coefficients[some], count) for d in (self.whole, self.smooth))
-        zones = Zones.of(self.merged.wide.table[some])
+        zones = Zones.of(self.geometry.wide.table[some])
         return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 
     def _add_slits(self, x: Array, out: Array, potential: bool) -> None:
@@ -447,7 +451,7 @@ class SlitDensity(Located):
         x = self.smooth.into_period(x)
         order = np.argsort(x, kind="stable")
         ascending = x[order]
-        wide, what = self.merged.wide, self._potential if potential else self._transform
+        wide, what = self.geometry.wide, self._potential if potential else self._transform
         for number, (here, row) in enumerate(zip(self.slits, self.series, strict=True)):
             w = wide.half[here.zone]
             for shift in self.kernel.poles:

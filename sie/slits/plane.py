@@ -43,7 +43,7 @@ from sie.basis.sums import pair_blocks
 from sie.density.density import Density
 from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
-from sie.slits.slits import OPTIONS, Merged, Slits
+from sie.slits.slits import OPTIONS, SlitGeometry, Slits
 
 # Below this |rho| the coefficients of the slack that other zones see have all of it.
 _FAR = float(np.exp(-DIGITS / OPTIONS.min_slack_modes))
@@ -59,7 +59,7 @@ class SlitPlane:
     zone that has any; series: of sigma, slit by slit; kinks: jumps in slits.
     """
 
-    merged: Merged
+    geometry: SlitGeometry
     whole: Density
     slack: Density
     slits: tuple[Slits, ...]
@@ -73,7 +73,7 @@ class SlitPlane:
         return np.where(z.imag < 0, np.conj(out), out)
 
     def _transform(self, x: Array, y: Array, what: What) -> Complex:
-        whole, wide = self.whole, self.merged.wide
+        whole, wide = self.whole, self.geometry.wide
         x = whole.into_period(x)
         out = whole.plane(complex_of(x, y), what)
         slack = self.slack
@@ -110,7 +110,7 @@ class SlitPlane:
         """The potential, integrated from a height above the wide zones, or from y itself if that is
         higher.
         """
-        top = np.maximum(y, float(self.merged.wide.half.max()))
+        top = np.maximum(y, float(self.geometry.wide.half.max()))
         out = self.whole.plane(complex_of(x, top), "potential")
         parts, weights = legendre(
             np.append(0.0, 0.5 ** np.arange(_PANELS, -1, -1)), OPTIONS.path_nodes

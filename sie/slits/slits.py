@@ -76,7 +76,7 @@ OPTIONS = SlitOptions()
 
 
 @record
-class Merged(Kept):
+class SlitGeometry(Kept):
     """Zones with narrow gaps, and the wide zones that span the gaps.
 
     pieces: the zones as given. wide: zones that span narrow gaps; slits: these gaps; slit_zone: the
@@ -127,7 +127,7 @@ class Merged(Kept):
         return np.where(ends[place] == at, place, -1)
 
 
-def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merged | None:
+def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> SlitGeometry | None:
     """The zones with their narrow gaps as slits; None if there are none, or the equation forbids
     slits.
 
@@ -190,7 +190,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merg
         Zones.of(np.column_stack((b[at], a[at + 1]))),
         rest=np.array([cut_off[1][order[at]], cut_off[0][order[at + 1]]]),
     )
-    return Merged(pieces, wide, slits, zone[order[at]], zone, shift, cut_off)
+    return SlitGeometry(pieces, wide, slits, zone[order[at]], zone, shift, cut_off)
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:
@@ -334,20 +334,20 @@ def _within(
 class Slits(Kept):
     """The slits of one wide zone, and their equations."""
 
-    def __init__(self, merged: Merged, zone: int, modes: int, jumps: ForcingJumps) -> None:
+    def __init__(self, geometry: SlitGeometry, zone: int, modes: int, jumps: ForcingJumps) -> None:
         self.zone = zone
-        self.which = np.flatnonzero(merged.slit_zone == zone)
-        a, b = merged.slits.a[self.which], merged.slits.b[self.which]
-        w = self.w = float(merged.wide.half[zone])
+        self.which = np.flatnonzero(geometry.slit_zone == zone)
+        a, b = geometry.slits.a[self.which], geometry.slits.b[self.which]
+        w = self.w = float(geometry.wide.half[zone])
         # Distances of the left ends from the left end of the zone, and of the right ends from its
         # right end.
-        every, (cut_a, cut_b) = np.full(len(a), zone), merged.slits.rest[:, self.which]
+        every, (cut_a, cut_b) = np.full(len(a), zone), geometry.slits.rest[:, self.which]
         self.start, self.stop = (
-            merged.wide.beyond_a(a, every) + cut_a,
-            merged.wide.beyond_a(b, every) + cut_b,
+            geometry.wide.beyond_a(a, every) + cut_a,
+            geometry.wide.beyond_a(b, every) + cut_b,
         )
-        self.rest = merged.wide.before_b(b, every) - cut_b
-        start, rest, half = self.start / w, self.rest / w, merged.slits.half[self.which]
+        self.rest = geometry.wide.before_b(b, every) - cut_b
+        start, rest, half = self.start / w, self.rest / w, geometry.slits.half[self.which]
         self._inside, self._knots = _within(jumps, zone, start, 2 * half / w)
         self.kinks: list[tuple[int, SlitKink]] = []
         for within in (jumps.chosen(self._inside), self._knots):

@@ -21,7 +21,7 @@ from sie.density.density import Density
 from sie.equation.conditions import Linear, Trial, asked
 from sie.equation.equation import Equation
 from sie.slits.density import SlitDensity
-from sie.slits.slits import OPTIONS, Merged, Slits, merge
+from sie.slits.slits import OPTIONS, SlitGeometry, Slits, merge
 from sie.states.base import Answered, Solver, density_of
 from sie.states.rounding import density_rounding, truncation_through_rows
 from sie.states.sizes import Carried, Sizes, first_sizes
@@ -68,15 +68,15 @@ class SlitsNotConverged(SingularSystem):
 class SlitSystem(Kept):
     """The slits of all wide zones, solved together with the system of these."""
 
-    def __init__(self, merged: Merged, base: State, linear: float) -> None:
-        self.merged, self.base, self.system = merged, base, base.system
+    def __init__(self, geometry: SlitGeometry, base: State, linear: float) -> None:
+        self.geometry, self.base, self.system = geometry, base, base.system
         # With a matrix at hand, solutions are exact to round-off at no cost.
         self.linear = linear if base.iterated else 0.0
         system = self.system
-        modes = base.sizes.own[: len(merged.wide)]
+        modes = base.sizes.own[: len(geometry.wide)]
         self.slits = tuple(
-            Slits(merged, int(i), int(max(modes[i], system.layout.m[i])), system.jumps)
-            for i in np.unique(merged.slit_zone)
+            Slits(geometry, int(i), int(max(modes[i], system.layout.m[i])), system.jumps)
+            for i in np.unique(geometry.slit_zone)
         )
 
     @cached_property
@@ -186,7 +186,7 @@ class SlitSystem(Kept):
         }
 
     def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        out = np.zeros(len(self.merged.wide))
+        out = np.zeros(len(self.geometry.wide))
         for here, one in zip(self.slits, d, strict=True):
             out[here.zone] = here.mean_row @ one + (0.0 if homogeneous else here.mean_of_kinks)
         return out
@@ -234,7 +234,9 @@ class SlitSystem(Kept):
         state = replace(
             base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over
         )
-        return state, SlitDensity(self.merged, smooth, whole, self.slits, d, forced=not homogeneous)
+        return state, SlitDensity(
+            self.geometry, smooth, whole, self.slits, d, forced=not homogeneous
+        )
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
         """`State.tails` for the part of the rows that is not s."""
@@ -259,8 +261,8 @@ class SlitState(Answered):
     sizes: Sizes
 
     @property
-    def merged(self) -> Merged:
-        return self.slit_system.merged
+    def merged(self) -> SlitGeometry:
+        return self.slit_system.geometry
 
     @property
     def solver(self) -> Solver:
@@ -272,11 +274,11 @@ class SlitState(Answered):
 
     @property
     def linear_error(self) -> Array:
-        return self.whole.linear_error[self.merged.piece_zone]
+        return self.whole.linear_error[self.geometry.piece_zone]
 
     def wide_of(self, zones: Index) -> tuple[State, Index]:
         """The state of the wide zones, and the numbers of their wide zones for the given zones."""
-        return self.whole, self.merged.piece_zone[zones]
+        return self.whole, self.geometry.piece_zone[zones]
 
     # Further right sides.
     def response(self, values: Array, tolerance: float = 0.0) -> SlitDensity:
@@ -296,33 +298,33 @@ class SlitState(Answered):
     def levels(self) -> Array:
         """Level of each solved wide zone."""
         opened = self.slit_system.mean_openings(self.series, False)
-        return self.whole.levels + opened[self.merged.wide.solved]
+        return self.whole.levels + opened[self.geometry.wide.solved]
 
     def level_rates(self, values: Array) -> Array:
         folded, series, _ = self.slit_system.solve(values)
         opened = self.slit_system.mean_openings(series, True)
         return (
             self.whole.system.level_changes(self.whole.symmetry.unfold(folded))
-            + opened[self.merged.wide.solved]
+            + opened[self.geometry.wide.solved]
         )
 
     # Errors.
     @property
     def natural(self) -> Array:
-        return self.whole.natural[self.merged.piece_zone]
+        return self.whole.natural[self.geometry.piece_zone]
 
     @cached_property
     def noise(self) -> Array:
-        return self.whole.noise[self.merged.piece_zone]
+        return self.whole.noise[self.geometry.piece_zone]
 
     def _intensities_of(self, of_coefficients: Array, at_slits: float = 1.0) -> Array:
         """Intensities K at the ends of the pieces (2, n), from errors of the coefficients.
 
         of_coefficients: sum of the errors for each wide zone; at_slits: a factor at ends of slits.
         """
-        merged = self.merged
-        wide = edge_scale(merged.wide.half) * of_coefficients
-        slits = at_slits * edge_scale(merged.slits.half) * of_coefficients[merged.slit_zone]
+        geometry = self.geometry
+        wide = edge_scale(geometry.wide.half) * of_coefficients
+        slits = at_slits * edge_scale(geometry.slits.half) * of_coefficients[geometry.slit_zone]
         return np.array(self.density.edges((wide, wide), (slits, slits), (1.0, 1.0)))
 
     @cached_property
@@ -330,7 +332,7 @@ class SlitState(Answered):
         """See `State.intensity_noise`."""
         rest = self.rest * row_sizes(self.whole.density.coefficients).max()
         # Round-off of the sums of the wide zones' coefficients.
-        noise = self.whole.intensity_noise.max(axis=0) / edge_scale(self.merged.wide.half)
+        noise = self.whole.intensity_noise.max(axis=0) / edge_scale(self.geometry.wide.half)
         return self._intensities_of(noise + rest, OPTIONS.safety)
 
     @cached_property
@@ -338,7 +340,7 @@ class SlitState(Answered):
         """Estimated sum of the neglected coefficients of the slits of each wide zone, from the
         decay.
         """
-        out = np.zeros(len(self.merged.wide))
+        out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slit_system.slits, self.density.series, strict=True):
             for d in row:
                 # Two coefficients at a time, because every other one may vanish by symmetry.
@@ -371,8 +373,8 @@ class SlitState(Answered):
     @cached_property
     def _residual(self) -> Array:
         """Largest residual of each wide zone."""
-        out = np.zeros(len(self.merged.wide))
-        np.maximum.at(out, self.merged.piece_zone, np.abs(self._residuals).max(axis=1))
+        out = np.zeros(len(self.geometry.wide))
+        np.maximum.at(out, self.geometry.piece_zone, np.abs(self._residuals).max(axis=1))
         return out
 
     @cached_property
@@ -388,17 +390,19 @@ class SlitState(Answered):
     @cached_property
     def _wide_sines(self) -> Array:
         """sqrt(1 - t^2) of the wide zone at a few points of each piece (n, LOOKS)."""
-        zones, merged, t = self.density.zones, self.merged, np.cos(THETA)
-        left = merged.start[:, None] + (zones.half[:, None] * (1 + t))
-        right = merged.rest[:, None] + (zones.half[:, None] * (1 - t))
-        return np.asarray(root_weight(left, right) / merged.wide.half[merged.piece_zone][:, None])
+        zones, geometry, t = self.density.zones, self.geometry, np.cos(THETA)
+        left = geometry.start[:, None] + (zones.half[:, None] * (1 + t))
+        right = geometry.rest[:, None] + (zones.half[:, None] * (1 - t))
+        return np.asarray(
+            root_weight(left, right) / geometry.wide.half[geometry.piece_zone][:, None]
+        )
 
     def _wide_residuals(self, wide: Index, theta: Array) -> Array:
         """Residual of the equation times sqrt(1 - t^2) on wide zones (n,) at angles (n, points).
 
         It is 0 in slits.
         """
-        zones = self.merged.wide
+        zones = self.geometry.wide
         x = (zones.middle[wide][:, None] + zones.half[wide][:, None] * np.cos(theta)).ravel()
         inside = self.density.locate(x)[2]
         value = np.zeros(len(x))
@@ -434,7 +438,7 @@ class SlitState(Answered):
 
     def _errors_over(self, sizes: Array) -> Array:
         """Error of the density on each piece, times the wide zone's X, over sizes (n,)."""
-        wide, zone = self.whole, self.merged.piece_zone
+        wide, zone = self.whole, self.geometry.piece_zone
         sizes = np.where(sizes > 0.0, sizes, np.inf)
         of_wide = (
             wide.made_of(self._neglected)
@@ -453,7 +457,7 @@ class SlitState(Answered):
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
         through_rows = truncation_through_rows(self.whole, self.missing, self._no_modes).max(axis=0)
-        missing = self.missing + through_rows / edge_scale(self.merged.wide.half)
+        missing = self.missing + through_rows / edge_scale(self.geometry.wide.half)
         return np.asarray(self._intensities_of(missing) / np.maximum(slopes, 1e-300) / zones.half).T
 
     @property
@@ -461,7 +465,7 @@ class SlitState(Answered):
         """Lowest modes of the residual on the solved wide zones: none, for points in pieces do not
         show them.
         """
-        return np.zeros((len(self.merged.wide.solved), 0))
+        return np.zeros((len(self.geometry.wide.solved), 0))
 
 
 AnyState = State | SlitState

@@ -95,9 +95,9 @@ class TestAgainstZoneByZone:
     def test_a_wrong_sign_of_the_slits_would_show(self, both, table):
         plain, slit = both
         smooth = slit.density.smooth
-        i = slit.merged.piece_zone[0]
-        half, w = slit.merged.pieces.half[0], slit.merged.wide.half[i]
-        left = (slit.merged.start[0] + half * (1 + T)) / w
+        i = slit.geometry.piece_zone[0]
+        half, w = slit.geometry.pieces.half[0], slit.geometry.wide.half[i]
+        left = (slit.geometry.start[0] + half * (1 + T)) / w
         without = smooth.at(np.full(len(T), i), left, 2 - left)
         assert np.abs(without - plain.density.at_t(0, T)).max() > 1e-4 * np.abs(without).max()
 
@@ -164,7 +164,7 @@ def test_the_gap_over_a_kink_opens_by_no_more_than_its_own_slopes(gap):
     problem = equation(sie.cauchy(), (kink, -0.7))
     slit = solve_zones(problem, sie.Zones.of([[-0.2, -0.03], [-0.03 + gap, 0.15]]))
     assert isinstance(slit, SlitState)
-    a, b = slit.merged.slits.a[0], slit.merged.slits.b[0]
+    a, b = slit.geometry.slits.a[0], slit.geometry.slits.b[0]
     assert np.abs(slit.density.opening(np.array([a, b]))[1]).max() < 1e-10 * gap
     places = np.array([kink - 1e-3 * gap, kink + 1e-3 * gap])
     before, after = slit.density.slack(places)

@@ -13,7 +13,7 @@ from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
 
-class Located(Kept):
+class DensityBase(Kept):
     """Base of densities that are known by zone and by distances from the zone's ends.
 
     A subclass is a data class with a field `bounded_ends`.
