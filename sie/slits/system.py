@@ -261,7 +261,7 @@ class SlitState(Answered):
     sizes: Sizes
 
     @property
-    def merged(self) -> SlitGeometry:
+    def geometry(self) -> SlitGeometry:
         return self.slit_system.geometry
 
     @property
