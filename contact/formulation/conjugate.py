@@ -217,7 +217,7 @@ def _series(profile: Profile, length: float) -> Transform:
         EPS * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum()) / 12
     )
     rounding += EPS * points.size
-    # Fewer samples than the profile asks for would alias.
+    # Too few samples for the resolution of the profile would alias.
     n = int(
         np.clip(
             2 ** np.ceil(np.log2(8 * length / (profile.resolution or length))),

@@ -1,10 +1,10 @@
-r"""The elastic energy of a contact, U = (1/2) int p u dx = (1/2) (P approach - int p f dx): where
-the body bears, u = approach - f.
+r"""The elastic energy of a contact, U = (1/2) int p u dx = (1/2) (P approach - int p f dx).
 
-The integral over a zone goes by its angle, x = middle + half cos(theta): what p has of roots at the
-ends is smooth there, and even angles are as exact as the series of p is. Between places where f or
-one of its derivatives jumps it goes by Gauss's rule on panels whose nodes crowd at their ends, so
-that logarithms there cost no digits. The nodes are doubled until nothing changes any more.
+In contact u = approach - f. The integral over a zone is taken in its angle, x = middle + half
+cos(theta): the roots of p at the ends are smooth there, and even angles are as exact as the series
+of p. If f or one of its derivatives jumps in the zone, Gauss panels between the jumps are used
+instead, with nodes that crowd at their ends, so that logarithms cost no digits. The number of nodes
+is doubled until the integral no longer changes.
 """
 
 from collections.abc import Callable
@@ -15,19 +15,15 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import ApartFields, FullFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.protocol import Fields
-from contact.formulation.quadrature import panels, sides
+from contact.formulation.quadrature import IN_PANEL, panels, sides
+from contact.formulation.units import EPS
 from sie import Array, wrapped
-
-# Nodes of a zone to begin with; changes that are none, over the sum of all moduli; how many nodes
-# at most.
-_NODES = 32
-_CHANGE = 1e-14
-_MOST = 2**17
 
 
 def elastic_energy(fields: Fields) -> float | None:
-    """(1/2) int p u dx [J/m], per period where there is one; None without an approach, or where a
-    strip stands for a period.
+    """(1/2) int p u dx [J/m], per period where there is one; None where it is undefined.
+
+    That is so without an approach, and for a strip, which is only a part of the body.
     """
     if isinstance(fields, ApartFields):
         return 0.0
@@ -36,16 +32,16 @@ def elastic_energy(fields: Fields) -> float | None:
     if approach is None or problem.interaction.strip:
         return None
     if isinstance(fields, FullFields):
-        pressed = _of_period(fields)
+        pressed = _shape_moment_of_period(fields)
     else:
-        pressed = fields.borne_beside + (
-            _of_zones(fields) if isinstance(fields, (ZoneFields, GapFields)) else 0.0
-        )
+        pressed = fields.borne_beside
+        if isinstance(fields, ZoneFields | GapFields):
+            pressed += _shape_moment_of_zones(fields)
     return float(0.5 * (fields.load * approach - pressed * units.load * units.height))
 
 
-def _of_zones(fields: ZoneFields | GapFields) -> float:
-    """int p F dx, scaled."""
+def _shape_moment_of_zones(fields: ZoneFields | GapFields) -> float:
+    """Scaled int p F dx over the zones."""
     problem = fields.problem
     breaks, total = np.sort(problem.forcing.jumps.broken_at), 0.0
     shape = fields.standing_shape if isinstance(fields, ZoneFields) else problem.shape
@@ -53,60 +49,59 @@ def _of_zones(fields: ZoneFields | GapFields) -> float:
     for zone, (a, b) in enumerate(fields.zones):
         half = 0.5 * (b - a)
 
-        def bears(
+        def integrand(
             angle: Array, zone: int = zone, a: float = a, b: float = b, half: float = half
         ) -> Array:
             left, right = sides(angle)
             x = np.where(left <= right, a + half * left, b - half * right)
             return np.asarray(pressure(zone, left, right) * shape(x) * np.sqrt(left * right))
 
-        turned = wrapped(breaks, a, problem.period)
-        inside = np.sort(turned[(turned > a) & (turned < b)])
-        inner = np.arccos(np.clip((inside - 0.5 * (a + b)) / half, -1.0, 1.0))[::-1]
-        total += half * _integral(
-            bears, np.concatenate(([0.0], inner, [np.pi])), smooth=len(inner) == 0
-        )
+        images = wrapped(breaks, a, problem.period)
+        inside = np.sort(images[(images > a) & (images < b)])
+        angles = np.arccos(np.clip((inside - 0.5 * (a + b)) / half, -1.0, 1.0))[::-1]
+        cuts = np.concatenate(([0.0], angles, [np.pi]))
+        total += half * _integral(integrand, cuts, smooth=len(angles) == 0)
     return total
 
 
-def _of_period(fields: FullFields) -> float:
-    """int p F dx over the period, scaled, in full contact."""
+def _shape_moment_of_period(fields: FullFields) -> float:
+    """Scaled int p F dx over the period, in full contact."""
     problem = fields.problem
     units, period = problem.units, problem.repeat_length
     start = float(units.scaled(np.array(problem.profile.x0)))
     breaks = start + np.unique(np.mod(problem.forcing.jumps.broken_at - start, period))
 
-    def bears(x: Array) -> Array:
+    def integrand(x: Array) -> Array:
         return np.asarray(fields.pressure(units.x(x)) / units.pressure * problem.shape(x))
 
     first = breaks[0] if len(breaks) else start
-    return _integral(
-        bears, np.append(breaks if len(breaks) else start, first + period), smooth=len(breaks) == 0
-    )
+    cuts = np.append(breaks if len(breaks) else start, first + period)
+    return _integral(integrand, cuts, smooth=len(breaks) == 0)
 
 
-def _integral(function: Callable[[Array], Array], cuts: Array, smooth: bool) -> float:
-    """From the first of ascending cuts to the last, by ever more nodes until nothing changes; even
-    ones where it is smooth and repeats.
+def _integral(
+    function: Callable[[Array], Array], cuts: Array, smooth: bool, max_nodes: int = 2**17
+) -> float:
+    """Integral from the first to the last of ascending cuts, with ever more nodes.
+
+    smooth: the function is smooth and periodic, so that even nodes are best.
     """
 
     def sums(count: int) -> tuple[float, float]:
         if smooth:
             length = cuts[-1] - cuts[0]
-            x, weight = (
-                cuts[0] + (np.arange(count) + 0.5) * length / count,
-                np.full(count, length / count),
-            )
+            x = cuts[0] + (np.arange(count) + 0.5) * length / count
+            weight = np.full(count, length / count)
         else:
             x, weight = panels(cuts, count)
         value = weight * function(x)
         return float(value.sum()), float(np.abs(value).sum())
 
-    count, (last, _) = _NODES, sums(_NODES)
-    while count < _MOST:
+    count, (last, _) = IN_PANEL, sums(IN_PANEL)
+    while count < max_nodes:
         count *= 2
         here, size = sums(count)
-        if abs(here - last) <= _CHANGE * size:
+        if abs(here - last) <= 64 * EPS * size:
             return here
         last = here
     return last

@@ -274,8 +274,8 @@ class Problem(sie.Kept):
         if self.amplitude is None and self.interaction.follows_isolated:
             closure = (sie.Amplitude(0, 0.0),)
         elif self.amplitude is None:
-            told = AuthorMethod("interaction.side_conditions(period)", "interaction")
-            closure = told.rows(
+            method = AuthorMethod("interaction.side_conditions(period)", "interaction")
+            closure = method.rows(
                 sie.Condition, self.interaction.placed_conditions, self.period, self.units.scaled
             )
         conditions, ends = control.conditions()

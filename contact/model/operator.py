@@ -265,8 +265,8 @@ class Operator(sie.Kept):
         interaction = self.interaction
         period = None if self.period is None else self.period / unit
         if self.is_own or self.own_columns or not interaction.strip:
-            told = AuthorMethod("interaction.columns(period, centre)", "interaction")
-            return told.rows(sie.Forcing, interaction.placed_columns, period, centre, scaled)
+            method = AuthorMethod("interaction.columns(period, centre)", "interaction")
+            return method.rows(sie.Forcing, interaction.placed_columns, period, centre, scaled)
         assert period is not None
         half = 0.5 * (2 * interaction.neighbours + 1) * period
         beyond = BeyondStrip(half, period, centre, self.smooth_part, unit, self.compression)

@@ -132,7 +132,7 @@ def _slope_warnings(solution: Solution, places: Array) -> tuple[str, ...]:
     with np.errstate(all="ignore"):
         slopes = np.asarray(profile.slope(places), dtype=float)
         inside = np.abs(slopes - tilt if tilt else slopes)
-    # The index is found faster than the value.
+    # For few places argmax and item are faster than max.
     steepest = inside.item(inside.argmax()) if inside.size else 0.0
     if not math.isfinite(steepest):
         steepest = float(inside.max(initial=0.0, where=np.isfinite(inside)))

@@ -251,8 +251,10 @@ class Solution(sie.Kept):
             if period is None
             else self.fields.contact_fraction * period
         )
-        told = AuthorMethod("law.surface_energy(fields, width)", "law")
-        return Energy(elastic, told.number(self.scene.law.surface_energy, self.fields, width) + 0.0)
+        method = AuthorMethod("law.surface_energy(fields, width)", "law")
+        return Energy(
+            elastic, method.number(self.scene.law.surface_energy, self.fields, width) + 0.0
+        )
 
     @property
     def stiffness(self) -> float | None:
