@@ -228,7 +228,7 @@ def _about_load(scaled: ScaledScene) -> float:
     if control.load is not None:
         return control.load
     exact = replace(problem, interaction=Periodic())
-    return proposed(scaled, exact, control, None).load / problem.units.load
+    return proposed(replace(scaled, problem=exact), control, None).load / problem.units.load
 
 
 def _reference(

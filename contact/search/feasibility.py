@@ -1,15 +1,15 @@
-r"""What no load can bring about, told before anything is searched for.
+r"""Controls that no load can bring about, refused before any search.
 
-Flat tops: where f is least on a whole stretch, all of that stretch is in contact at any load: f + u
-is the approach at some point of contact, so u is nowhere larger than the approach less min f, and
-being harmonic it stays below that outside contact; there the gap at a point of the stretch would be
-negative. So contact is wider than the stretches together at every positive load, and narrows to
-them as the load goes to zero.
+Flat tops: where f is least on a whole stretch, all of the stretch is in contact under any load.
+f + u is the approach at some point of contact, so that u is nowhere larger than the approach less
+min f. Being harmonic, it stays below that outside contact, where the gap at a point of the stretch
+would be negative. So contact is wider than the stretches together under every positive load, and
+narrows to them as the load goes to zero.
 
 A body on the whole line that falls without bound on one side finds no hold under any load. Far away
-the gap is f(x) - tilt x but for a logarithm, so f must rise faster than tilt x on both sides.
-Looked at from decade to decade, far beyond any contact; where the tilt is not given, some tilt must
-do: f must not fall faster than all straight lines on either side, and f(x) + f(-x) must rise.
+the gap is f(x) - tilt x up to a logarithm, so that f must rise faster than tilt x on both sides.
+That is checked from decade to decade, far beyond any contact. Where the tilt is unknown, some tilt
+must do: f must not fall faster than all straight lines on either side, and f(x) + f(-x) must rise.
 """
 
 import numpy as np
@@ -22,21 +22,21 @@ from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
 from sie import Array, Mask
 
-_EPS = np.finfo(np.float64).eps
-# Edges are known to this part of a period.
-_HAIR = 64 * _EPS
-# Of bisections, and of doublings in search of an end.
-_STEPS = 64
-# Distances [m] at which a body on the whole line is looked at.
-_FAR = 10.0 ** np.arange(5, 13)
-_ROUNDING = 16 * np.finfo(np.float64).eps
-_REMEDY = "no load finds a hold. Give a tilt below its slopes, a part that rises on both sides, or a period, of which one cell stands alone"
+_EPS = float(np.finfo(np.float64).eps)
+# Rounding of a few operations.
+_ROUNDING = 16 * _EPS
+# Halvings of a bracket: all digits.
+_HALVINGS = 64
+# Distances [m], a decade apart, far beyond any contact.
+_DISTANCES = 10.0 ** np.arange(5, 13)
+_REMEDY = (
+    "no load finds a hold. Give a tilt below its slopes, a part that rises on both sides, "
+    "or a period, of which one cell stands alone"
+)
 
 
 def refuse_below_plateau(scene: Scene) -> None:
-    """OutOfRange for a width or a half width that the flat top of the profile does not leave to any
-    load.
-    """
+    """Raise OutOfRange for a contact width that is not wider than the flat top of the profile."""
     profile, fraction, half_width = (
         scene.profile,
         scene.given_fraction,
@@ -44,23 +44,26 @@ def refuse_below_plateau(scene: Scene) -> None:
     )
     if fraction is not None and profile.period is not None:
         width = float(np.diff(lowest_stretches(profile)).sum())
-        if width > 0.0 and fraction * profile.period <= width + _HAIR * profile.period:
+        if width > 0.0 and fraction * profile.period <= width + 4 * _ROUNDING * profile.period:
             raise OutOfRange(
-                f"contact_fraction {fraction:.15g} is not above {width / profile.period:.15g}: the lowest part of the profile is flat over "
-                f"{width:.6g} m of each period, and any load has all of it in contact; ask for more, or give a load"
+                f"contact_fraction {fraction:.15g} is not above {width / profile.period:.15g}: the "
+                f"lowest part of the profile is flat over {width:.6g} m of each period, and any "
+                "load has all of it in contact; ask for more, or give a load"
             )
     if half_width is not None:
         reach = _level_from(profile, half_width)
         if reach > 0.0:
             raise OutOfRange(
-                f"half_width {half_width:.15g} m is not above {reach:.15g} m: so far the profile is flat about x = 0, and any load has all "
-                "of that in contact; ask for more, or give a load"
+                f"half_width {half_width:.15g} m is not above {reach:.15g} m: so far the profile "
+                "is flat about x = 0, and any load has all of that in contact; ask for more, or give "
+                "a load"
             )
 
 
 def lowest_stretches(profile: Profile) -> Array:
-    """(n, 2) stretches of a period on which f is at its least and without slope, wider than two
-    samples; [m].
+    """Stretches (n, 2) of a period [m] on which f is least and has no slope.
+
+    They are wider than two samples.
     """
     x = period_samples(profile)
     height = np.asarray(profile.height(x), dtype=np.float64)
@@ -75,7 +78,7 @@ def lowest_stretches(profile: Profile) -> Array:
     low = lies_low(x)
     if low.all():
         return np.array([[x[0], x[-1]]])
-    # Begun at a place that is not low, no stretch lies across the border.
+    # From a place that is not low on, no stretch crosses the border of the period.
     first = int(np.argmin(low))
     at = np.concatenate((x[first:-1], x[: first + 1] + (x[-1] - x[0])))
     runs = runs_of(np.roll(low[:-1], -first))
@@ -89,8 +92,8 @@ def lowest_stretches(profile: Profile) -> Array:
 
 
 def _edge(holds, inside: float, outside: float) -> float:  # type: ignore[no-untyped-def]
-    """Where a property that holds inside ends, by bisection."""
-    for _ in range(_STEPS):
+    """The place between two others up to which a property holds, by bisection."""
+    for _ in range(_HALVINGS):
         middle = 0.5 * (inside + outside)
         inside, outside = (
             (middle, outside) if bool(holds(np.array([middle]))[0]) else (inside, middle)
@@ -99,18 +102,16 @@ def _edge(holds, inside: float, outside: float) -> float:  # type: ignore[no-unt
 
 
 def _level_from(profile: Profile, half_width: float) -> float:
-    """How far a symmetric profile has no slope about x = 0, if that is a half width or more; else
-    0. [m]
-    """
+    """How far [m] a symmetric profile has no slope about x = 0; 0 if less than a half width."""
 
     def is_level(x: Array) -> Mask:
         return np.asarray(np.asarray(profile.slope(x)) == 0)
 
-    # The left side has the mirror image's slopes; at an edge itself the slope may be either side's.
+    # At an edge the slope may be that of either side, so that the last sample is inside.
     if not is_level(half_width * np.append(np.arange(1, 32) / 32, 1 - 2 * _EPS)).all():
         return 0.0
     reach = half_width
-    for _ in range(_STEPS):
+    for _ in range(_HALVINGS):
         if not is_level(np.array([2 * reach]))[0]:
             return _edge(is_level, reach, 2 * reach)
         reach *= 2
@@ -118,9 +119,7 @@ def _level_from(profile: Profile, half_width: float) -> float:
 
 
 def refuse_unbounded(scene: Scene) -> None:
-    """OutOfRange where a body alone on the whole line has no lowest place, as it stands or at any
-    tilt.
-    """
+    """Raise OutOfRange for a body on the whole line that no load holds, at its tilt or at any."""
     profile = scene.profile
     if (
         scene.period is not None
@@ -130,9 +129,10 @@ def refuse_unbounded(scene: Scene) -> None:
     ):
         return
     with np.errstate(all="ignore"):
-        # Mean slopes over each decade, outwards.
+        # Mean slopes over each decade, in the outward direction.
         right, left = (
-            np.diff(np.asarray(profile.height(side * _FAR), dtype=np.float64)) / np.diff(_FAR)
+            np.diff(np.asarray(profile.height(side * _DISTANCES), dtype=np.float64))
+            / np.diff(_DISTANCES)
             for side in (1.0, -1.0)
         )
         if scene.turned and scene.moment is not None:
@@ -142,18 +142,21 @@ def refuse_unbounded(scene: Scene) -> None:
 
 
 def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
+    """Raise OutOfRange if the body falls on one side at its tilt."""
     for side, slope in (("right", right - tilt), ("left", left + tilt)):
         turned = f", turned by {tilt:.6g}," if tilt else ""
-        # From each decade to the next it falls by more; a straight line by ten times as much.
+        # From decade to decade it falls by more; a straight line falls by ten times as much.
         if np.all(slope < 0) and np.all(10 * slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(f"the profile{turned} falls without bound on the {side}: {_REMEDY}")
         if tilt and np.all(np.abs(slope) <= _ROUNDING * abs(tilt)):
             raise OutOfRange(
-                f"the profile{turned} stands on its own flank on the {side} and does not rise there: {_REMEDY}"
+                f"the profile{turned} stands on its own flank on the {side} and does not rise "
+                f"there: {_REMEDY}"
             )
 
 
 def _refuse_at_any_tilt(right: Array, left: Array) -> None:
+    """Raise OutOfRange if the body falls at any tilt."""
     for side, slope in (("right", right), ("left", left)):
         if np.all(slope < 0) and np.all(slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(

@@ -250,10 +250,8 @@ def test_a_shape_of_very_many_features_has_half_as_fine_a_grid(monkeypatch):
     ]
 
 
-@pytest.mark.parametrize(("lacking", "looks"), [([3, 9, 17, 25], 2), ([3], 1)], ids=["many", "few"])
-def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(
-    monkeypatch, lacking, looks
-):
+@pytest.mark.parametrize("lacking", [[3, 9, 17, 25], [3]], ids=["many", "few"])
+def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(monkeypatch, lacking):
     """Where the first zones are not those of the solution, no tight solution is made on them."""
     monkeypatch.setattr(loop, "ROUGH", loop.RoughRoundOptions(min_intervals=20))
     proposed, asked = guesses.proposed, []
@@ -272,7 +270,7 @@ def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(
     monkeypatch.setattr(sie, "find_ends", found)
     scene = rough(400)
     solution = contact.solve(scene, tol=1e-9)
-    assert [tolerance for tolerance, _ in asked[:-1]] == [loop.ROUGH.tolerance] * looks
+    assert [tolerance for tolerance, _ in asked[:-1]] == [loop.ROUGH.tolerance]
     assert asked[-1][0] < loop.ROUGH.tolerance and len(solution.zones) != asked[0][1]
     monkeypatch.undo()
     plain = contact.solve(scene, tol=1e-9)

@@ -441,7 +441,7 @@ def test_where_the_width_jumps_with_the_load_the_nearest_of_the_fine_grids_is_pr
 
     def kept(*arguments: Any, **options: Any) -> nested_grids.Proposal:
         found = proposed(*arguments, **options)
-        if arguments[3] is None:  # as many points as the profile asks for
+        if arguments[2] is None:  # as many points as the profile asks for
             fine.append(found)
         return found
 
@@ -452,7 +452,7 @@ def test_where_the_width_jumps_with_the_load_the_nearest_of_the_fine_grids_is_pr
         profile, E_star=2e11, interaction=contact.Periodic(), contact_fraction=fraction
     )
     scaled = scaled_scene(scene, single=False)
-    found = proposals.of_width(scaled, scaled.problem, scaled.control.value)
+    found = proposals.of_width(scaled, scaled.control.value)
     assert profile.period is not None
     fractions = np.array([each.width for each in (found, *fine)]) / profile.period
     misses = np.abs(np.log(fractions / (1.0 - fractions)) - np.log(fraction / (1.0 - fraction)))
@@ -537,7 +537,7 @@ def test_a_grid_beside_a_known_contact_proposes_the_same_zones_in_fewer_iteratio
     nested.clear()
     alone = propose(height, (0.0, 1.0), response, load=1.001, points=1024)
     of_alone = iterations(nested)
-    beside = propose(height, (0.0, 1.0), response, load=1.001, points=1024, near=known.state)
+    beside = propose(height, (0.0, 1.0), response, load=1.001, points=1024, start=known.state)
     np.testing.assert_allclose(beside.zones, alone.zones, rtol=0, atol=1e-6)
     assert iterations(nested) < of_alone
 

@@ -1,41 +1,37 @@
-r"""Frictionless contact of an elastic half-plane on a uniform grid: it says how many zones there
-are.
+r"""Frictionless contact of an elastic body on a uniform grid; it gives the number of zones.
 
 On n points with spacing h (one period, or a window of an isolated contact) find the pressure with
 
-    p >= 0,   gap = S p + f - level >= 0,   p * gap = 0,   and   sum p h = load   (or the level given),
+    p >= 0,   gap = S p + f - level >= 0,   p * gap = 0,   sum p h = load  (or a given level),
 
 where S is the influence of the pressure on the displacement u,
 
     periodic:  u_k = 2 p_k / (E |k|), k = 2 pi j / (n h), u_0 = 0,
-    isolated:  u(x) = -(2 / (pi E)) int p(xi) ln(|x - xi| / d) dxi, p constant on a cell, integral closed,
+    isolated:  u(x) = -(2 / (pi E)) int p(xi) ln(|x - xi| / d) dxi, p constant on a cell.
 
-and on other bodies u_k times their symbol, and u_0 = 2 p_0 c / E, c their compression; or,
-isolated, with what their potential has beyond the logarithm, a smooth `rest` of the lag x - xi and
-the width of a cell.
+On other bodies u_k is multiplied by their symbol, and u_0 = 2 p_0 c / E with their compression c;
+isolated, the kernel has a further smooth `rest` of the lag x - xi and the width of a cell.
 
-This is the problem of Polonsky & Keer (1999), Wear 231, 206-219, doi 10.1016/S0043-1648(99)00113-1,
-and like theirs the method is a conjugate gradient under FFTs. Two things differ, because here the
-iterations must not grow with n:
+The problem is that of Polonsky & Keer (1999), Wear 231, 206-219,
+doi 10.1016/S0043-1648(99)00113-1, and like theirs the method is a conjugate gradient with FFTs. Two
+things differ, so that the number of iterations does not grow with n:
 
-* The contact set is changed between linear solves, not within them: drop points in tension, add
-  points in
-  penetration. The inverse of S is an M-matrix (Fourier symbol E|k|/2: off-diagonals (cos(pi m) -
-  1)/m^2 <= 0), for which this active-set (semismooth Newton) iteration settles from any start:
+* The contact set changes between linear solves, not within them: points in tension are dropped,
+  points that interpenetrate are added. The inverse of S is an M-matrix (its off-diagonals are
+  (cos(pi m) - 1) / m^2 <= 0), for which this semismooth Newton iteration converges from any start:
   Hintermueller, Ito & Kunisch (2002), SIAM J. Optim. 13, 865-888, doi 10.1137/S1052623401383558. A
-  wrong end moves by a fixed fraction of its error, so ~log2(n) steps at most.
-* On a contact set the gradient is preconditioned by B' D B, D = E|k|/2, B = linear interpolation of
-  the
-  displacement across the gaps. The exact inverse is the same with the energy-minimal extension in
-  place of B, so the quotient is bounded up to logarithms for any number of zones. B keeps
-  constants, hence B' D B keeps the load: the constraint costs nothing.
+  wrong end moves by a fixed fraction of its error, so that about log2(n) solves suffice.
+* On a contact set the gradient is preconditioned by B' D B. D = E|k|/2, and B interpolates the
+  displacement linearly across the gaps. The exact inverse has the extension of least energy in
+  place of B, so that the quotient is bounded up to logarithms for any number of zones. B keeps
+  constants, hence B' D B keeps the load.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.fft
@@ -47,25 +43,46 @@ from sie import Array, Index, Mask, record
 Rest = Callable[[Array, float], Array]
 Symbol = Callable[[Array], Array]
 
-# Iterations at the most.
-_MOST = 10_000
+_EPS = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True)
+class GridOptions:
+    """Tolerances of the linear solves between changes of the contact set."""
+
+    max_iterations: int = 10_000  # of all linear solves together; some hundred are usual
+    # Iterations without a tenth less error: the rounding of f is reached.
+    max_stalled: int = 60
+    # Linear solves are rough while the set changes much: any error below the change of the set
+    # serves.
+    first_tolerance: float = 1e-2
+    tighten: float = 0.03  # the next tolerance over the last, when the set hardly changes
+    compliance_tolerance: float = 1e-4  # of d level / d load, for Newton's steps
+    closed: float = 1e-9  # bracket of the load under a level, over it
+
+
+OPTIONS = GridOptions()
 
 
 class LevelOfFullGrid(OutOfRange):
-    """The level is that of full contact as far as a grid tells: the mean of its heights is not that
-    of the profile.
+    """The level is that of full contact on the grid.
+
+    The mean of the heights of a grid is not that of the profile.
     """
 
 
 _AS_GOOD_AS_FULL = (
-    "the approach is the mean of the profile, as nearly as a grid can tell: contact is full or as good as full; give a load, a mean "
-    "pressure or a contact fraction"
+    "the approach is the mean of the profile, as nearly as a grid can tell: contact is full or as "
+    "good as full; give a load, a mean pressure or a contact fraction"
 )
 
 
 @record
 class Influence:
-    """The operator S of one grid, made by `periodic` or `isolated`: `apply(p)` is the displacement."""
+    """The operator S of one grid: `apply(p)` is the displacement.
+
+    `periodic`, `isolated` and `even` make one.
+    """
 
     n: int
     h: float
@@ -74,15 +91,14 @@ class Influence:
     images: int
     _compliance: Array = field(repr=False, compare=False)  # S in Fourier space on the padded grid
     stiffness: Array = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
-    _offset: float = (
-        0.0  # u = ... + _offset * sum p h: the part of the datum, kept apart from the shape of u
-    )
-    is_even: bool = False  # what is on the grid goes on in its mirror image beyond either border
-    half: Influence | None = None  # that of half a period, where the other half is its mirror image
+    # u = ... + _offset * sum p h: the part of the datum, separate to keep the digits of the shape.
+    _offset: float = 0.0
+    is_even: bool = False  # values continue as their mirror image beyond either border
+    half: Influence | None = None  # of half a period, where the other half is its mirror image
 
     @classmethod
     def even(cls, n: int, h: float, E: float) -> Influence:
-        """Half-plane on a period of 2 n points of which the others are the mirror image of these."""
+        """Of a half-plane on a period of 2 n points, the second half a mirror image of these n."""
         stiffness = _wave_stiffness(2 * n, h, E)[:n]
         return cls(n, h, E, True, 0, _inverse(stiffness), stiffness, is_even=True)
 
@@ -90,6 +106,7 @@ class Influence:
     def periodic(
         cls, n: int, h: float, E: float, symbol: Symbol | None = None, compression: float = 0.0
     ) -> Influence:
+        """Of a body on one period of n points."""
         stiffness = _wave_stiffness(n, h, E)
         if symbol is not None:
             stiffness[1:] /= symbol(
@@ -99,7 +116,7 @@ class Influence:
 
     @property
     def yields(self) -> float:
-        """Displacement of a unit of uniform pressure on a period."""
+        """Displacement under a uniform pressure of one on a period."""
         return float(self._compliance[0]) if self.is_periodic else 0.0
 
     @classmethod
@@ -112,7 +129,7 @@ class Influence:
         datum: float = 1.0,
         rest: Rest | None = None,
     ) -> Influence:
-        """Half-plane without periodicity; `images` shifted copies each side, n h apart."""
+        """Of a body alone, with `images` shifted copies on either side, n h apart."""
         lag = np.arange(n + 1.0)
         kernel = sum((_log_cell(lag + j * n) for j in range(-images, images + 1)), np.zeros(n + 1))
         if rest is not None:
@@ -120,8 +137,7 @@ class Influence:
         circulant = np.concatenate((kernel, kernel[n - 1 : 0 : -1]))
         scale = -2.0 / (np.pi * E)
         compliance = scale * h * scipy.fft.rfft(circulant).real
-        # With images the neighbours carry load up to the border: there the periodic D is the better
-        # model.
+        # With images the neighbours carry load up to the border, so that the periodic D is better.
         stiffness = _wave_stiffness(n if images else 2 * n, h, E)
         offset = scale * (2 * images + 1) * np.log(h / datum)
         return cls(n, h, E, False, images, compliance, stiffness, float(offset))
@@ -140,11 +156,12 @@ class Influence:
 
 @record
 class Response:
-    """What pressure does to the surface, on any grid. periodic: on a period, by the body's `symbol`
-    and `compression`, or, mirrored, of a half-plane on one whose second half is the mirror image of
-    the first; else alone on the line, with `images` copies of the cell each side, heights counted
-    with the length `datum` in the logarithm, and `rest`: what the kernel has beyond the
-    half-plane's.
+    """What pressure does to the surface, on any grid.
+
+    periodic: by the `symbol` and the `compression` of the body. mirrored: the second half of the
+    period is the mirror image of the first, on a half-plane. Otherwise the body is alone on the
+    line, with `images` copies of the cell on either side and heights counted with the length
+    `datum` in the logarithm. rest: the kernel less that of the half-plane.
     """
 
     E: float
@@ -157,7 +174,7 @@ class Response:
     mirrored: bool = False
 
     def on(self, n: int, h: float) -> Influence:
-        """Its operator on n cells of width h."""
+        """The operator on n cells of width h."""
         if self.periodic:
             whole = Influence.periodic(n, h, self.E, self.symbol, self.compression)
             return (
@@ -169,14 +186,15 @@ class Response:
 
 
 def _dot(a: Array, b: Array) -> float:
-    """Sum of products, by one thread: where another program takes the cores, threads of BLAS wait a
-    thousand times as long for each other as such a sum takes.
+    """The dot product by one thread.
+
+    Threads of BLAS may wait a thousand times as long for each other as such a sum takes.
     """
     return float(np.einsum("i,i", a, b))
 
 
 def _multiplied(values: Array, factors: Array, size: int, even: bool) -> Array:
-    """Values on a grid, continued by zeros to a size, times factors in Fourier space."""
+    """Values on a grid, padded by zeros to a size, times factors in Fourier space."""
     if even:
         return np.asarray(scipy.fft.idct(scipy.fft.dct(values) * factors, overwrite_x=True))
     seen = scipy.fft.rfft(values, size)
@@ -185,17 +203,19 @@ def _multiplied(values: Array, factors: Array, size: int, even: bool) -> Array:
 
 
 def _wave_stiffness(n: int, h: float, E: float) -> Array:
+    """E |k| / 2 for the waves of a period of n cells."""
     return np.asarray(0.5 * E * (2.0 * np.pi / (n * h)) * np.arange(n // 2 + 1), dtype=np.float64)
 
 
 def _inverse(stiffness: Array, mean: float = 0.0) -> Array:
-    """Of all but the mean."""
+    """The compliance of waves from their stiffness; the mean has its own."""
     return np.concatenate(([mean], 1.0 / stiffness[1:]))
 
 
 def _log_cell(m: Array) -> Array:
-    """int_{-1/2}^{1/2} ln|m - t| dt without the cancellation of the difference of t ln t at large
-    m.
+    """int_{-1/2}^{1/2} ln|m - t| dt for integers m.
+
+    The difference of t ln t would cancel for large m.
     """
     a = np.abs(m)
     far = np.maximum(a, 1.0)
@@ -209,11 +229,10 @@ def _log_cell(m: Array) -> Array:
 
 
 class _Extension:
-    """B: displacement on the contact set -> on the (padded, periodic) grid, linear across the gaps.
+    """B: from displacement on the contact set to the whole grid, linear across the gaps.
 
-    Points are counted from the first one in contact, so that each is that far along from a point in
-    contact to the next. On an even grid they are counted as they are: across the borders nothing
-    varies.
+    Points are counted from the first one in contact; `along` is a point's part of the way from one
+    point in contact to the next. An even grid is not shifted: nothing varies across its borders.
     """
 
     def __init__(self, influence: Influence, inside: Index) -> None:
@@ -228,7 +247,7 @@ class _Extension:
         ) / np.repeat(reach, self.lengths)
 
     def precondition(self, residual: Array) -> Array:
-        """B' D B applied to values on the contact set; the result sums to zero."""
+        """B' D B times values on the contact set; the result sums to zero."""
         v = np.repeat(np.roll(residual, -1) - residual, self.lengths)
         v *= self.along
         v += np.repeat(residual, self.lengths)
@@ -242,7 +261,7 @@ class _Extension:
 
 @record
 class GridState:
-    """A contact on the grid. `iterations` counts applications of S within the conjugate gradients."""
+    """A contact on the grid. iterations: applications of S in the conjugate gradients."""
 
     pressure: Array
     gap: Array
@@ -256,16 +275,17 @@ class GridState:
 
     @property
     def contact(self) -> Mask:
+        """The points in contact."""
         return np.asarray(self.pressure > 0.0)
 
     @property
     def full(self) -> bool:
-        """Every point of a period in contact; false for a window, which has an outside."""
+        """Whether every point of a period is in contact; false for a window."""
         return self.influence.is_periodic and bool(np.all(self.pressure > 0.0))
 
     @property
     def touches_border(self) -> bool:
-        """Contact in an end cell of a window: what lies beyond was not asked."""
+        """Whether a cell at the border of a window is in contact."""
         return not self.influence.is_periodic and bool(
             self.pressure[0] > 0.0 or self.pressure[-1] > 0.0
         )
@@ -280,9 +300,10 @@ def solve_grid(
     start: ArrayLike | None = None,
     tol: float = 1e-6,
 ) -> GridState:
-    """Solve the grid contact for a given load or level; `start` is a pressure to begin from (its
-    scale does not matter, except that under level control its sum is the first guess of the load).
-    f = inf marks points that never touch.
+    """The grid contact under a given load or level.
+
+    f: heights, inf at points that never touch. start: a pressure to begin with; only under a level
+    does its sum matter, as the first guess of the load.
     """
     shape = np.asarray(f, dtype=np.float64)
     if shape.shape != (influence.n,):
@@ -310,7 +331,7 @@ def solve_grid(
     if start is not None:
         positive = np.maximum(np.asarray(start, dtype=np.float64), 0.0)
         guess = np.where(allowed, positive, 0.0) if np.any(positive[allowed] > 0.0) else None
-    run = _Run(shape, influence, tol, _MOST)
+    run = _Run(shape, influence, tol)
     if load is not None:
         if not load > 0.0:
             raise ValueError(f"load must be positive, not {load}")
@@ -320,34 +341,36 @@ def solve_grid(
 
 
 def turning_rate(state: GridState, x: Array) -> float:
-    """d moment / d tilt of a contact on points x, the load and (its pressure being zero at the
-    ends) the contact held: the moment of the pressure that the shape -x calls up.
+    """d moment / d tilt of a contact on points x, with the load and the contact set fixed.
+
+    It is the moment of the pressure under the shape -x; the pressure is zero at ends, so that they
+    do not matter to first order.
     """
-    run = _Run(np.zeros(len(x)), state.influence, 1e-3, 500)
+    run = _Run(np.zeros(len(x)), state.influence, OPTIONS.compliance_tolerance)
     pressure = run.conjugate_gradient(
-        0.0, state.contact, None, 1e-3, -(x - x[state.contact].mean())
+        0.0, state.contact, None, run.tol, -(x - x[state.contact].mean())
     )[0]
     return float(pressure @ x) * state.influence.h
 
 
 class _Run:
-    """One problem (shape and influence) with its tolerances and its count of iterations."""
+    """One problem, a shape and an influence, with its tolerance and its count of iterations."""
 
-    def __init__(self, f: Array, influence: Influence, tol: float, max_iterations: int) -> None:
-        self.f, self.influence, self.tol, self.max_iterations = f, influence, tol, max_iterations
+    def __init__(self, f: Array, influence: Influence, tol: float) -> None:
+        self.f, self.influence, self.tol = f, influence, tol
         self.allowed: Mask = np.isfinite(f)
         self.lowest = float(np.min(f[self.allowed]))
-        # Differences of f matter and its constant does not: taking it out here keeps the digits.
+        # A constant of f does not matter; subtracted here, it costs no digits later.
         self.shape = np.where(self.allowed, f - self.lowest, 0.0)
         self.iterations = 0
 
     def conjugate_gradient(
         self, load: float, mask: Mask, guess: Array | None, tol: float, shape: Array | None = None
     ) -> tuple[Array, Array, float, float, bool]:
-        """Pressure on `mask` with S p + shape = constant there and the given load.
+        """Pressure on `mask` with S p + shape constant there, under the given load.
 
-        Returns p, S p, the constant, the largest error of p as the preconditioner sees it, and
-        whether tol was met.
+        Returns p, S p, the constant, the largest error of p as estimated by the preconditioner, and
+        whether the tolerance was met.
         """
         shape = self.shape if shape is None else shape
         h = self.influence.h
@@ -368,14 +391,12 @@ class _Run:
         direction, rz = z.copy(), _dot(r, z)
         converged, steps = False, 0
         best, since = np.inf, 0
-        while self.iterations < self.max_iterations:
-            # B' D B is close to the inverse of S: z is close to the error of the pressure.
+        while self.iterations < OPTIONS.max_iterations:
+            # B' D B is about the inverse of S, so that z is about the error of the pressure.
             size = math.sqrt(_dot(z, z))
             converged = size <= tol * math.sqrt(_dot(p, p)) or rz <= 0.0
             best, since = (size, 0) if size < 0.9 * best else (best, since + 1)
-            if (
-                converged or since > 60
-            ):  # 60 iterations without progress: the roundoff of f is reached
+            if converged or since > OPTIONS.max_stalled:
                 break
             self.iterations += 1
             steps += 1
@@ -403,8 +424,9 @@ class _Run:
         )
 
     def full_contact(self, load: float, shape: Array) -> tuple[Array, Array, float, float, bool]:
-        """Contact everywhere on a period, closed: p = load / L - D shape, u = level - shape. Its
-        smallest pressure decides whether there is a gap at all, so no iteration may blur it.
+        """Contact everywhere on a period: p = load / L - D shape, u = level - shape.
+
+        The smallest pressure decides whether there is a gap at all, and must have all its digits.
         """
         n, h = self.influence.n, self.influence.h
         self.iterations += 1
@@ -413,46 +435,44 @@ class _Run:
         p = load / (n * h) - _multiplied(
             shape - mean, self.influence.stiffness, n, self.influence.is_even
         )
-        roundoff = np.finfo(float).eps * (
+        roundoff = _EPS * (
             self.influence.E / h * float(np.max(np.abs(shape - mean))) + load / (n * h)
         )
         return p, level - shape, level, roundoff, True
 
     def at_load(self, load: float, guess: Array | None) -> GridState:
+        """The contact under a load. guess: a pressure to begin with."""
         # From the whole grid the set only shrinks; from a guess it may also grow once.
         mask = self.allowed.copy() if guess is None else guess > 0.0
-        p, tol = guess, max(self.tol, 1e-2)
+        p, tol = guess, max(self.tol, OPTIONS.first_tolerance)
         converged = False
-        steps, fewest = 0, self.influence.n
-        limit = 60 + int(4 * np.log2(self.influence.n))
-        while self.iterations < self.max_iterations and steps < limit:
-            steps, before = steps + 1, self.iterations
+        fewest = self.influence.n
+        # A wrong end moves by a fixed fraction of its error in each solve.
+        for _ in range(60 + int(4 * np.log2(self.influence.n))):
+            if self.iterations >= OPTIONS.max_iterations:
+                break
+            before = self.iterations
             p, u, level, error, solved = self.conjugate_gradient(load, mask, p, tol)
+            finer = max(self.tol, OPTIONS.tighten * tol)
             if self.iterations == before and tol > self.tol:
-                # A guess as good as that has gaps of the grid it comes from: their signs on this
-                # one mean nothing.
-                tol = max(self.tol, 1e-1 * tol)
+                # A guess as good as the tolerance: its signs in gaps are those of another grid.
+                tol = finer
                 continue
             gap = u + self.shape - level
-            # `error` is the largest on the grid, that of the steepest peaks. A flat beside them is
-            # in tension by less: if only points below -error were dropped, its end would move by
-            # one cell per linear solve.
+            # `error` is that of the steepest peaks. A flat part next to them is in tension by
+            # less: if only points below -error were dropped, its end would move by one cell in
+            # each solve.
             drop = mask & (p < 0.0)
             add = self.allowed & ~mask & (gap < -error * self.influence.h / self.influence.E)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))
-            # The set has settled when no sign is wrong by more than the error, in p or in u on one
-            # cell.
+            # The set is right when no sign is wrong by more than the error.
             if tol == self.tol and not np.any(add) and np.all(p >= -error):
                 converged = solved
                 break
-            if (
-                changes <= 2
-            ):  # a few digits at a time: most of the points that still change do so early
-                tol = max(self.tol, 1e-2 * tol)
-            elif (
-                changes > 0.7 * fewest
-            ):  # a set that no longer settles is one blurred by the linear solve
-                tol = max(self.tol, 0.03 * tol)
+            # Few points change once the set is almost right; it does not settle while the error
+            # of the linear solve exceeds its changes.
+            if changes <= 2 or changes > 0.7 * fewest:
+                tol = finer
             fewest = min(fewest, changes)
             mask = (mask & ~drop) | add
             p = np.maximum(p, 0.0)
@@ -464,19 +484,20 @@ class _Run:
         )
 
     def compliance(self, state: GridState) -> float:
-        """d level / d load: the contact set does not move to first order (p vanishes at its ends)."""
+        """d level / d load; the pressure is zero at the ends, so that these do not matter."""
         mask = state.contact
         if state.full:
             return self.influence.yields / (self.influence.n * self.influence.h)
         _, _, level, _, _ = self.conjugate_gradient(
-            1.0, mask, state.pressure, 1e-4, np.zeros(len(mask))
+            1.0, mask, state.pressure, OPTIONS.compliance_tolerance, np.zeros(len(mask))
         )
         return level
 
     def at_level(self, level: float, guess: Array | None) -> GridState:
-        """Newton for the load. level(load) is concave (the contact grows with the load, the
-        compliance falls), so from below it climbs without overshoot; a step that leaves the bracket
-        is replaced by a geometric one.
+        """The contact under a level, by Newton's method on the load.
+
+        The level is concave in the load, as contact grows with it: from below no step overshoots.
+        A step that leaves the bracket is replaced by the geometric mean of its ends.
         """
         inf, E, h = self.influence, self.influence.E, self.influence.h
         depth = level - self.lowest
@@ -497,13 +518,13 @@ class _Run:
             slope = self.compliance(state)
             state = replace(state, compliance=slope)
             step = (level - state.level) / slope if slope > 0.0 else np.nan
-            if abs(step) <= self.tol * load or self.iterations >= self.max_iterations:
+            if abs(step) <= self.tol * load or self.iterations >= OPTIONS.max_iterations:
                 return replace(state, converged=state.converged and abs(step) <= self.tol * load)
             if slope > 0.0 and step > 0.0:
                 low = load
             else:  # above the level, or past the maximum of the approach of an isolated contact
                 high = load
-            if high < np.inf and high - low <= 1e-9 * high:
+            if high < np.inf and high - low <= OPTIONS.closed * high:
                 if inf.is_periodic:
                     raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")

@@ -1,14 +1,14 @@
-r"""Propose contact zones: a grid contact (contact.search.grid.conjugate_gradient) refined until
-zones and gaps are a few cells wide.
+r"""Zones proposed by a grid contact, refined until zones and gaps are a few cells wide.
 
-The grid decides how many zones there are and gives their ends to a fraction of a cell; making them
-exact is Newton's work. Near an end p ~ A sqrt(d), so p^2 is linear there and its zero is found
-below the grid. A zone of one or two cells is taken as a Hertz contact: its load P and the curvature
-1/R of the gap give a = 2 sqrt(P R / (pi E)).
+The grid (contact.search.grid.conjugate_gradient) gives the number of zones, and their ends to a
+fraction of a cell; Newton makes them exact. Near an end p ~ A sqrt(d), so that p^2 is linear there
+and its zero is found below the grid. A zone of one or two cells is taken as a Hertz contact: its
+load P and the curvature 1/R of the gap give a = 2 sqrt(P R / (pi E)).
 """
 
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,20 +24,44 @@ from sie import Array, record
 
 Height = Callable[[Array], ArrayLike]
 
-_POINTS = 128  # of a window
-_SHRINKS = 40  # of a window to an eighth: from metres to below atoms, and from lengths far beyond
-_TOWERING = 1e6  # heights above the lowest, over the window
-COARSEST = 64  # points of the first of the nested grids
-MOST_POINTS = 2**23  # of the last grid, however fine the shape is
-_PASSING = 1e-3  # tolerance of the grids before the last
-# Cells to the smallest length of a shape; where it has very many of these the grid is what takes
-# the time, and half as many leave out one zone in a hundred or two, which the first look at the
-# signs puts in.
-_PER_FEATURE = 16
-_FEATURES = 2**15
-_PER_ONE_OF_MANY = 8
-NARROW = 3  # cells: below this a zone or a gap is not resolved
-_WIDEST = 0.5  # cells: half of a gap between points at the most
+_EPS = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True)
+class NestedGridOptions:
+    """Points of the grids, and when zones count as resolved."""
+
+    coarsest: int = 64  # points of the first grid
+    # Cells to the smallest length of a shape: a wave has some 6 zeros of p a length.
+    per_feature: int = 16
+    # Of a shape with more features than this the grid takes most of the time: half as many cells
+    # miss one zone in a hundred, which the first check of signs adds.
+    many_features: int = 2**15
+    coarse_tolerance: float = 1e-3  # of grids before the last: the next one repairs the error
+    widest_hidden_gap: float = 0.5  # half width of a gap between two points, in cells
+
+
+@dataclass(frozen=True)
+class WindowOptions:
+    """The search for a window that an isolated contact fills well."""
+
+    points: int = 128  # of a window
+    # Contact over the width of the window, in between which it is taken; then the next window is
+    # `margin` times the contact.
+    least_filled: float = 0.2
+    most_filled: float = 0.7
+    margin: float = 2.5
+    max_windows: int = 300  # of growing or shrinking ones, from metres to atoms
+    # Heights above the lowest, over the window: such points never touch, and heights next to them
+    # would have no digits.
+    towering: float = 1e6
+    tolerance: float = 1e-3  # of grids of a window
+
+
+OPTIONS = NestedGridOptions()
+WINDOW = WindowOptions()
+NARROW = 3  # cells: a narrower zone or gap is not resolved
+MOST_POINTS = 2**23  # of the last grid, however fine the shape is: it takes 1 GB
 
 
 class NoWindow(OutOfRange):
@@ -46,10 +70,11 @@ class NoWindow(OutOfRange):
 
 @record
 class Proposal:
-    """Zones (n, 2) to start Newton from [m], the points of the last grid, whether it is in full
-    contact or touches the border of what is known, the contact on it, why a strip is not where its
-    centre stays, and whether they are those of a strip from border to border, wherever their widest
-    gap is.
+    """Zones to start Newton from, with the grid that they come from.
+
+    zones: (n, 2) [m]. points: of the last grid. touches_border: contact touches the border of what
+    is known. grid: the contact on it. unrest: why the centre of a strip does not stay. in_strip:
+    the zones are those of a strip from border to border, wherever their widest gap is.
     """
 
     zones: Array
@@ -62,32 +87,31 @@ class Proposal:
 
     @property
     def width(self) -> float:
-        """Total width [m], inf in full contact."""
+        """Total width of the zones [m], inf in full contact."""
         return np.inf if self.full else float(np.sum(self.zones[:, 1] - self.zones[:, 0]))
 
     @property
     def load(self) -> float:
-        """[N/m], where it is that of the grid."""
+        """Load of the grid [N/m]; nan if the grid is not kept."""
         return np.nan if self.grid is None else self.grid.load
 
     @property
     def state(self) -> GridState:
-        """The contact on the grid, where it is kept."""
+        """The contact on the grid, if it is kept."""
         assert self.grid is not None
         return self.grid
 
 
 def grid_height(profile: Profile, x: Array) -> Array:
-    """f at ascending, even points up to a constant; where its digits drown its shape there, the
-    integral of its slope.
+    """Heights f at even, ascending points, up to a constant.
 
-    Near a summit f varies by the square of the distance, f' by the distance: f' keeps digits that f
-    has lost.
+    Where the differences of f are lost in its digits, f is the integral of its slope. Near a summit
+    f varies with the square of the distance and f' with the distance, so that f' keeps more digits.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
         size, range_ = np.max(np.abs(f)), np.ptp(f)
-        if not range_ < 1e8 * np.finfo(np.float64).eps * size:
+        if not range_ < 1e8 * _EPS * size:  # f has eight digits of its shape
             return f
         ends, middle = (
             np.asarray(profile.slope(x)),
@@ -98,24 +122,23 @@ def grid_height(profile: Profile, x: Array) -> Array:
 
 
 def _midpoints(cell: tuple[float, float], n: int) -> Array:
+    """The middles of n equal cells."""
     return np.asarray(cell[0] + (cell[1] - cell[0]) / n * (np.arange(n) + 0.5), dtype=np.float64)
 
 
 def narrowest(state: GridState) -> int:
-    """Width in cells of the narrowest zone or gap between zones (n for full contact, 0 for no
-    contact or a gap that may lie between the points of a full contact).
+    """Width in cells of the narrowest zone or gap.
+
+    It is n in full contact, and 0 without contact or if a gap may lie between two points.
     """
     n = state.influence.n
     wraps = state.influence.is_periodic
     runs = np.array(runs_of(state.contact, wraps)).reshape(-1, 2)
     if state.full:
-        # p is a parabola at its minimum: below one second difference it may hide a gap between two
-        # points.
+        # About its minimum p is a parabola: below one second difference it may hide a gap.
         p, i = state.pressure, int(np.argmin(state.pressure))
         return n if p[i] > p[i - 1] - 2.0 * p[i] + p[(i + 1) % n] else 0
-    if not len(
-        runs
-    ):  # the lowest point of the grid lies above the level; a finer grid may go deeper
+    if not len(runs):  # the lowest point of a finer grid may lie deeper
         return 0
     gaps = runs[1:, 0] - runs[:-1, 1] - 1
     if wraps:
@@ -124,9 +147,10 @@ def narrowest(state: GridState) -> int:
 
 
 def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Array:
-    """(k, 2) zone ends. Periodic: left ends in the cell, ascending, a right end may exceed it; full
-    contact: shape (0, 2). between_points: with gaps that no point lies in, of a grid that tells the
-    pressure's shape.
+    """Zones (k, 2) of a grid contact; none in full contact.
+
+    In a period left ends lie in the cell, ascending, and a right end may exceed it. between_points:
+    gaps that no point lies in are cut out, for a grid that resolves the pressure.
     """
     points = np.asarray(x, dtype=np.float64)
     h, n, E = state.influence.h, state.influence.n, state.influence.E
@@ -143,9 +167,8 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
             centre, half = _hertz(state, cells, first, E)
             a, b = x0 + h * centre - half, x0 + h * centre + half
         else:
-            a, b = left - h * float(_beyond(p[0], p[1])), right + h * float(_beyond(p[-1], p[-2]))
-        # The first free point on each side is outside: within this fence zones neither overlap nor
-        # invert.
+            a, b = left - h * float(_to_end(p[0], p[1])), right + h * float(_to_end(p[-1], p[-2]))
+        # The first free point on either side is outside, so that zones neither overlap nor invert.
         zones[k] = max(a, left - 0.999 * h), min(b, right + 0.999 * h)
     if between_points:
         gaps = _gaps_between(points, state)
@@ -154,12 +177,12 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
 
 
 def _gaps_between(x: Array, state: GridState) -> Array:
-    """Gaps (k, 2) between two points of a grid x, ascending: where a parabola through the pressure
-    falls below zero. As wide as a lone one in it is.
+    """Gaps (k, 2) between two points of a grid x, where a parabola through p is negative.
+
+    Their width is that of a lone gap in that parabola.
     """
     p, h = state.pressure, state.influence.h
-    # Beyond a window nothing presses, and where no pressure is beside a point there is none of its
-    # own between them.
+    # Outside a window there is no pressure.
     before, after = np.roll(p, 1), np.roll(p, -1)
     if not state.influence.is_periodic:
         before[0] = after[-1] = 0.0
@@ -169,13 +192,17 @@ def _gaps_between(x: Array, state: GridState) -> Array:
         pulls = 0.5 * slope**2 / bend - p[i]
     open_ = pulls > 0.0
     i, slope, bend, pulls = i[open_], slope[open_], bend[open_], pulls[open_]
-    middle, half = x[i] - h * slope / bend, h * np.minimum(2.0 * np.sqrt(pulls / bend), _WIDEST)
+    middle, half = (
+        x[i] - h * slope / bend,
+        h * np.minimum(2.0 * np.sqrt(pulls / bend), OPTIONS.widest_hidden_gap),
+    )
     return np.column_stack((middle - half, middle + half))
 
 
-def _beyond(p_end: Array, p_next: Array) -> Array:
-    """Cells from the last point in contact to the zero of p^2; half a cell where p does not fall
-    there.
+def _to_end(p_end: Array, p_next: Array) -> Array:
+    """Cells from the last point in contact to the zero of p^2.
+
+    Half a cell where p does not fall towards the end.
     """
     rise = p_next**2 - p_end**2
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -183,9 +210,7 @@ def _beyond(p_end: Array, p_next: Array) -> Array:
 
 
 def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> tuple[float, float]:
-    """Centre (in cells) and half width of a zone of one or two cells: its load, the curvature of f
-    there.
-    """
+    """Centre (in cells) and half width of a zone of one or two cells, as a Hertz contact."""
     h, n = state.influence.h, state.influence.n
     p = state.pressure[cells]
     load = float(p.sum()) * h
@@ -198,83 +223,89 @@ def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> 
     if not (np.isfinite(curvature) and curvature > 0.0):
         return centre, 0.5 * len(cells) * h
     half = 2.0 * np.sqrt(load / (np.pi * E * curvature))
-    if half < 0.5 * h and len(cells) == 1:  # below the grid the tip is the vertex of the parabola
+    if half < 0.5 * h and len(cells) == 1:  # the tip is the vertex of a parabola
         bend = state.f[around]
         centre += float(np.clip(0.5 * (bend[0] - bend[2]) / (curvature * h**2), -0.5, 0.5))
     return centre, float(min(half, widest))
 
 
-def propose(
-    height: Height,
-    cell: tuple[float, float],
-    response: Response,
-    *,
-    load: float | None = None,
-    level: float | None = None,
-    resolution: float | None = None,
-    points: int | None = None,
-    max_points: int = 2**17,
-    tol: float = 1e-8,
-    near: GridState | None = None,
-    between_points: bool = False,
-) -> Proposal:
-    """Zones of `height` on one period or window `cell` from nested grids.
+@record
+class Request:
+    """What is asked of nested grids: the contact under a load or a level, and how fine.
 
-    `resolution` is the smallest length of the shape and sets the first final grid, doubled up to
-    `max_points` while something is narrower than three cells; `points` fixes the final grid
-    instead. near: a contact on the same cell, under another load or to another tolerance, of which
-    the first grid has the points. between_points: see `zones_of`.
+    resolution: the smallest length of the shape. points: of the last grid; None: as many as the
+    resolution asks for, doubled up to `max_points` while something is not resolved. start: a
+    contact on the same cell, to begin with. between_points: see `zones_of`.
     """
-    width = cell[1] - cell[0]
-    if points is not None:
-        target = limit = int(points)
+
+    load: float | None = None
+    level: float | None = None
+    resolution: float | None = None
+    points: int | None = None
+    max_points: int = 2**17
+    tol: float = 1e-8
+    start: GridState | None = None
+    between_points: bool = False
+
+
+def propose(
+    height: Height, cell: tuple[float, float], response: Response, **request: Any
+) -> Proposal:
+    """Zones of `height` on one period or window `cell`, from nested grids; see `Request`."""
+    asked = Request(**request)
+    width, tol = cell[1] - cell[0], asked.tol
+    if asked.points is not None:
+        target = limit = int(asked.points)
     else:
-        target, limit = points_for(width, resolution, max_points)
-        if _features(width, resolution) > _FEATURES:
-            # What this is wrong by, the look at the signs puts right as well.
-            tol = max(tol, _PASSING)
+        target, limit = points_for(width, asked.resolution, asked.max_points)
+        if _features(width, asked.resolution) > OPTIONS.many_features:
+            # The first check of signs repairs this error as well.
+            tol = max(tol, OPTIONS.coarse_tolerance)
     n, start = target, None
-    while n % 2 == 0 and n // 2 >= COARSEST and start is None:
-        start = near.pressure if near is not None and len(near.pressure) == n else None
+    while n % 2 == 0 and n // 2 >= OPTIONS.coarsest and start is None:
+        known = asked.start
+        start = known.pressure if known is not None and len(known.pressure) == n else None
         n = n if start is not None else n // 2
     while True:
         x, h = _midpoints(cell, n), width / n
         f = np.asarray(height(x), dtype=np.float64)
         require_numbers(x, f)
-        # What a grid before the last is wrong by, the next one puts right.
         state = solve_grid(
             f,
             response.on(n, h),
-            load=load,
-            level=level,
+            load=asked.load,
+            level=asked.level,
             start=start,
-            tol=tol if n >= target else max(tol, _PASSING),
+            tol=tol if n >= target else max(tol, OPTIONS.coarse_tolerance),
         )
         if n >= target and (narrowest(state) >= NARROW or 2 * n > limit):
             break
         n, start = 2 * n, _refine(state.pressure, response.periodic)
-    return Proposal(zones_of(state, x, between_points), n, state.full, state.touches_border, state)
+    zones = zones_of(state, x, asked.between_points)
+    return Proposal(zones, n, state.full, state.touches_border, state)
 
 
 def _features(width: float, resolution: float | None) -> float:
-    return 16.0 if resolution is None else width / resolution
+    """Smallest lengths of a shape in a cell of this width."""
+    return float(OPTIONS.per_feature) if resolution is None else width / resolution
 
 
 def points_for(width: float, resolution: float | None, most: int) -> tuple[int, int]:
-    """(points that a cell of this width asks for, points at the most)."""
+    """Points that a cell of this width asks for, and the most that it may get."""
     features = _features(width, resolution)
-    wanted = max(
-        4 * COARSEST, (_PER_FEATURE if features <= _FEATURES else _PER_ONE_OF_MANY) * features
-    )
-    target = 2 ** int(np.ceil(np.log2(wanted)))
-    # A shape of known resolution is worth as many points as it asks for.
+    per_feature = OPTIONS.per_feature
+    if features > OPTIONS.many_features:
+        per_feature //= 2
+    target = 2 ** int(np.ceil(np.log2(max(4 * OPTIONS.coarsest, per_feature * features))))
+    # A shape of known resolution gets as many points as it asks for.
     limit = most if resolution is None else max(most, min(target, MOST_POINTS))
     return min(target, limit), limit
 
 
 def _refine(p: Array, periodic: bool) -> Array:
-    """Linear interpolation from the midpoints of a grid to those of the grid of twice as many,
-    without what is farther in a cell beyond an end than p^2 goes on.
+    """The pressure on a grid of twice as many points, by linear interpolation.
+
+    Cells beyond an end, where p^2 extrapolates below zero, are left without pressure.
     """
     left, right = np.roll(p, 1), np.roll(p, -1)
     if not periodic:
@@ -282,8 +313,8 @@ def _refine(p: Array, periodic: bool) -> Array:
     out = np.stack((0.75 * p + 0.25 * left, 0.75 * p + 0.25 * right), axis=1)
     for side, outer, inner in ((-1, left, right), (1, right, left)):
         ends = np.flatnonzero((p > 0) & (outer == 0))
-        # The nearer half of a free cell faces the end.
-        beyond = (ends[_beyond(p[ends], inner[ends]) < 0.75] + side) % len(p)
+        # The half of a free cell that is next to the end.
+        beyond = (ends[_to_end(p[ends], inner[ends]) < 0.75] + side) % len(p)
         out[beyond, 0 if side > 0 else 1] = 0.0
     return np.asarray(out.ravel(), dtype=np.float64)
 
@@ -291,73 +322,69 @@ def _refine(p: Array, periodic: bool) -> Array:
 def find_window(
     height: Height,
     response: Response,
-    *,
     load: float | None = None,
     level: float | None = None,
-    start_scale: float | None = None,
     limits: tuple[float, float] | None = None,
     start: tuple[float, float] | None = None,
-    light: float | None = None,
 ) -> tuple[float, float]:
-    """A window of the line of which an isolated contact takes between about 20 % and 70 %, clear of
-    its border.
+    """A window of the line that an isolated contact fills to between 20 % and 70 %.
 
-    The search begins with the window `start`, or else at `start_scale` around 0 (or at `limits`,
-    which it never leaves), and grows or shrinks by what the contact takes. A window returned with
-    its border in contact is `limits` itself. A level is sought from a `light` load on.
+    The search begins with the window `start`, else with `limits`, which it never leaves, and grows
+    or shrinks with the contact. Contact touches the border of the returned window only if it is
+    `limits`. With a level, the load is the first one tried.
     """
-    if (load is None) == (level is None):
-        raise ValueError("exactly one of load and level")
+    if load is None and level is None:
+        raise ValueError("a load or a level")
     search = _Window(height, response, limits)
-    window = start or limits or (-(start_scale or 1.0), start_scale or 1.0)
-    if load is not None:
+    window = start or limits or (-1.0, 1.0)
+    if level is None:
+        assert load is not None
         return search.at_load(load, window)[0]
-    assert level is not None
-    return search.at_level(level, window, light or 1e-3 * response.E * response.datum)
+    return search.at_level(level, window, load or 1e-3 * response.E * response.datum)
 
 
 @record
 class _Window:
+    """Windows of one isolated contact."""
+
     height: Height
     response: Response
     limits: tuple[float, float] | None
 
     def _heights(self, x: Array) -> Array:
-        with np.errstate(
-            over="ignore"
-        ):  # far outside heights may overflow to inf: these points do not touch
+        """Heights; far outside they may overflow to inf, and such points do not touch."""
+        with np.errstate(over="ignore"):
             return np.asarray(self.height(x), dtype=np.float64)
 
     def _with_body(self, window: tuple[float, float]) -> tuple[float, float]:
-        """The window, shrunk about its middle until some height in it is no overflow."""
-        for _ in range(_SHRINKS):
-            if not np.isposinf(self._heights(_midpoints(window, _POINTS))).all():
+        """The window, shrunk about its middle until some height in it does not overflow."""
+        for _ in range(WINDOW.max_windows):
+            if not np.isposinf(self._heights(_midpoints(window, WINDOW.points))).all():
                 break
             middle, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
             window = middle - half / 8, middle + half / 8
         return window
 
     def _solve(self, window: tuple[float, float], load: float) -> tuple[Array, GridState]:
-        x = _midpoints(window, _POINTS)
+        """The contact on a window under a load, and its grid."""
+        x = _midpoints(window, WINDOW.points)
         f = self._heights(x)
         lost = np.isnan(f) | np.isneginf(f)
         if lost.any():
             raise OutOfRange(
-                f"profile.height(x) is {f[lost][0]} at x = {x[lost][0]:.9g} m, in the window {window} [m] looked at: "
-                "if it is known on a part of the line only, give it an `extent`, and a `resolution` to begin with"
+                f"profile.height(x) is {f[lost][0]} at x = {x[lost][0]:.9g} m, in the window "
+                f"{window} [m] looked at: if it is known on a part of the line only, give it an "
+                "`extent`, and a `resolution` to begin with"
             )
-        # So high nothing touches, and beside such heights those of the tip have no digits.
+        width = window[1] - window[0]
         with np.errstate(over="ignore", invalid="ignore"):
-            f = np.where(
-                f - f.min() > _TOWERING * (window[1] - window[0] + load / self.response.E),
-                np.inf,
-                f,
-            )
-        influence = self.response.on(_POINTS, (window[1] - window[0]) / _POINTS)
-        with np.errstate(over="ignore", invalid="ignore"):
-            return x, solve_grid(f, influence, load=load, tol=1e-3)
+            too_high = f - f.min() > WINDOW.towering * (width + load / self.response.E)
+            influence = self.response.on(WINDOW.points, width / WINDOW.points)
+            f = np.where(too_high, np.inf, f)
+            return x, solve_grid(f, influence, load=load, tol=WINDOW.tolerance)
 
     def _clip(self, window: tuple[float, float]) -> tuple[float, float]:
+        """The part of a window within the limits."""
         if self.limits is None:
             return window
         return max(window[0], self.limits[0]), min(window[1], self.limits[1])
@@ -365,12 +392,13 @@ class _Window:
     def at_load(
         self, load: float, window: tuple[float, float]
     ) -> tuple[tuple[float, float], GridState]:
-        floor, shrunk = 0.0, False
+        """A window that holds the contact under a load, and the contact on it."""
+        least_width, shrunk = 0.0, False
         window = self._with_body(window)
-        for _ in range(300):
+        for _ in range(WINDOW.max_windows):
             x, state = self._solve(window, load)
             width = window[1] - window[0]
-            h = width / _POINTS
+            h = width / WINDOW.points
             touching = np.flatnonzero(state.contact)
             if len(touching) == 0:
                 break
@@ -379,51 +407,52 @@ class _Window:
             if state.touches_border:
                 if window == self.limits:
                     return window, state
-                if (
-                    shrunk
-                ):  # asperities between the points of the wider window: do not come back here
-                    floor = 1.25 * width
+                if shrunk:
+                    # The wider window had asperities between its points: it shrinks no more.
+                    least_width = 1.25 * width
                 shrunk = False
-                new = (8.0 if extent > 0.9 * width else 3.0) * width
+                wanted_width = (8.0 if extent > 0.9 * width else 3.0) * width
                 centre = 0.5 * (window[0] + window[1])
             else:
-                # A grid sees no more than its cells: from a few cells in contact keep a few more
-                # around them.
-                new = max(2.5 * extent, 12.0 * h, floor)
+                # A contact of a few cells may be smaller than they are: it keeps some about it.
+                wanted_width = max(WINDOW.margin * extent, 12.0 * h, least_width)
                 centre = 0.5 * (left + right)
-                if extent <= 0.7 * width and (extent >= 0.2 * width or new >= 0.8 * width):
+                fits = extent <= WINDOW.most_filled * width
+                if fits and (extent >= WINDOW.least_filled * width or wanted_width >= 0.8 * width):
                     return window, state
-                shrunk = new < width
-            if not new < 1e60:
+                shrunk = wanted_width < width
+            if not wanted_width < 1e60:  # its powers overflow
                 break
-            wanted = self._clip((centre - 0.5 * new, centre + 0.5 * new))
-            if (
-                wanted == window or centre + 0.5 * h == centre
-            ):  # at the limits, or below the digits of x
+            wanted = self._clip((centre - 0.5 * wanted_width, centre + 0.5 * wanted_width))
+            if wanted == window or centre + 0.5 * h == centre:
+                # The limits are reached, or the digits of x.
                 return window, state
             window = wanted
         raise NoWindow(
-            f"no window holds the contact (last tried: {window}): does the profile rise on both sides? Where it "
-            "levels off, alone it bears light loads only"
+            f"no window holds the contact (last tried: {window}): does the profile rise on both "
+            "sides? Where it levels off, alone it bears light loads only"
         )
 
     def at_level(
         self, level: float, window: tuple[float, float], load: float
     ) -> tuple[float, float]:
-        """The level is concave in the load up to its maximum: NewtonSettings for the load, to a tenth,
-        bracketed.
+        """A window that holds the contact under a level, by Newton's method on the load.
+
+        The level is concave in the load up to its maximum. A tenth of the load is close enough.
         """
         low, high = 0.0, np.inf
-        for _ in range(200):
+        for _ in range(WINDOW.max_windows):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
+            # So light a load has vanished in the digits of any level.
             if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
                     raise OutOfRange(
                         f"level {level} does not reach the profile, whose lowest point is {lowest}"
                     )
                 raise OutOfRange(
-                    f"level {level} is above the largest approach over a datum of {self.response.datum}"
+                    f"level {level} is above the largest approach over a datum of "
+                    f"{self.response.datum}"
                 )
             slope = self._compliance(state)
             step = (level - state.level) / slope if slope > 0.0 else np.nan
@@ -439,6 +468,6 @@ class _Window:
         return window
 
     def _compliance(self, state: GridState) -> float:
-        """d level / d load = -(2 / pi E) ln(capacity / datum) of the contact set, as a flat punch."""
+        """d level / d load of the contact set, as of a flat punch."""
         flat = np.where(state.contact, 0.0, np.inf)
-        return solve_grid(flat, state.influence, load=1.0, tol=1e-3).level
+        return solve_grid(flat, state.influence, load=1.0, tol=WINDOW.tolerance).level

@@ -1,9 +1,9 @@
-"""Zones proposed by the coarse grid, placed where the scaled problem wants them."""
+"""Zones that a coarse grid proposes, placed as the scaled problem wants them."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -14,62 +14,57 @@ from contact.formulation.problem import Problem
 from contact.formulation.tables import ascending, centred_on, gaps_between
 from contact.model.interactions.periodic import Periodic
 from contact.model.profiles.derive import detail_of
+from contact.search.grid import nested_grids
 from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.nested_grids import Proposal, grid_height, propose
 from contact.search.grid.scaling import ScaledScene
 from sie import Array
 
-# Cells by which the centre of a strip's zones may miss its place.
-_CELLS = 0.1
-# Of the last grid: ends are off by parts of a cell, and what its signs do not tell the corrections
-# of the zones do.
-_CLOSELY = 1e-5
-# How often a strip at rest is looked at once more, on the last grid, about the middle of its zones.
-_CENTRINGS = 2
-# Of a width, or of what it leaves of the period: near enough for a load to begin with; cells in it
-# at least; of a grid that tells as much, cells to a shortest length of the shape, and its
-# tolerance.
-_ABOUT = 0.03
-_SEEN = 64
-_PER_FEATURE = 2
-_ROUGHLY = 1e-3
-# The same from the finest grid, of many zones and of few, how many such grids, and the least rate
-# that a width grows with.
-_CLOSE = (1e-3, 0.05)
-_FINE_GRIDS = 3
-_FLATTEST = 0.2
-# Lengths of the kernel to a shortest length of the shape: a cell is about two of them.
-_LENGTHS = 32.0
-# Zones missing, or too many, that a grid may leave to Newton, as far as the width tells.
-_MISSED = 0.3
-# Change of a load, over it, after which a grid's contact is a good start.
-_BESIDE = 0.02
-# Loads over each other that are near enough to begin with, whatever lies between.
-_CLOSE_BY = 1.1
+
+@dataclass(frozen=True)
+class ProposalOptions:
+    """How precise a grid is, and how close to a wanted width its zones come."""
+
+    # Of the last grid: ends have an error of parts of a cell, whatever the tolerance.
+    tolerance: float = 1e-5
+    # Smallest lengths of the shape over the length of the kernel: Newton moves an end by about the
+    # kernel's length in a step, and a cell is then twice as long.
+    kernel_lengths: float = 32.0
+    centre_error: float = 0.1  # of the zones of a strip, in cells
+    max_centrings: int = 2  # of a strip on the last grid
+    # A load is looked for on grids that just resolve the width: cells in it, cells to a smallest
+    # length, and the error of the width, over the smaller of contact and its complement.
+    cells_in_width: int = 64
+    per_feature: int = 2
+    width_error: float = 0.03
+    # Then fine grids come closer, until the error of the width is that of less than a zone.
+    max_fine_grids: int = 3
+    missing_zones: float = 0.3
+    fine_width_error: float = 0.05
+    flattest: float = 0.2  # d log(width) / d log(load); a smaller rate is one of a jump
+
+
+OPTIONS = ProposalOptions()
 
 
 def proposed(
     scaled: ScaledScene,
-    problem: Problem,
     control: Control,
     points: int | None,
-    tol: float = _CLOSELY,
+    tol: float = OPTIONS.tolerance,
     held: bool = False,
-    near: Proposal | None = None,
+    start: Proposal | None = None,
 ) -> Proposal:
-    """Zones from a grid of so many points, or of as many as the profile's resolution asks for, to a
-    tolerance; held: of a strip that stays where it is; near: under another load, to begin with.
+    """Zones from a grid.
+
+    points: None: as many as the profile's resolution asks for. held: a strip keeps its centre.
+    start: a contact under another load, to begin with.
     """
-    units, profile, interaction, by_load = (
-        problem.units,
-        problem.profile,
-        problem.interaction,
-        control.load is not None,
-    )
+    problem = scaled.problem
+    units, profile, by_load = problem.units, problem.profile, control.load is not None
     detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
     if detail is not None:
-        # Newton moves an end by about the kernel's length in a step: the grid comes as near.
-        detail = min(detail, _LENGTHS * problem.kernel.length * units.length)
+        detail = min(detail, OPTIONS.kernel_lengths * problem.kernel.length * units.length)
     found = propose(
         partial(grid_height, profile) if by_load else profile.height,
         scaled.cell,
@@ -79,18 +74,16 @@ def proposed(
         load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height,
         tol=tol,
-        near=None if near is None else near.state,
+        start=None if start is None else start.state,
         between_points=True,
     )
-    if interaction.strip and found.load > 0.0:
+    if problem.interaction.strip and found.load > 0.0:
         return _in_strip(problem, control, points, found, held)
     return found
 
 
 def whole_response(problem: Problem) -> Response:
-    """What pressure does on the whole line, or in all periods: of a strip the grid of the whole
-    period tells where to cut.
-    """
+    """The response of the surface on the whole line, or on all of the period of a strip."""
     operator, interaction = problem.operator, problem.interaction
     whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
     return Response(
@@ -106,43 +99,42 @@ def whole_response(problem: Problem) -> Response:
 def _in_strip(
     problem: Problem, control: Control, points: int | None, whole: Proposal, held: bool
 ) -> Proposal:
-    """From a grid of the strip, under the nominal pressure beyond it, from the contact of the whole
-    period, where that leaves a gap: the strip is cut there, or where it would leave the last one,
-    and then follows its zones.
+    """Zones from a grid of the strip, with the nominal pressure outside it.
+
+    The strip is first cut at the widest gap of the contact of the whole period, and then follows
+    its zones.
     """
     units, profile = problem.units, problem.profile
     assert profile.period is not None
     load = whole.state.load if control.load is None else control.load * units.load
-    nominal = (
-        load / units.load / problem.repeat_length
-        if problem.amplitude is None
-        else problem.amplitude
-    )
+    nominal = problem.amplitude
+    if nominal is None:
+        nominal = load / units.load / problem.repeat_length
     middle = cut_of(whole, profile.x0, profile.period)[0] + 0.5 * profile.period
     if profile.support is not None:
         middle = 0.5 * sum(profile.support)
     if held:
         middle = float(units.x(np.array(problem.centre)))
-    at_rest, wide = (
-        require("contact.search.grid.strip_at_rest"),
-        whole.points if points is None else points,
-    )
+    at_rest = require("contact.search.grid.strip_at_rest")
+    wide = whole.points if points is None else points
     strips = at_rest.PressedStrip(problem, load / units.load, nominal)
     here = strips.about(float(units.scaled(np.array(middle))), strips.points, at_rest.ROUGHLY, None)
     if not held:
         here = strips.at_rest(here, strips.farthest)
     unrest = here.unrest
-    for _ in range(0 if unrest is not None else 1 if held else _CENTRINGS):
-        here = strips.about(here.centre, wide, _CLOSELY, None)
-        if abs(here.miss) <= _CELLS * here.cell:
+    times = 1 if held else OPTIONS.max_centrings
+    for _ in range(0 if unrest is not None else times):
+        here = strips.about(here.centre, wide, OPTIONS.tolerance, None)
+        if abs(here.miss) <= OPTIONS.centre_error * here.cell:
             break
         here = replace(here, centre=here.centre + here.miss)
     return Proposal(here.strip.zones, wide, False, here.touches, unrest=unrest, in_strip=True)
 
 
 def cut_of(whole: Proposal, x0: float, period: float) -> tuple[float, float]:
-    """(the middle of the widest gap of a period, its width); in full contact the place of least
-    pressure.
+    """The middle of the widest gap of a period, and its width.
+
+    In full contact the place of least pressure, and 0.
     """
     if whole.full or len(whole.zones) == 0:
         return x0 + period * (int(np.argmin(whole.state.pressure)) + 0.5) / whole.points, 0.0
@@ -151,95 +143,98 @@ def cut_of(whole: Proposal, x0: float, period: float) -> tuple[float, float]:
     return 0.5 * float(left + right), float(right - left)
 
 
-def of_width(scaled: ScaledScene, problem: Problem, width: float) -> Proposal:
-    """Zones from a grid under a load at which they have about the given scaled total width: from
-    one no finer than the width asks for first, then from one as fine as the profile's resolution
-    does.
+def of_width(scaled: ScaledScene, width: float) -> Proposal:
+    """Zones from a grid under a load at which they have about a scaled total width.
+
+    The load is first found on grids that just resolve the width. Up to three grids as fine as the
+    profile asks for then repair the rest: without them a rough contact of more than 30 zones takes
+    two to four times as long.
     """
-    period, length = problem.repeat_length, problem.units.length
-    load, rate, roughly = _load_of_width(scaled, problem, width)
+    period, length = scaled.problem.repeat_length, scaled.problem.units.length
+    load, rate, start = _load_of_width(scaled, width)
     before: tuple[float, float] | None = None
-    found, fine = roughly, list[tuple[float, Proposal]]()
-    for _ in range(_FINE_GRIDS):
-        # Farther off than that, coarser grids are the shorter way.
-        beside = before is not None and abs(math.log(load / before[0])) < _BESIDE
-        found = proposed(scaled, problem, Load(load), None, near=found if beside else roughly)
-        miss = _miss(found.width / length, width, period)
-        if before is not None and math.isfinite(miss - before[1]) and load != before[0]:
-            rate = max((miss - before[1]) / math.log(load / before[0]), _FLATTEST)
-        fine.append((abs(miss), found))
-        # So near that hardly a zone is missing, or one too many.
-        if not math.isfinite(miss) or abs(miss) < min(
-            max(_MISSED / max(len(found.zones), 1), _CLOSE[0]), _CLOSE[1]
-        ):
+    fine: list[tuple[float, Proposal]] = []
+    for _ in range(OPTIONS.max_fine_grids):
+        found = proposed(scaled, Load(load), None, start=start)
+        error = _width_error(found.width / length, width, period)
+        if before is not None and math.isfinite(error - before[1]) and load != before[0]:
+            slope = (error - before[1]) / math.log(load / before[0])
+            rate = max(slope, OPTIONS.flattest)
+        fine.append((abs(error), found))
+        allowed = OPTIONS.missing_zones / max(len(found.zones), 1)
+        if not math.isfinite(error) or abs(error) < min(allowed, OPTIONS.fine_width_error):
             break
-        before, load = (load, miss), load * math.exp(min(max(-miss / rate, -0.5), 0.5))
-    # Where the width jumps with the load, the last step may leave the bracket: the nearest grid is
-    # the start.
+        before, start = (load, error), found
+        load *= math.exp(min(max(-error / rate, -0.5), 0.5))
+    # Where the width jumps with the load, the last grid need not be the closest one.
     return min(fine, key=lambda tried: tried[0])[1]
 
 
-def _miss(found: float, width: float, period: float) -> float:
-    """By how much a width is off: of what is in contact to what is not, the logarithm goes about
-    straight with that of the load.
+def _width_error(found: float, width: float, period: float) -> float:
+    """Error of a contact width: of the logarithm of contact over its complement.
+
+    That is about a straight line over the logarithm of the load.
     """
     if not 0.0 < found < period:
         return math.copysign(math.inf, found - width)
     return math.log(found / width * (period - width) / (period - found))
 
 
-def _load_of_width(
-    scaled: ScaledScene, problem: Problem, width: float
-) -> tuple[float, float, Proposal]:
-    """(a scaled load at which a grid's zones have about the given scaled total width, by false
-    position, d miss / d log(load), these). It is that of a first guess: the grid is no finer than
-    the width asks for.
+def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Proposal]:
+    """A scaled load at which zones have about a total width, by false position.
+
+    Returns the load, the rate of the width's error with its logarithm, and the zones.
     """
+    problem = scaled.problem
     units, profile, period = problem.units, problem.profile, problem.repeat_length
-    near_enough, least = (
-        _ABOUT * min(width, period - width),
-        _SEEN * period / min(width, period - width),
-    )
-    features = 16.0 if profile.feature is None else units.length * period / profile.feature
-    points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))
+    smaller = min(width, period - width)
+    least = OPTIONS.cells_in_width * period / smaller
+    features = float(nested_grids.OPTIONS.per_feature)
+    if profile.feature is not None:
+        features = units.length * period / profile.feature
+    points = 2 ** int(np.clip(np.ceil(np.log2(max(OPTIONS.per_feature * features, least))), 8, 17))
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
     tried: list[tuple[float, float]] = []
-    near: Proposal | None = None
+    found: Proposal | None = None
+    # Sixty halvings of a bracket leave no digit.
     for _ in range(60):
-        near = proposed(scaled, problem, Load(load), points, _ROUGHLY, near=near)
-        found = near.width / units.length
-        miss = _miss(found, width, period)
-        tried.append((math.log(load), miss))
-        if abs(found - width) < near_enough or high < _CLOSE_BY * low:
+        tol = nested_grids.OPTIONS.coarse_tolerance
+        found = proposed(scaled, Load(load), points, tol, start=found)
+        contact = found.width / units.length
+        error = _width_error(contact, width, period)
+        tried.append((math.log(load), error))
+        # A bracket of a tenth of the load is close enough where the width jumps.
+        if abs(contact - width) < OPTIONS.width_error * smaller or high < 1.1 * low:
             break
-        # The end that stays a second time loses half of its weight, for the other to come nearer.
-        weight = 0.5 if miss * last > 0 else 1.0
-        if miss < 0:
-            low, at_low, at_high = load, miss, weight * at_high
+        # An end of the bracket that stays a second time counts half (Illinois method).
+        weight = 0.5 if error * last > 0 else 1.0
+        if error < 0:
+            low, at_low, at_high = load, error, weight * at_high
         else:
-            high, at_high, at_low = load, miss, weight * at_low
-        last = miss
+            high, at_high, at_low = load, error, weight * at_low
+        last = error
         if low == 0.0:
-            load = (
-                high * min(max((width / found) ** 2, 1e-3), 0.3) if found < period else 0.3 * high
-            )
+            # The width grows at most with the root of the load.
+            factor = min(max((width / contact) ** 2, 1e-3), 0.3) if contact < period else 0.3
+            load = high * factor
         elif high == math.inf:
             load = 10 * low
         else:
             share = at_high / (at_high - at_low) if math.isfinite(at_high - at_low) else 0.5
             load = high * (low / high) ** min(max(share, 0.02), 0.98)
-    rises = [
-        (miss - tried[-1][1]) / (at - tried[-1][0])
-        for at, miss in tried[-2:-1]
-        if math.isfinite(miss - tried[-1][1])
+    rates = [
+        (error - tried[-1][1]) / (at - tried[-1][0])
+        for at, error in tried[-2:-1]
+        if math.isfinite(error - tried[-1][1])
     ]
-    assert near is not None
-    return load, max(rises[0], _FLATTEST) if rises else 1.0, near
+    assert found is not None
+    return load, max(rates[0], OPTIONS.flattest) if rates else 1.0, found
 
 
 def placed(problem: Problem, zones: Array) -> Array:
-    """Zones [m] in scaled variables, cut at the widest gap of the period where the model wants them
-    in one strip; a body between sharp corners is never cut.
+    """Zones [m] in scaled variables, in the order that the problem wants.
+
+    In a strip the period is cut at its widest gap. A body between sharp corners is never cut.
     """
     scaled = problem.units.scaled(zones)
     period = problem.period
@@ -247,12 +242,12 @@ def placed(problem: Problem, zones: Array) -> Array:
         return scaled
     bounded = np.isfinite(problem.corners).all()
     if problem.profile.symmetric or bounded:
-        # About the origin, so that mirror images stand together; of a body between sharp corners
-        # there where these are.
+        # About the origin, so that mirror images are in one period; else between the corners.
         middle = 0.5 * sum(problem.corners) if bounded else 0.0
         scaled = ascending(centred_on(scaled, middle, period))
     if problem.interaction.strip and len(scaled) and not bounded:
         gaps = np.diff(gaps_between(scaled, period))[:, 0]
+        # The last gap, over the border, stays the cut among equally wide ones.
         if gaps[-1] < (1 - 1e-6) * gaps.max():
             first = int(np.argmax(gaps)) + 1
             scaled = np.concatenate((scaled[first:], scaled[:first] + period))

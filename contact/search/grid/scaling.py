@@ -1,14 +1,14 @@
-"""A scene in scaled variables: where the origin is, what lengths, slopes and loads are counted in,
-where zones are looked for.
+"""A scene in scaled variables: the origin, the units, and where zones are looked for.
 
-A periodic profile is counted in its period; one without a period in the half width of the contact
-itself, found roughly first, so that nanometres and kilometres, and loads over tens of decades, come
-to about the same numbers. Either is taken to the nearest power of two. A turned body is counted
-likewise, and repeats nothing; where its tilt is unknown, a rough one is found with the contact.
+A periodic profile is measured in its period, one without a period in the half width of the contact,
+which is found roughly first. So nanometres and kilometres, and loads over tens of decades, lead to
+about the same numbers. Units of length are powers of two. A turned body repeats nothing; where its
+tilt is unknown, a rough one is found together with the contact.
 """
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -23,9 +23,10 @@ from contact.model.controls import Quantity
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
-from contact.search.grid.nested_grids import NoWindow, find_window, grid_height
+from contact.search.grid.nested_grids import Height, NoWindow, find_window, grid_height
 from contact.search.grid.tilt import (
     Window,
+    first_window,
     held_by,
     known_part,
     response_of,
@@ -34,22 +35,28 @@ from contact.search.grid.tilt import (
 )
 from sie import Array, record
 
-# How far from a window it is looked for deeper places, over its half width, at how many, and how
-# often.
-_FARTHEST = 1e8
-_LOOKS = 1024
-_DESCENTS = 12
-# Where a shape that states no size is looked at [m], how many of the last places must be level, and
-# to what part of its rise; a load over E* and the approach that such a shape surely bears.
-_SEEN = np.geomspace(1e-9, 1e9, 2048)
-_FAR_OUT = 256
-_LEVEL = 1e-12
-_LIGHT = 1e-3
+
+@dataclass(frozen=True)
+class ScalingOptions:
+    """Where the lowest place of a body alone on the line is looked for."""
+
+    farthest: float = 1e8  # half widths of a window, in which deeper places are looked for
+    places: int = 1024  # on either side of a window
+    max_descents: int = 12  # to ever deeper places
+    # A shape without a length of its own, which levels off: it is sampled over these scales [m].
+    smallest_scale: float = 1e-9
+    largest_scale: float = 1e9
+    scale_samples: int = 2048
+    level_samples: int = 256  # of the outermost ones, which are level to 1e-12 of the rise
+    light_load: float = 1e-3  # over E* and a length: contact is about the lowest place only
+
+
+OPTIONS = ScalingOptions()
 
 
 @record
 class ScaledScene:
-    """The scaled problem, the scaled control, and the cell or window [m] that holds all contact."""
+    """The scaled problem and control, and the cell or window [m] that holds all contact."""
 
     problem: Problem
     control: Control
@@ -57,8 +64,9 @@ class ScaledScene:
 
 
 def scaled_scene(scene: Scene, single: bool, tilt: float = 0.0) -> ScaledScene:
-    """Scale a scene; single: its contact is known to begin as one zone about x = 0. tilt: a first
-    guess, where it is unknown.
+    """The scaled scene.
+
+    single: the contact begins as one zone about x = 0. tilt: a first guess, where it is unknown.
     """
     if scene.turned:
         return _turned(scene, tilt)
@@ -77,31 +85,32 @@ def scaled_scene(scene: Scene, single: bool, tilt: float = 0.0) -> ScaledScene:
 
 
 def scaled_scene_about(scene: Scene, tilt: float, zones: Array) -> ScaledScene:
-    """The scaled of a lone body with about these zones [m]; of one that turns, about at this tilt."""
+    """The scaled scene of a lone body with about these zones [m], turned by about this tilt."""
     lo, hi = float(zones[0, 0]), float(zones[-1, 1])
     known = known_part(scene.profile) or (-np.inf, np.inf)
     window = (max(known[0], 2 * lo - hi), min(known[1], 2 * hi - lo))
     profile = Tilted(scene.profile, tilt) if scene.turned else scene.profile
-    return _frame_of(scene, profile, scene.profile.support or window)
+    return _scaled_by(scene, profile, scene.profile.support or window)
 
 
 def _turned(scene: Scene, guess: float) -> ScaledScene:
-    """The scaled of a body turned by a given or an unknown tilt."""
+    """The scaled scene of a body turned by a given or an unknown tilt."""
     if scene.moment is None:
         assert scene.tilt is not None
         profile = Tilted(scene.profile, scene.tilt)
-        return _frame_of(scene, profile, _window(scene, profile))
+        return _scaled_by(scene, profile, _window(scene, profile))
     lean = tilt_search(scene, guess)
-    return _frame_of(scene, Tilted(scene.profile, lean.tilt), lean.window)
+    return _scaled_by(scene, Tilted(scene.profile, lean.tilt), lean.window)
 
 
-def _frame_of(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
-    """Scaled by a window that holds the contact. The approach counts, at x = 0, from where the body
-    is not turned.
+def _scaled_by(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
+    """The scaled scene by a window that holds the contact.
+
+    The approach is that of the place x = 0 of the body before it is turned.
     """
     length = 2.0 ** round(math.log2(0.5 * (window[1] - window[0])))
     units = Units(
-        _middle_or_tip(profile, window),
+        _origin_of(profile, window),
         length,
         _typical_slope(scene, profile, length, window),
         scene.E_star,
@@ -126,8 +135,8 @@ def _window(scene: Scene, profile: Tilted) -> Window:
         assert value is not None
         if level + value <= deepest:
             raise OutOfRange(
-                f"approach {value:.6g} m at x = 0 leaves the body clear: turned by {profile.tilt:.6g} it touches from "
-                f"{deepest - level:.6g} m on"
+                f"approach {value:.6g} m at x = 0 leaves the body clear: turned by "
+                f"{profile.tilt:.6g} it touches from {deepest - level:.6g} m on"
             )
         return fixed or find(profile.height, level=level + value)
     except NoWindow as failure:
@@ -137,36 +146,48 @@ def _window(scene: Scene, profile: Tilted) -> Window:
 
 
 def _lowest_unturned(scene: Scene) -> float:
-    """min f of the body as it is given."""
+    """min f of the body before it is turned."""
     profile = scene.profile
     cell = profile.support or profile.extent
     if cell is None and profile.period is None and profile.summits is None:
-        cell = _about_lowest(profile, _finder(scene, profile), _light(scene), _dip(profile))
+        cell = _window_about_lowest(
+            profile, _finder(scene, profile), _light(scene), _window_of_shape(profile)
+        )
     return lowest(profile, cell)
 
 
 def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
-    """`find_window` of a body alone."""
+    """`find_window` for a body alone."""
     response = response_of(scene, scene.operator.datum or 1.0)
-    return partial(
-        find_window, response=response, start_scale=profile.resolution, limits=profile.extent
-    )
+
+    def find(
+        height: Height,
+        load: float | None = None,
+        level: float | None = None,
+        start: Window | None = None,
+    ) -> Window:
+        start = start or first_window(profile)
+        return find_window(height, response, load, level, profile.extent, start)
+
+    return find
 
 
 def _light(scene: Scene) -> float:
-    """A load that is light over the datum."""
-    return 1e-3 * scene.E_star * (scene.operator.datum or 1.0)
+    """A load whose contact is narrow beside the datum."""
+    return OPTIONS.light_load * scene.E_star * (scene.operator.datum or 1.0)
 
 
-def _about_lowest(
+def _window_about_lowest(
     profile: Profile, find: Callable[..., Window], load: float, start: Window | None
 ) -> Window:
-    """A window of the contact under a load. Any contact holds the lowest point: the points of wide
-    windows may miss it, or there may be a tip before it.
+    """A window of the contact under a load.
+
+    Any contact holds the lowest point. The points of a wide window may miss it, or find a tip that
+    is not the lowest one.
     """
     window = find(partial(grid_height, profile), load=load, start=start)
-    for _ in range(_DESCENTS):
-        deeper = _deeper(profile, window)
+    for _ in range(OPTIONS.max_descents):
+        deeper = _deeper_place(profile, window)
         if deeper is None:
             break
         half = 0.5 * (window[1] - window[0])
@@ -197,34 +218,35 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
         return 0.0, a, (-2 * a, 2 * a)
     find = _finder(scene, profile)
     if load is not None:
-        window = _about_lowest(profile, find, load, _dip(profile))
+        window = _window_about_lowest(profile, find, load, _window_of_shape(profile))
     else:
-        # The lowest point is in contact at any load: a window of any contact holds it.
-        dip, value = _dip(profile), scene.held(Quantity.APPROACH)
+        # The lowest point is in contact under any load.
+        dip, value = _window_of_shape(profile), scene.held(Quantity.APPROACH)
         assert value is not None
-        light = _light(scene) if dip is None else value * scene.E_star * _LIGHT
-        first = _about_lowest(profile, find, light, dip)
-        window = find(
-            profile.height, level=lowest(profile, first) + value, start=first, light=light
-        )
-    origin = 0.0 if profile.symmetric else _middle_or_tip(profile, window)
+        light = _light(scene) if dip is None else value * scene.E_star * OPTIONS.light_load
+        first = _window_about_lowest(profile, find, light, dip)
+        window = find(profile.height, level=lowest(profile, first) + value, start=first, load=light)
+    origin = 0.0 if profile.symmetric else _origin_of(profile, window)
     return origin, 0.5 * (window[1] - window[0]), window
 
 
-def _dip(profile: Profile) -> Window | None:
-    """Of a shape that states no size and levels off far away, where wide windows would see nothing:
-    a window about its lowest place, as wide as it takes to rise by half. None of any other shape.
+def _window_of_shape(profile: Profile) -> Window | None:
+    """A window about the lowest place of a shape that levels off far away, else None.
+
+    Such a shape has no resolution, and wide windows do not see its dip. The window is as wide as
+    the shape takes to rise by half.
     """
     if profile.resolution is not None or profile.extent is not None or profile.kinks.size:
         return None
-    x = np.concatenate((-_SEEN[::-1], [0.0], _SEEN))
+    scales = np.geomspace(OPTIONS.smallest_scale, OPTIONS.largest_scale, OPTIONS.scale_samples)
+    x = np.concatenate((-scales[::-1], [0.0], scales))
     with np.errstate(all="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
     rise = f - f.min()
+    outer = OPTIONS.level_samples
     if (
         not np.isfinite(rise).all()
-        or np.ptp(rise[_SEEN.size + 1 :][-_FAR_OUT:]) + np.ptp(rise[:_FAR_OUT])
-        > _LEVEL * rise.max()
+        or np.ptp(rise[-outer:]) + np.ptp(rise[:outer]) > 1e-12 * rise.max()
     ):
         return None
     lowest_at = x[int(np.argmin(rise))]
@@ -232,12 +254,13 @@ def _dip(profile: Profile) -> Window | None:
     return (float(lowest_at) - half, float(lowest_at) + half) if 0.0 < half < np.inf else None
 
 
-def _deeper(profile: Profile, window: Window) -> float | None:
-    """A place outside a window where the profile lies lower than in it, of declared tips and of
-    places ever farther away; None if none was seen.
+def _deeper_place(profile: Profile, window: Window) -> float | None:
+    """A place outside a window where the profile is lower than in it; None if none was seen.
+
+    Declared tips are looked at, and places ever farther away.
     """
     centre, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
-    away = half * np.geomspace(1.0, _FARTHEST, _LOOKS)
+    away = half * np.geomspace(1.0, OPTIONS.farthest, OPTIONS.places)
     tips = (
         profile.kinks[profile.kinks[:, 1] > 0, 0]
         if profile.summits is None
@@ -257,10 +280,11 @@ def _deeper(profile: Profile, window: Window) -> float | None:
     return float(outside[np.argmin(heights)]) if heights.min() < floor else None
 
 
-def _middle_or_tip(profile: Profile, window: Window) -> float:
-    """Where x is counted from: the lowest sharp tip within a window, since an end that comes close
-    to one is known by its distance from it (a wedge that stands on its flank); the middle, where
-    there is none.
+def _origin_of(profile: Profile, window: Window) -> float:
+    """The origin of x: the lowest sharp tip in a window, else its middle.
+
+    An end that comes close to a tip is known by its distance from it, as of a wedge that stands on
+    its flank.
     """
     tips = profile.kinks[profile.kinks[:, 1] > 0, 0]
     tips = tips[(window[0] < tips) & (tips < window[1])]
@@ -270,6 +294,7 @@ def _middle_or_tip(profile: Profile, window: Window) -> float:
 
 
 def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) -> float:
+    """The unit of slopes: the largest one at some places, or that of a load or of adhesion."""
     lo, hi = cell
     x = lo + (hi - lo) * (np.arange(32) + 0.4142) / 32
     with np.errstate(over="ignore", invalid="ignore"):
@@ -277,7 +302,7 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     slope = float(np.max(slopes[np.isfinite(slopes)], initial=0.0))
     if slope > 0.0 and not scene.is_flat:
         return slope
-    # A flat punch, turned or not, bears its load by its corners.
+    # The pressure of a flat punch, turned or not, is that of its corners.
     if scene.given_load is None:
         return max(slope, 1.0)
     work = scene.law.tension * scene.law.reach

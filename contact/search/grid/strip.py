@@ -86,7 +86,7 @@ class StripGrid:
                 points=points,
                 load=load,
                 tol=tol,
-                near=state,
+                start=state,
             )
             pressures, h = found.state.pressure[[0, -1]], self.length / points
             reaches = bool(pressures[0] > 0), bool(pressures[1] > 0)
@@ -107,7 +107,7 @@ class StripGrid:
 
         whole = Response(self.response.E, mirrored=True)
         found = propose(
-            turned, (0.0, 2 * np.pi), whole, points=2 * points, load=2 * load, tol=tol, near=state
+            turned, (0.0, 2 * np.pi), whole, points=2 * points, load=2 * load, tol=tol, start=state
         )
         inside = found.state.contact
         reaches = bool(inside[0]), bool(inside[points - 1])

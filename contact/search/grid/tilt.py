@@ -1,9 +1,8 @@
-"""A rough tilt for a given moment: contacts on windows of the line, tilt by tilt
-(contact.search.grid.tilt_rate).
+"""A rough tilt for a given moment, from contacts on windows of the line at one tilt after another.
 
 A rigid body on a rigid plane rests on the two places between which its load has its centre: the
-edge of the lower convex hull of f there has the tilt of the smallest loads. It is tried after the
-guess that is at hand.
+edge of the lower convex hull of f there. Its tilt is that of the smallest loads, and is tried after
+the guess at hand. The root is found by contact.search.grid.tilt_rate.
 """
 
 from collections.abc import Iterable
@@ -23,32 +22,35 @@ from sie import Array
 
 Window = tuple[float, float]
 
-# Of the contact's extent: how near to its place the centre of the load is brought.
-_ROUGH = 0.02
-_POINTS = 256
-_FEW_TILTS = 24
-_MOST_TILTS = 48
-# How far off a contact with another centre is looked for, in what the wanted centre and the first
-# contact are away from x = 0.
-_FAR = 1e3
-# Points among which the convex hull is looked for, where the body is known and, scale by scale, on
-# the whole line.
-_HULL_POINTS = 4097
-_MOST_HULL_POINTS = 2**18
-_SCALE = 8.0
-_SCALES = 7
-_SCALE_POINTS = 1025
+
+@dataclass(frozen=True)
+class TiltOptions:
+    """How precisely and how far a rough tilt is looked for."""
+
+    precision: float = 0.02  # of the centre of the load, over the extent of the contact
+    points: int = 256  # of a grid
+    max_tilts: int = 24  # on windows about the contact
+    # A contact with another centre is looked for up to this many times farther away, three times.
+    farther: float = 1e3
+    hull_points: int = 4097  # for the convex hull
+    most_hull_points: int = 2**18
+    hull_scale: float = 8.0  # of a body on the whole line: ratio of the scales that are sampled
+    hull_scales: int = 7
+
+
+OPTIONS = TiltOptions()
 
 
 def known_part(profile: Profile) -> Window | None:
-    """Between which places [m] a turned body is known: its corners, its one cell, its trace; None
-    for the whole line.
+    """The part of the line [m] on which a turned body is known, None for the whole line.
+
+    It ends at the corners, at the ends of the one cell, or at those of the trace.
     """
     return profile.support or Tilted(profile, 0.0).extent
 
 
 def held_by(profile: Tilted) -> Window | None:
-    """The window of any contact of a punch, or of one cell of a row; None where it must be found."""
+    """The window of any contact of a punch or of one cell; None where it must be found."""
     return profile.support or (None if profile.profile.period is None else profile.extent)
 
 
@@ -59,19 +61,24 @@ def window_at_load(
     limits: Window | None = None,
     start: Window | None = None,
 ) -> Window:
-    """A window that holds the contact of the profile as it stands."""
+    """A window that holds the contact of the profile at its tilt."""
     return held_by(profile) or find_window(
         partial(grid_height, profile),
         response_of(scene),
         load=load,
-        start_scale=profile.resolution,
         limits=limits or profile.extent,
-        start=start,
+        start=start or (None if limits else first_window(profile)),
     )
 
 
+def first_window(profile: Profile) -> Window | None:
+    """A window of the size of the profile's details about x = 0, on the whole line."""
+    size = profile.resolution
+    return None if size is None or profile.extent is not None else (-size, size)
+
+
 def response_of(scene: Scene, datum: float = 1.0) -> Response:
-    """What pressure does to the surface of a body alone."""
+    """The response of the surface of a body alone."""
     return Response(scene.E_star, False, datum=datum, rest=scene.operator.rest)
 
 
@@ -87,13 +94,13 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
             else "the ends of what is known of the profile"
         )
         raise OutOfRange(
-            f"moment {scene.moment:.6g} N asks for a centre of the load at {centre:.6g} m, which is not between {what}, "
-            f"{known[0]:.6g} and {known[1]:.6g} m"
+            f"moment {scene.moment:.6g} N asks for a centre of the load at {centre:.6g} m, which "
+            f"is not between {what}, {known[0]:.6g} and {known[1]:.6g} m"
         )
     try:
         first: Window | None = window_at_load(scene, Tilted(scene.profile, guess), load)
     except OutOfRange:
-        # As it is guessed it runs off: what holds it stands at another angle.
+        # At this tilt the body has no lowest place.
         first = None
     size = (
         max(abs(centre), *(abs(end) for end in first or (0.0, 0.0)))
@@ -106,30 +113,33 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
     tilts = (guess, resting)
     if first is not None and edge is not None:
         first = _hull([first, edge])
-    for reach in (_FAR * size, _FAR**2 * size, _FAR**3 * size):
+    for reach in (OPTIONS.farther * size, OPTIONS.farther**2 * size, OPTIONS.farther**3 * size):
         search = _Tilting(scene, load, known or (-reach, reach), known is not None, first)
-        best = balanced(search, centre, tilts, _FEW_TILTS)
+        best = balanced(search, centre, tilts, OPTIONS.max_tilts)
         missed = abs(best.centre - centre) > best.fineness
         lo, hi = _hull(search.windows.values() or [search.limits])
         if missed and known is None and best.window != search.limits and not lo <= centre <= hi:
-            break  # the centre of a load lies between places of contact, and none came near it
+            # The centre of a load lies between places of contact, and none came close to it.
+            break
         if missed and len(search.windows) > 1:
-            # A window about one asperity hid another: look at all places of contact at once,
-            # however far apart.
+            # A window about one asperity hid another one: the next contacts are those of a window
+            # that holds both, however far apart they are.
             search = replace(search, whole=(lo, hi))
-            best = balanced(search, centre, (best.tilt, resting), _MOST_TILTS)
+            best = balanced(search, centre, (best.tilt, resting), 2 * OPTIONS.max_tilts)
         if known is not None or best.window != search.limits:
             return best
     raise OutOfRange(
-        f"no tilt that can be told from the slopes of the profile brings the centre of the load to {centre:.6g} m: give a smaller moment, "
-        "or check that the profile rises on both sides"
+        "no tilt that can be told from the slopes of the profile brings the centre of the load to "
+        f"{centre:.6g} m: give a smaller moment, or check that the profile rises on both sides"
     )
 
 
 @dataclass
 class _Tilting:
-    """Contacts at tilts tried one after the other. Between two tilts the contact lies between
-    theirs: there it is looked for, so that asperities far apart are seen together.
+    """Contacts at one tilt after another.
+
+    Between two tilts the contact lies between theirs. A window about both shows asperities far
+    apart together.
     """
 
     scene: Scene
@@ -141,6 +151,7 @@ class _Tilting:
     windows: dict[float, Window] = field(default_factory=dict)
 
     def __call__(self, tilt: float) -> AtTilt:
+        """The contact at a tilt."""
         scene, profile = self.scene, Tilted(self.scene.profile, tilt)
         window = self.whole or window_at_load(
             scene, profile, self.load, self.limits, self._about(tilt)
@@ -153,13 +164,14 @@ class _Tilting:
             window,
             response_of(scene),
             load=self.load,
-            points=None if wide else _POINTS,
+            points=None if wide else OPTIONS.points,
             resolution=profile.resolution,
         )
         extent = float(np.ptp(found.zones)) / found.state.influence.h if len(found.zones) else 1.0
-        return AtTilt.of(tilt, window, found.state, max(1.0, _ROUGH * extent))
+        return AtTilt.of(tilt, window, found.state, max(1.0, OPTIONS.precision * extent))
 
     def _about(self, tilt: float) -> Window | None:
+        """A window about the contacts of the next smaller and the next larger tilt."""
         below = [t for t in self.windows if t <= tilt]
         above = [t for t in self.windows if t >= tilt]
         near = [
@@ -171,6 +183,7 @@ class _Tilting:
 
 
 def _hull(windows: Iterable[Window]) -> Window:
+    """The smallest window that holds all of these."""
     lo, hi = zip(*windows, strict=True)
     return min(lo), max(hi)
 
@@ -178,21 +191,24 @@ def _hull(windows: Iterable[Window]) -> Window:
 def _resting(
     profile: Profile, centre: float, known: Window | None, about: Window
 ) -> tuple[float, Window | None]:
-    """Slope of the edge of the lower convex hull of f that spans the centre, and that edge if it
-    lies within the points.
+    """Slope of the edge of the lower convex hull of f that spans the centre, and the edge itself.
+
+    The edge is None if it ends where the sampled points do.
     """
     if known is not None:
         count = (
             0.0 if profile.resolution is None else 8 * (known[1] - known[0]) / profile.resolution
         )
-        x = np.linspace(*known, int(np.clip(count, _HULL_POINTS, _MOST_HULL_POINTS)))
+        x = np.linspace(*known, int(np.clip(count, OPTIONS.hull_points, OPTIONS.most_hull_points)))
     else:
-        # Closer where the body is known to touch, and wide enough for any profile that outgrows a
-        # straight line.
+        # Dense where the body touches, and wide enough for any profile that outgrows a line.
         middle, half = 0.5 * (about[0] + about[1]), 0.5 * (about[1] - about[0])
         x = np.unique(
             middle
-            + np.outer(half * _SCALE ** np.arange(_SCALES), np.linspace(-1, 1, _SCALE_POINTS))
+            + np.outer(
+                half * OPTIONS.hull_scale ** np.arange(OPTIONS.hull_scales),
+                np.linspace(-1, 1, OPTIONS.hull_points // 4 + 1),
+            )
         )
     with np.errstate(over="ignore", invalid="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
@@ -208,7 +224,7 @@ def hull_edge(x: Array, f: Array, at: float) -> tuple[int, int]:
     while True:
         rest = f - (f[j] - f[i]) / (x[j] - x[i]) * x
         k = int(np.argmin(rest))
-        # Each turn brings one end of the edge to a corner of the hull nearer to the place.
+        # Each step moves one end of the edge to a corner of the hull closer to the place.
         nearer = (k > i and x[k] <= at) or (k < j and x[k] > at)
         if not nearer or rest[k] >= min(rest[i], rest[j]):
             return i, j

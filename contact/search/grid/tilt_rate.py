@@ -1,9 +1,9 @@
-"""The tilt under which a load has a given centre: moment / load, found on coarse grids.
+"""The tilt under which a load has a given centre, moment / load: a bracketed Newton method.
 
-At a given load the moment grows with the tilt: both belong to one convex energy. So the root is
-bracketed by any two tilts, one with a moment too small and one too large. Newton's steps, with the
-contact held as it is, lead there fast; where they leave the bracket, or do not halve what is
-missing, the bracket is halved. A tilt at which the contact runs off bounds it too.
+Under a given load the moment grows with the tilt, as both belong to one convex energy. So any tilt
+with too small a moment and any with too large a one bracket the root. Newton's steps, with the
+contact fixed, converge fast; a step that leaves the bracket, or does not halve the error, is
+replaced by the middle of the bracket. A tilt at which the body finds no hold bounds it as well.
 """
 
 import math
@@ -15,17 +15,16 @@ from contact.errors import OutOfRange
 from contact.search.grid.conjugate_gradient import GridState, turning_rate
 from sie import record
 
-# A bracket closed to this part of the tilt holds no root that was not met: the grid's contact jumps
-# there.
+# In a bracket of this part of the tilt without a root the contact of the grid jumps.
 _CLOSED = 1e-9
 
 
 @record
 class AtTilt:
-    """A contact at one tilt: centre of the load [m], its rate d centre / d tilt [m], and the window
-    of its grid [m].
+    """A contact on a grid at one tilt.
 
-    fineness: the distance to the wanted centre that is near enough [m].
+    centre: of the load [m]. rate: d centre / d tilt [m]. fineness: the distance to the wanted
+    centre that is close enough [m]. window: of the grid [m].
     """
 
     tilt: float
@@ -38,12 +37,11 @@ class AtTilt:
     def of(
         cls, tilt: float, window: tuple[float, float], state: GridState, fineness: float
     ) -> "AtTilt":
-        """Read from a grid's contact; fineness: in cells."""
+        """From the contact of a grid. fineness: in cells."""
         h = state.influence.h
         x = np.asarray(window[0] + h * (np.arange(state.influence.n) + 0.5), dtype=np.float64)
         centre = float(state.pressure @ x) * h / state.load
-        # One cell in contact does not turn on the grid: it turns as the flat punch of its width
-        # would.
+        # One cell in contact resists as a flat punch of its width.
         least = math.pi / 16 * state.influence.E * h**2
         return cls(
             tilt, centre, max(turning_rate(state, x), least) / state.load, fineness * h, window
@@ -53,10 +51,9 @@ class AtTilt:
 def balanced(
     measure: Callable[[float], AtTilt], centre: float, tilts: Sequence[float], most: int
 ) -> AtTilt:
-    """The contact whose load has its centre there, from a few tilts to try first; the nearest of
-    `most` at the most.
+    """The contact whose load has its centre there, or the closest of `most` contacts.
 
-    Raises what `measure` raises where it does so at all of the first tilts.
+    tilts: some to try first. Raises what `measure` raises if it does so at all of these.
     """
     low, high = -math.inf, math.inf
     best: AtTilt | None = None
@@ -90,8 +87,7 @@ def balanced(
             return lean
         low, high = (max(low, tilt), high) if lean.centre < centre else (low, min(high, tilt))
         if miss <= before:
-            # More places in contact turn less for the same moment: then Newton knows better than it
-            # did.
+            # With more places in contact the rate is another one, and Newton is tried again.
             newton = (
                 miss <= 0.5 * before
                 or high - low == math.inf

@@ -272,8 +272,9 @@ class _GridSearch:
             context.plan.decide("first guess", "a grid", part.reason)
         if control.load is not None and not control.load > 0.0:
             raise OutOfRange(
-                f"{control.described(self.scaled.problem.units)}: the law {context.scene.law.name} has "
-                "no `bare` law to begin from, and without one zones are looked for under loads "
+                f"{control.described(self.scaled.problem.units)}: "
+                f"the law {context.scene.law.name} has no `bare` law to begin from, "
+                "and without one zones are looked for under loads "
                 "above 0 only: give a half width"
             )
 
@@ -285,7 +286,7 @@ class _GridSearch:
             context.progress("coarse grid", 0, None)
         part = context.plan["coarse search"]
         with context.plan.timed("coarse search"):
-            proposal = proposed(scaled, problem, control, points, held=self.held)
+            proposal = proposed(scaled, control, points, held=self.held)
             # The pressure of very many points takes memory, and is not needed any more.
             proposal = replace(proposal, grid=None)
         part.detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"

@@ -162,7 +162,7 @@ def _by_first_guess(
         context.record_failure("gaps", found_by_gaps)
     part = context.plan["coarse search"]
     with context.plan.timed("coarse search"):
-        proposal = of_width(scaled, problem, control.value)
+        proposal = of_width(scaled, control.value)
     part.detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
     context.plan.decide("first guess", "a grid", "the load of a contact fraction is unknown")
     found = _from_grid(context, problem, control, proposal)

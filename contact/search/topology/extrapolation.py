@@ -2,10 +2,10 @@
 
 With s the logarithm of the value, middles and squared half widths of zones and of gaps are smooth
 in s, through births and mergers too: a zone is born, and a gap closes, where its square is zero.
-Each end follows the narrower of the zone and the gap that it bounds, by Hermite's polynomial through
-the values and rates of the last solutions that have this interval. The rates are those with the
-load. An interval whose square is negative has vanished, and where the least gap of a place becomes
-negative a zone is born.
+Each end follows the narrower of the zone and the gap that it bounds, by Hermite's polynomial
+through the values and rates of the last solutions that have this interval. The rates are those with
+the load. An interval whose square is negative has vanished, and where the least gap of a place
+becomes negative a zone is born.
 """
 
 from __future__ import annotations

@@ -54,9 +54,6 @@ class RoughRoundOptions:
     tolerance: float = 1e-3
     unresolved_fraction: float = 0.005  # of the ends, which may stay unknown
     patience: int = 2  # Newton steps granted to these ends
-    max_removals: int = 24  # times that vanished intervals are removed without a new round
-    # A rough round is followed by another one if it corrected more than this part of all.
-    many_corrections: float = 0.05
 
 
 TOLERANCES = LoopTolerances()
@@ -310,7 +307,7 @@ class _Loop(Generic[Kind]):
             table = np.delete(table, free.lost, axis=0)
         else:
             table = merged(table, free.met, self.form.problem.period)
-        if not self.newton.unresolved_fraction or self.removals >= ROUGH.max_removals:
+        if not self.newton.unresolved_fraction or self.removals >= 2 * MAX_ROUNDS:
             return table, False
         self.removals += 1
         patience = max(self.newton.patience - len(free.trace), 0)
@@ -324,11 +321,10 @@ class _Loop(Generic[Kind]):
         if self.formal:
             certificate = NOT_CHECKED
         else:
-            all_known = free.converged and newton.unresolved_fraction == 0.0
-            is_rough = newton.tolerance > self.wanted and not all_known
-            unknown = ROUGH.unresolved_fraction if is_rough else 0.0
             with self.observer.timed("certificate"):
-                certificate = self.form.certificate(fields, self.control, unknown)
+                certificate = self.form.certificate(
+                    fields, self.control, newton.unresolved_fraction
+                )
         return Round(free, fields, certificate, number, self.control, newton.tolerance)
 
     def _next(self, here: Round[Kind]) -> Round[Kind] | Array:
@@ -351,7 +347,7 @@ class _Loop(Generic[Kind]):
     def _after_rough(self, here: Round[Kind]) -> Array:
         """The intervals after a rough round, corrected where more than the error breaks signs.
 
-        The next round is rough again if many were corrected, else to the wanted tolerance.
+        The next round is to the wanted tolerance.
         """
         free, newton = here.free, self.newton
         failures = (here.certificate.negative, here.certificate.overlaps)
@@ -360,16 +356,7 @@ class _Loop(Generic[Kind]):
         )
         corrections = len(negative) + len(overlaps)
         zones = free.next_zones
-        if newton.unresolved_fraction and corrections > ROUGH.many_corrections * len(zones):
-            self.newton = replace(newton, patience=ROUGH.patience)
-        else:
-            ends_known = not newton.unresolved_fraction and free.converged
-            self.newton = replace(
-                newton,
-                tolerance=self.wanted,
-                unresolved_fraction=0.0,
-                initial_error=newton.tolerance if ends_known else 1.0,
-            )
+        self.newton = replace(newton, tolerance=self.wanted, unresolved_fraction=0.0)
         if not corrections:
             return zones.table
         certificate = replace(here.certificate, negative=negative, overlaps=overlaps)

@@ -45,7 +45,7 @@ class PressureForm:
     most_steps: int = 40
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
-        """The zones with their kinds of ends; WrongTopology if they cannot be those of a contact."""
+        """The zones with their kinds of ends; WrongTopology if no contact has them."""
         if len(table) == 0:
             raise WrongTopology("all zones vanished", None)
         _within_strip(self.problem, table)
@@ -117,7 +117,8 @@ class PressureForm:
         if valley is not None:
             length = valley * self.problem.units.length
             raise WrongTopology(
-                f"a gap of about {length:.1e} m over the kink of a valley is too narrow to be found",
+                f"a gap of about {length:.1e} m over the kink of a valley "
+                "is too narrow to be found",
                 free,
             )
 
@@ -252,7 +253,7 @@ def _within_strip(problem: Problem, table: Array) -> None:
 
 
 def _within_borders(problem: Problem, zones: sie.Zones) -> None:
-    """Raise WrongTopology if a zone leaves the known part of the profile, or all fill the period."""
+    """Raise WrongTopology for zones outside the known profile, or that fill the period."""
     lo, hi = problem.borders
     if zones.a[0] <= lo or zones.b[-1] >= hi:
         raise WrongTopology(
