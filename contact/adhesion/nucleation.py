@@ -16,7 +16,7 @@ from contact.adhesion.limits import LIMITS
 from contact.errors import NotConverged
 from contact.formulation.roots import minimum
 from contact.formulation.tables import ascending, runs_of
-from contact.search.topology.changes import Change, changes, held
+from contact.search.topology.changes import Change, changes, overlapping
 from contact.verify.certificate import openings
 from sie import Array
 
@@ -134,7 +134,7 @@ def changes_between(
 ) -> list[Change]:
     """Changes of the zones between two states, with the places where new zones are searched for."""
     if len(before.zones) == len(after.zones) and all(
-        len(held(before.zones, a, b, period)) == 1 for a, b in after.zones
+        len(overlapping(before.zones, a, b, period)) == 1 for a, b in after.zones
     ):
         return []
     without = {"birth": before.zones, "death": after.zones}

@@ -155,7 +155,9 @@ def _moved(
         )
         if isinstance(moved, SolvedZones):
             return moved, False
-        again = attempted(partial(from_grid, context, replace(scaled, problem=there), held=True))
+        again = attempted(
+            partial(from_grid, context, replace(scaled, problem=there), fixed_centre=True)
+        )
         if isinstance(again, SolvedZones):
             return again, True
         step *= 0.25

@@ -1,3 +1,5 @@
-"""Which zones: a scene in, zones whose signs are right out. `topology`, `grid` and `ways`, in that
-order, serve `find` and `refine`.
+"""From a scene to the zones of its contact.
+
+`find` tries strategies in order, `refine` makes the result as precise as wanted. Both rest on
+`topology`, `grid` and `strategies`.
 """

@@ -22,11 +22,8 @@ from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
 from sie import Array, Mask
 
-_EPS = float(np.finfo(np.float64).eps)
 # Rounding of a few operations.
-_ROUNDING = 16 * _EPS
-# Halvings of a bracket: all digits.
-_HALVINGS = 64
+_ROUNDING = 16 * float(np.finfo(np.float64).eps)
 # Distances [m], a decade apart, far beyond any contact.
 _DISTANCES = 10.0 ** np.arange(5, 13)
 _REMEDY = (
@@ -55,8 +52,8 @@ def refuse_below_plateau(scene: Scene) -> None:
         if reach > 0.0:
             raise OutOfRange(
                 f"half_width {half_width:.15g} m is not above {reach:.15g} m: so far the profile "
-                "is flat about x = 0, and any load has all of that in contact; ask for more, or give "
-                "a load"
+                "is flat about x = 0, and any load has all of that in contact; ask for more, or "
+                "give a load"
             )
 
 
@@ -68,7 +65,7 @@ def lowest_stretches(profile: Profile) -> Array:
     x = period_samples(profile)
     height = np.asarray(profile.height(x), dtype=np.float64)
     size = np.abs(height[np.isfinite(height)]).max(initial=0.0)
-    highest = float(height.min()) + 8 * _EPS * float(size)
+    highest = float(height.min()) + _ROUNDING * float(size)
 
     def lies_low(x: Array) -> Mask:
         return np.asarray(
@@ -93,11 +90,11 @@ def lowest_stretches(profile: Profile) -> Array:
 
 def _edge(holds, inside: float, outside: float) -> float:  # type: ignore[no-untyped-def]
     """The place between two others up to which a property holds, by bisection."""
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (inside + outside)
-        inside, outside = (
-            (middle, outside) if bool(holds(np.array([middle]))[0]) else (inside, middle)
-        )
+    while (middle := 0.5 * (inside + outside)) not in (inside, outside):
+        if bool(holds(np.array([middle]))[0]):
+            inside = middle
+        else:
+            outside = middle
     return inside
 
 
@@ -108,10 +105,10 @@ def _level_from(profile: Profile, half_width: float) -> float:
         return np.asarray(np.asarray(profile.slope(x)) == 0)
 
     # At an edge the slope may be that of either side, so that the last sample is inside.
-    if not is_level(half_width * np.append(np.arange(1, 32) / 32, 1 - 2 * _EPS)).all():
+    if not is_level(half_width * np.append(np.arange(1, 32) / 32, 1 - _ROUNDING)).all():
         return 0.0
     reach = half_width
-    for _ in range(_HALVINGS):
+    while reach < 2.0**64 * half_width:  # a profile level beyond that is a plane
         if not is_level(np.array([2 * reach]))[0]:
             return _edge(is_level, reach, 2 * reach)
         reach *= 2

@@ -171,10 +171,10 @@ def _under_loads(context: SolveContext) -> Outcome:
         return at_level(context)
     # With a period, grids are solved by load: the zones of about the right load are the guess.
     scaled = scaled_scene(context.scene, context.single)
-    context = context.with_warm_start(at_approach(context, OPTIONS.near_load))
+    context = context.with_warm_start(at_approach(context, OPTIONS.near))
     outcome = attempted(lambda: _of_scaled(context, scaled))
     if not isinstance(outcome, Failure):
         return outcome
     context.record_failure("zones under a load of about this approach", outcome)
-    context = context.with_warm_start(at_approach(context, OPTIONS.nearer_load))
+    context = context.with_warm_start(at_approach(context, OPTIONS.nearest))
     return _of_scaled(context, scaled)

@@ -107,6 +107,7 @@ def _tightened(
     def again(
         here: SolvedZones | SolvedGaps, tolerance: float
     ) -> SolvedZones | SolvedGaps | Failure:
+        """The contact to a smaller tolerance."""
         finer = replace(context, tolerance=tolerance)
 
         def solved() -> Outcome:

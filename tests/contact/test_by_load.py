@@ -9,7 +9,7 @@ import contact
 import sie
 from contact import solver
 from contact.search.grid.scaling import scaled_scene
-from contact.search.strategies.load_search import LoadLimits, approach, contact_fraction, nearer
+from contact.search.strategies.load_search import KnownLoads, approach, contact_fraction, nearer
 from contact.search.topology.loop import NewtonSettings, refine_topology
 from contact.search.topology.pressure_form import PressureForm
 
@@ -134,7 +134,7 @@ def test_a_root_in_the_growth_is_bracketed_in_few_solutions(goal, grown):
         return Made(load, value, 0.5 / root if root else np.inf)
 
     found = []
-    for here, off in nearer(solved, grown, goal, 0.1, LoadLimits(closed=1e-14)):
+    for here, off in nearer(solved, grown, goal, 0.1, KnownLoads(closed=1e-14)):
         found.append(here)
         if off < 1e-12:
             break
@@ -147,7 +147,7 @@ def test_a_load_without_a_solution_is_passed_by():
             raise contact.NotConverged("not here", (), None)
         return Made(load, load**0.5, 0.5 * load**-0.5)
 
-    *_, (here, off) = nearer(solved, contact_fraction, 0.44, 0.3, LoadLimits(closed=1e-12))
+    *_, (here, off) = nearer(solved, contact_fraction, 0.44, 0.3, KnownLoads(closed=1e-12))
     assert here.contact_fraction == pytest.approx(0.44) and off < 1e-6
 
 

@@ -1,3 +1,1 @@
-"""A scene in, the scaled problem and about where its zones are out: a coarse contact on ever finer
-grids.
-"""
+"""From a scene to its scaled problem and to about where its zones are, by contacts on grids."""

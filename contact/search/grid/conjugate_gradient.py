@@ -53,12 +53,15 @@ class GridOptions:
     max_iterations: int = 10_000  # of all linear solves together; some hundred are usual
     # Iterations without a tenth less error: the rounding of f is reached.
     max_stalled: int = 60
-    # Linear solves are rough while the set changes much: any error below the change of the set
-    # serves.
+    # Tolerance of the first linear solve, and each next one over the last: any error below the
+    # change of the set serves.
     first_tolerance: float = 1e-2
-    tighten: float = 0.03  # the next tolerance over the last, when the set hardly changes
-    compliance_tolerance: float = 1e-4  # of d level / d load, for Newton's steps
-    closed: float = 1e-9  # bracket of the load under a level, over it
+    closed: float = 1e-9  # bracket of a load or of a tilt, over it
+
+    @property
+    def rate_tolerance(self) -> float:
+        """Tolerance of d level / d load and of d moment / d tilt, for Newton's steps."""
+        return self.first_tolerance**2
 
 
 OPTIONS = GridOptions()
@@ -346,7 +349,7 @@ def turning_rate(state: GridState, x: Array) -> float:
     It is the moment of the pressure under the shape -x; the pressure is zero at ends, so that they
     do not matter to first order.
     """
-    run = _Run(np.zeros(len(x)), state.influence, OPTIONS.compliance_tolerance)
+    run = _Run(np.zeros(len(x)), state.influence, OPTIONS.rate_tolerance)
     pressure = run.conjugate_gradient(
         0.0, state.contact, None, run.tol, -(x - x[state.contact].mean())
     )[0]
@@ -448,12 +451,12 @@ class _Run:
         converged = False
         fewest = self.influence.n
         # A wrong end moves by a fixed fraction of its error in each solve.
-        for _ in range(60 + int(4 * np.log2(self.influence.n))):
+        for _ in range(OPTIONS.max_stalled + int(4 * np.log2(self.influence.n))):
             if self.iterations >= OPTIONS.max_iterations:
                 break
             before = self.iterations
             p, u, level, error, solved = self.conjugate_gradient(load, mask, p, tol)
-            finer = max(self.tol, OPTIONS.tighten * tol)
+            finer = max(self.tol, OPTIONS.first_tolerance * tol)
             if self.iterations == before and tol > self.tol:
                 # A guess as good as the tolerance: its signs in gaps are those of another grid.
                 tol = finer
@@ -489,7 +492,7 @@ class _Run:
         if state.full:
             return self.influence.yields / (self.influence.n * self.influence.h)
         _, _, level, _, _ = self.conjugate_gradient(
-            1.0, mask, state.pressure, OPTIONS.compliance_tolerance, np.zeros(len(mask))
+            1.0, mask, state.pressure, OPTIONS.rate_tolerance, np.zeros(len(mask))
         )
         return level
 

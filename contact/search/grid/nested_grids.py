@@ -6,6 +6,7 @@ and its zero is found below the grid. A zone of one or two cells is taken as a H
 load P and the curvature 1/R of the gap give a = 2 sqrt(P R / (pi E)).
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -38,30 +39,36 @@ class NestedGridOptions:
     # miss one zone in a hundred, which the first check of signs adds.
     many_features: int = 2**15
     coarse_tolerance: float = 1e-3  # of grids before the last: the next one repairs the error
-    widest_hidden_gap: float = 0.5  # half width of a gap between two points, in cells
+    usual_points: int = 2**17  # at most; narrower zones need more than a grid to be found
+
+    @property
+    def window_points(self) -> int:
+        """Points of a window."""
+        return 2 * self.coarsest
 
 
 @dataclass(frozen=True)
 class WindowOptions:
     """The search for a window that an isolated contact fills well."""
 
-    points: int = 128  # of a window
-    # Contact over the width of the window, in between which it is taken; then the next window is
-    # `margin` times the contact.
+    # Contact over the width of a window, in between which the window is taken.
     least_filled: float = 0.2
     most_filled: float = 0.7
-    margin: float = 2.5
     max_windows: int = 300  # of growing or shrinking ones, from metres to atoms
     # Heights above the lowest, over the window: such points never touch, and heights next to them
     # would have no digits.
     towering: float = 1e6
-    tolerance: float = 1e-3  # of grids of a window
+
+    @property
+    def usual_filled(self) -> float:
+        """Contact over the width of the next window."""
+        return math.sqrt(self.least_filled * self.most_filled)
 
 
 OPTIONS = NestedGridOptions()
 WINDOW = WindowOptions()
 NARROW = 3  # cells: a narrower zone or gap is not resolved
-MOST_POINTS = 2**23  # of the last grid, however fine the shape is: it takes 1 GB
+MOST_POINTS = 2**23  # of the last grid, however fine the shape is: 64 MB an array
 
 
 class NoWindow(OutOfRange):
@@ -192,10 +199,7 @@ def _gaps_between(x: Array, state: GridState) -> Array:
         pulls = 0.5 * slope**2 / bend - p[i]
     open_ = pulls > 0.0
     i, slope, bend, pulls = i[open_], slope[open_], bend[open_], pulls[open_]
-    middle, half = (
-        x[i] - h * slope / bend,
-        h * np.minimum(2.0 * np.sqrt(pulls / bend), OPTIONS.widest_hidden_gap),
-    )
+    middle, half = (x[i] - h * slope / bend, h * np.minimum(2.0 * np.sqrt(pulls / bend), 0.5))
     return np.column_stack((middle - half, middle + half))
 
 
@@ -242,7 +246,7 @@ class Request:
     level: float | None = None
     resolution: float | None = None
     points: int | None = None
-    max_points: int = 2**17
+    max_points: int = OPTIONS.usual_points
     tol: float = 1e-8
     start: GridState | None = None
     between_points: bool = False
@@ -359,7 +363,7 @@ class _Window:
     def _with_body(self, window: tuple[float, float]) -> tuple[float, float]:
         """The window, shrunk about its middle until some height in it does not overflow."""
         for _ in range(WINDOW.max_windows):
-            if not np.isposinf(self._heights(_midpoints(window, WINDOW.points))).all():
+            if not np.isposinf(self._heights(_midpoints(window, OPTIONS.window_points))).all():
                 break
             middle, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
             window = middle - half / 8, middle + half / 8
@@ -367,7 +371,7 @@ class _Window:
 
     def _solve(self, window: tuple[float, float], load: float) -> tuple[Array, GridState]:
         """The contact on a window under a load, and its grid."""
-        x = _midpoints(window, WINDOW.points)
+        x = _midpoints(window, OPTIONS.window_points)
         f = self._heights(x)
         lost = np.isnan(f) | np.isneginf(f)
         if lost.any():
@@ -379,9 +383,9 @@ class _Window:
         width = window[1] - window[0]
         with np.errstate(over="ignore", invalid="ignore"):
             too_high = f - f.min() > WINDOW.towering * (width + load / self.response.E)
-            influence = self.response.on(WINDOW.points, width / WINDOW.points)
+            influence = self.response.on(OPTIONS.window_points, width / OPTIONS.window_points)
             f = np.where(too_high, np.inf, f)
-            return x, solve_grid(f, influence, load=load, tol=WINDOW.tolerance)
+            return x, solve_grid(f, influence, load=load, tol=OPTIONS.coarse_tolerance)
 
     def _clip(self, window: tuple[float, float]) -> tuple[float, float]:
         """The part of a window within the limits."""
@@ -398,7 +402,7 @@ class _Window:
         for _ in range(WINDOW.max_windows):
             x, state = self._solve(window, load)
             width = window[1] - window[0]
-            h = width / WINDOW.points
+            h = width / OPTIONS.window_points
             touching = np.flatnonzero(state.contact)
             if len(touching) == 0:
                 break
@@ -415,7 +419,7 @@ class _Window:
                 centre = 0.5 * (window[0] + window[1])
             else:
                 # A contact of a few cells may be smaller than they are: it keeps some about it.
-                wanted_width = max(WINDOW.margin * extent, 12.0 * h, least_width)
+                wanted_width = max(extent / WINDOW.usual_filled, 12.0 * h, least_width)
                 centre = 0.5 * (left + right)
                 fits = extent <= WINDOW.most_filled * width
                 if fits and (extent >= WINDOW.least_filled * width or wanted_width >= 0.8 * width):
@@ -470,4 +474,4 @@ class _Window:
     def _compliance(self, state: GridState) -> float:
         """d level / d load of the contact set, as of a flat punch."""
         flat = np.where(state.contact, 0.0, np.inf)
-        return solve_grid(flat, state.influence, load=1.0, tol=WINDOW.tolerance).level
+        return solve_grid(flat, state.influence, load=1.0, tol=OPTIONS.coarse_tolerance).level

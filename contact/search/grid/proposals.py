@@ -27,20 +27,13 @@ class ProposalOptions:
 
     # Of the last grid: ends have an error of parts of a cell, whatever the tolerance.
     tolerance: float = 1e-5
-    # Smallest lengths of the shape over the length of the kernel: Newton moves an end by about the
-    # kernel's length in a step, and a cell is then twice as long.
-    kernel_lengths: float = 32.0
     centre_error: float = 0.1  # of the zones of a strip, in cells
-    max_centrings: int = 2  # of a strip on the last grid
-    # A load is looked for on grids that just resolve the width: cells in it, cells to a smallest
-    # length, and the error of the width, over the smaller of contact and its complement.
-    cells_in_width: int = 64
-    per_feature: int = 2
+    # Grids of one proposal: of a strip about its middle, or with about a given contact width.
+    max_grids: int = 3
+    # Error of a contact width on the first, coarse grids, over the smaller of contact and its
+    # complement.
     width_error: float = 0.03
-    # Then fine grids come closer, until the error of the width is that of less than a zone.
-    max_fine_grids: int = 3
-    missing_zones: float = 0.3
-    fine_width_error: float = 0.05
+    missing_zones: float = 0.3  # error of the width on the last grid, in zones
     flattest: float = 0.2  # d log(width) / d log(load); a smaller rate is one of a jump
 
 
@@ -52,19 +45,21 @@ def proposed(
     control: Control,
     points: int | None,
     tol: float = OPTIONS.tolerance,
-    held: bool = False,
+    fixed_centre: bool = False,
     start: Proposal | None = None,
 ) -> Proposal:
     """Zones from a grid.
 
-    points: None: as many as the profile's resolution asks for. held: a strip keeps its centre.
+    points: None: as many as the profile's resolution asks for. fixed_centre: a strip keeps its centre.
     start: a contact under another load, to begin with.
     """
     problem = scaled.problem
     units, profile, by_load = problem.units, problem.profile, control.load is not None
     detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
     if detail is not None:
-        detail = min(detail, OPTIONS.kernel_lengths * problem.kernel.length * units.length)
+        # Newton moves an end by about the length of the kernel in a step: cells are twice as long.
+        cells = 2 * nested_grids.OPTIONS.per_feature
+        detail = min(detail, cells * problem.kernel.length * units.length)
     found = propose(
         partial(grid_height, profile) if by_load else profile.height,
         scaled.cell,
@@ -78,7 +73,7 @@ def proposed(
         between_points=True,
     )
     if problem.interaction.strip and found.load > 0.0:
-        return _in_strip(problem, control, points, found, held)
+        return _in_strip(problem, control, points, found, fixed_centre)
     return found
 
 
@@ -97,7 +92,7 @@ def whole_response(problem: Problem) -> Response:
 
 
 def _in_strip(
-    problem: Problem, control: Control, points: int | None, whole: Proposal, held: bool
+    problem: Problem, control: Control, points: int | None, whole: Proposal, fixed_centre: bool
 ) -> Proposal:
     """Zones from a grid of the strip, with the nominal pressure outside it.
 
@@ -113,16 +108,16 @@ def _in_strip(
     middle = cut_of(whole, profile.x0, profile.period)[0] + 0.5 * profile.period
     if profile.support is not None:
         middle = 0.5 * sum(profile.support)
-    if held:
+    if fixed_centre:
         middle = float(units.x(np.array(problem.centre)))
     at_rest = require("contact.search.grid.strip_at_rest")
     wide = whole.points if points is None else points
     strips = at_rest.PressedStrip(problem, load / units.load, nominal)
     here = strips.about(float(units.scaled(np.array(middle))), strips.points, at_rest.ROUGHLY, None)
-    if not held:
+    if not fixed_centre:
         here = strips.at_rest(here, strips.farthest)
     unrest = here.unrest
-    times = 1 if held else OPTIONS.max_centrings
+    times = 1 if fixed_centre else OPTIONS.max_grids
     for _ in range(0 if unrest is not None else times):
         here = strips.about(here.centre, wide, OPTIONS.tolerance, None)
         if abs(here.miss) <= OPTIONS.centre_error * here.cell:
@@ -154,7 +149,7 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
     load, rate, start = _load_of_width(scaled, width)
     before: tuple[float, float] | None = None
     fine: list[tuple[float, Proposal]] = []
-    for _ in range(OPTIONS.max_fine_grids):
+    for _ in range(OPTIONS.max_grids):
         found = proposed(scaled, Load(load), None, start=start)
         error = _width_error(found.width / length, width, period)
         if before is not None and math.isfinite(error - before[1]) and load != before[0]:
@@ -162,7 +157,7 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
             rate = max(slope, OPTIONS.flattest)
         fine.append((abs(error), found))
         allowed = OPTIONS.missing_zones / max(len(found.zones), 1)
-        if not math.isfinite(error) or abs(error) < min(allowed, OPTIONS.fine_width_error):
+        if not math.isfinite(error) or abs(error) < min(allowed, OPTIONS.width_error):
             break
         before, start = (load, error), found
         load *= math.exp(min(max(-error / rate, -0.5), 0.5))
@@ -188,18 +183,18 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
     problem = scaled.problem
     units, profile, period = problem.units, problem.profile, problem.repeat_length
     smaller = min(width, period - width)
-    least = OPTIONS.cells_in_width * period / smaller
-    features = float(nested_grids.OPTIONS.per_feature)
+    grids = nested_grids.OPTIONS
+    least = grids.coarsest * period / smaller
+    features = float(grids.per_feature)
     if profile.feature is not None:
         features = units.length * period / profile.feature
-    points = 2 ** int(np.clip(np.ceil(np.log2(max(OPTIONS.per_feature * features, least))), 8, 17))
+    points = 2 ** int(np.clip(np.ceil(np.log2(max(2 * features, least))), 8, 17))
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
     tried: list[tuple[float, float]] = []
     found: Proposal | None = None
     # Sixty halvings of a bracket leave no digit.
     for _ in range(60):
-        tol = nested_grids.OPTIONS.coarse_tolerance
-        found = proposed(scaled, Load(load), points, tol, start=found)
+        found = proposed(scaled, Load(load), points, grids.coarse_tolerance, start=found)
         contact = found.width / units.length
         error = _width_error(contact, width, period)
         tried.append((math.log(load), error))

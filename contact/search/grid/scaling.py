@@ -40,14 +40,11 @@ from sie import Array, record
 class ScalingOptions:
     """Where the lowest place of a body alone on the line is looked for."""
 
-    farthest: float = 1e8  # half widths of a window, in which deeper places are looked for
-    places: int = 1024  # on either side of a window
+    # Ratio of the scales over which places are sampled: half widths of a window, or, for a shape
+    # that states no length and levels off, from 1/scales to scales [m].
+    scales: float = 1e9
+    places: int = 1024  # sampled on either side
     max_descents: int = 12  # to ever deeper places
-    # A shape without a length of its own, which levels off: it is sampled over these scales [m].
-    smallest_scale: float = 1e-9
-    largest_scale: float = 1e9
-    scale_samples: int = 2048
-    level_samples: int = 256  # of the outermost ones, which are level to 1e-12 of the rise
     light_load: float = 1e-3  # over E* and a length: contact is about the lowest place only
 
 
@@ -166,6 +163,7 @@ def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
         level: float | None = None,
         start: Window | None = None,
     ) -> Window:
+        """A window of the contact of these heights."""
         start = start or first_window(profile)
         return find_window(height, response, load, level, profile.extent, start)
 
@@ -238,12 +236,12 @@ def _window_of_shape(profile: Profile) -> Window | None:
     """
     if profile.resolution is not None or profile.extent is not None or profile.kinks.size:
         return None
-    scales = np.geomspace(OPTIONS.smallest_scale, OPTIONS.largest_scale, OPTIONS.scale_samples)
+    scales = np.geomspace(1 / OPTIONS.scales, OPTIONS.scales, 2 * OPTIONS.places)
     x = np.concatenate((-scales[::-1], [0.0], scales))
     with np.errstate(all="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
     rise = f - f.min()
-    outer = OPTIONS.level_samples
+    outer = OPTIONS.places // 4  # the shape is level there
     if (
         not np.isfinite(rise).all()
         or np.ptp(rise[-outer:]) + np.ptp(rise[:outer]) > 1e-12 * rise.max()
@@ -260,7 +258,7 @@ def _deeper_place(profile: Profile, window: Window) -> float | None:
     Declared tips are looked at, and places ever farther away.
     """
     centre, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
-    away = half * np.geomspace(1.0, OPTIONS.farthest, OPTIONS.places)
+    away = half * np.geomspace(1.0, OPTIONS.scales, OPTIONS.places)
     tips = (
         profile.kinks[profile.kinks[:, 1] > 0, 0]
         if profile.summits is None

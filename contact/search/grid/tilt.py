@@ -5,6 +5,7 @@ edge of the lower convex hull of f there. Its tilt is that of the smallest loads
 the guess at hand. The root is found by contact.search.grid.tilt_rate.
 """
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -15,6 +16,7 @@ from contact.errors import OutOfRange
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
+from contact.search.grid import nested_grids
 from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.nested_grids import find_window, grid_height, propose
 from contact.search.grid.tilt_rate import AtTilt, balanced
@@ -28,14 +30,10 @@ class TiltOptions:
     """How precisely and how far a rough tilt is looked for."""
 
     precision: float = 0.02  # of the centre of the load, over the extent of the contact
-    points: int = 256  # of a grid
     max_tilts: int = 24  # on windows about the contact
     # A contact with another centre is looked for up to this many times farther away, three times.
     farther: float = 1e3
     hull_points: int = 4097  # for the convex hull
-    most_hull_points: int = 2**18
-    hull_scale: float = 8.0  # of a body on the whole line: ratio of the scales that are sampled
-    hull_scales: int = 7
 
 
 OPTIONS = TiltOptions()
@@ -164,7 +162,7 @@ class _Tilting:
             window,
             response_of(scene),
             load=self.load,
-            points=None if wide else OPTIONS.points,
+            points=None if wide else 4 * nested_grids.OPTIONS.coarsest,
             resolution=profile.resolution,
         )
         extent = float(np.ptp(found.zones)) / found.state.influence.h if len(found.zones) else 1.0
@@ -199,17 +197,14 @@ def _resting(
         count = (
             0.0 if profile.resolution is None else 8 * (known[1] - known[0]) / profile.resolution
         )
-        x = np.linspace(*known, int(np.clip(count, OPTIONS.hull_points, OPTIONS.most_hull_points)))
+        x = np.linspace(
+            *known, int(np.clip(count, OPTIONS.hull_points, nested_grids.OPTIONS.usual_points))
+        )
     else:
         # Dense where the body touches, and wide enough for any profile that outgrows a line.
         middle, half = 0.5 * (about[0] + about[1]), 0.5 * (about[1] - about[0])
-        x = np.unique(
-            middle
-            + np.outer(
-                half * OPTIONS.hull_scale ** np.arange(OPTIONS.hull_scales),
-                np.linspace(-1, 1, OPTIONS.hull_points // 4 + 1),
-            )
-        )
+        reach = math.asinh(OPTIONS.farther**2)
+        x = middle + half * np.sinh(np.linspace(-reach, reach, OPTIONS.hull_points))
     with np.errstate(over="ignore", invalid="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
     x, f = x[np.isfinite(f)], f[np.isfinite(f)]

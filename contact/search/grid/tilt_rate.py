@@ -12,11 +12,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from contact.errors import OutOfRange
-from contact.search.grid.conjugate_gradient import GridState, turning_rate
+from contact.search.grid.conjugate_gradient import OPTIONS, GridState, turning_rate
 from sie import record
-
-# In a bracket of this part of the tilt without a root the contact of the grid jumps.
-_CLOSED = 1e-9
 
 
 @record
@@ -69,7 +66,7 @@ def balanced(
             step = best.tilt + (centre - best.centre) / best.rate
             tilt = step if newton and low < step < high else 0.5 * (low + high)
             newton = False
-            if not low < tilt < high or high - low <= _CLOSED * abs(tilt):
+            if not low < tilt < high or high - low <= OPTIONS.closed * abs(tilt):
                 break
         try:
             lean = measure(tilt)

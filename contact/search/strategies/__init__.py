@@ -1,1 +1,1 @@
-"""A context in, its contact out, or why this way to it was left: one way a file."""
+"""From the context of a solve to a contact, or to the reason why a strategy failed; one a file."""

@@ -15,9 +15,9 @@ from contact.formulation.problem import Problem
 from contact.formulation.tables import gaps_between
 from contact.model.controls import Quantity
 from contact.search.context import SolveContext
-from contact.search.grid.nested_grids import MOST_POINTS, points_for
+from contact.search.grid import nested_grids
 from contact.search.grid.scaling import ScaledScene
-from contact.search.strategies import gaps
+from contact.search.strategies import gaps, guesses
 from contact.search.strategies.full_contact import full_under
 from contact.search.strategies.gaps import gaps_are_better, tightened_gaps
 from contact.search.strategies.guesses import Outcome, from_grid
@@ -29,30 +29,15 @@ from sie import Array
 
 
 @dataclass(frozen=True)
-class Effort:
-    """Corrections of extrapolated zones before a search from the start is shorter."""
-
-    max_rounds: int
-    max_newton_steps: int  # in each round; 0: as many as the formulation allows
-    max_changes: int  # zones that come or go
-
-
-@dataclass(frozen=True)
 class ContinuationOptions:
-    """When extrapolated zones are corrected, and when a grid is the shorter way."""
+    """When extrapolated zones are corrected, and when a grid is the shorter way.
+
+    Insensitive: 1 to 6 rounds and 2 to 8 changes take the same time on curves of 5 to 80 values.
+    """
 
     max_ratio: float = 16.0  # of values; beyond it the units of the last solution are unsuitable
-    small_ratio: float = 1.08  # of values; below it hardly a zone comes or goes
-    # A grid takes long, or there is none, or the values are close: correct for long.
-    beside_long_search: Effort = Effort(max_rounds=6, max_newton_steps=0, max_changes=8)
-    # A grid takes no time.
-    beside_short_search: Effort = Effort(max_rounds=1, max_newton_steps=6, max_changes=2)
-    # Points of a search from the start, over those of this grid: 4 with few zones, half with many,
-    # where one more correction costs more than points.
-    coarsening: int = 4
-    many_zones: int = 400
-    fewest_points: int = 256
-    long_search_points: int = 2**15  # such a grid takes as long as several corrections
+    max_rounds: int = 3  # of corrections
+    max_changes: int = 4  # zones that come or go, and are left to the corrections
 
 
 OPTIONS = ContinuationOptions()
@@ -71,39 +56,32 @@ def from_previous(context: SolveContext) -> Outcome | Failure:
     control = context.control(problem)
     if full := full_under(context, control):
         return full
-    is_periodic = context.scene.profile.period is not None
-    grid_possible = is_periodic and control.load is not None
-    points = _grid_points(context) if is_periodic else OPTIONS.long_search_points
-    search_is_short = points < OPTIONS.long_search_points and log_ratio > math.log(
-        OPTIONS.small_ratio
-    )
-    effort = OPTIONS.beside_short_search if search_is_short else OPTIONS.beside_long_search
+    # Under other controls a grid needs several loads.
+    grid_possible = context.scene.profile.period is not None and control.load is not None
     recent = _recent_changes(context.previous)
-    if grid_possible and recent > OPTIONS.beside_long_search.max_changes:
-        _decide(context, "a grid", recent, OPTIONS.beside_long_search)
-        return _by_grid(context, problem, control, points)
+    if grid_possible and recent > 2 * OPTIONS.max_changes:
+        _decide(context, "a grid", recent)
+        return _by_grid(context, problem, control)
     zones, changes = extrapolated(context.previous, math.log(value))
     if len(zones) == 0:
         return NOT_APPLICABLE
-    if changes > effort.max_changes and (grid_possible or search_is_short):
-        _decide(context, "a grid", changes, effort)
-        return _by_grid(context, problem, control, points) if grid_possible else NOT_APPLICABLE
-    _decide(context, "the previous zones, extrapolated", changes, effort)
+    if grid_possible and changes > OPTIONS.max_changes:
+        _decide(context, "a grid", changes)
+        return _by_grid(context, problem, control)
+    _decide(context, "the previous zones, extrapolated", changes)
     use_gaps = gaps_are_better(context, problem, float(np.diff(zones, axis=1).sum()))
     correct = _by_gaps if use_gaps else _by_zones
-    outcome: Outcome | Failure = attempted(
-        lambda: correct(context, problem, control, zones, effort)
-    )
+    outcome: Outcome | Failure = attempted(lambda: correct(context, problem, control, zones))
     if isinstance(outcome, Failure) and grid_possible:
         context.record_failure("the last zones, carried on", outcome)
-        return _by_grid(context, problem, control, points)
+        return _by_grid(context, problem, control)
     return outcome
 
 
-def _decide(context: SolveContext, way: str, changes: int, effort: Effort) -> None:
+def _decide(context: SolveContext, way: str, changes: int) -> None:
     """Keep in the plan where the first guess comes from."""
     because = "{} zones come or go from the last value"
-    context.plan.decide("first guess", way, because, changes, effort.max_changes)
+    context.plan.decide("first guess", way, because, changes, OPTIONS.max_changes)
 
 
 def _is_followed(context: SolveContext) -> bool:
@@ -125,27 +103,19 @@ def _recent_changes(previous: tuple[CurvePoint, ...]) -> int:
     return abs(len(last.solution.zones) - len(before.solution.zones))
 
 
-def _grid_points(context: SolveContext) -> int:
-    """Points of a grid that finds which zones there are, but not all about them."""
-    profile, zones = context.scene.profile, len(context.previous[-1].solution.zones)
-    assert profile.period is not None
-    coarsening = OPTIONS.coarsening // 2 if zones > OPTIONS.many_zones else OPTIONS.coarsening
-    points = points_for(profile.period, profile.feature, MOST_POINTS)[0]
-    return max(OPTIONS.fewest_points, points // coarsening)
-
-
-def _by_grid(
-    context: SolveContext, problem: Problem, control: Control, points: int
-) -> Outcome | Failure:
+def _by_grid(context: SolveContext, problem: Problem, control: Control) -> Outcome | Failure:
     """The contact from a coarse grid: zones that it has in excess are dropped by Newton."""
     profile = context.scene.profile
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
+    least, most = nested_grids.points_for(profile.period, None, nested_grids.MOST_POINTS)
+    points = nested_grids.points_for(profile.period, profile.feature, most)[0]
+    points = max(least, points // guesses.OPTIONS.refinement)
     return attempted(lambda: from_grid(context, scaled, points=points, allow_loss=True))
 
 
 def _by_zones(
-    context: SolveContext, problem: Problem, control: Control, zones: Array, effort: Effort
+    context: SolveContext, problem: Problem, control: Control, zones: Array
 ) -> Outcome | Failure:
     """The contact from extrapolated zones."""
     load = context.previous[-1].solution.load / problem.units.load
@@ -154,14 +124,13 @@ def _by_zones(
         control,
         zones,
         load_guess=0.0 if control.load is not None else load,
-        max_rounds=effort.max_rounds,
-        max_steps=effort.max_newton_steps,
+        max_rounds=OPTIONS.max_rounds,
         allow_loss=True,
     )
 
 
 def _by_gaps(
-    context: SolveContext, problem: Problem, control: Control, zones: Array, effort: Effort
+    context: SolveContext, problem: Problem, control: Control, zones: Array
 ) -> Outcome | Failure:
     """The contact from the gaps between extrapolated zones."""
     period = problem.repeat_length
@@ -169,8 +138,7 @@ def _by_gaps(
     newton = NewtonSettings(
         gaps.OPTIONS.tolerance_factor * context.tolerance,
         load_guess=context.previous[-1].solution.load / problem.units.load / period,
-        max_rounds=effort.max_rounds,
-        max_steps=effort.max_newton_steps,
+        max_rounds=OPTIONS.max_rounds,
         allow_loss=True,
     )
     with context.plan.timed("zone ends"):

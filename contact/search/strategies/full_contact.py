@@ -11,9 +11,8 @@ from contact.search.context import SolveContext
 from contact.solution.assemble import mean_height
 from sie import record
 
-_EPS = 2.0**-52
-# Rounding of a height, in units of EPS times the height: a few operations on it.
-_HEIGHT_ROUNDING = 8.0 * _EPS
+# Rounding of a height over the height: a few operations on it.
+_HEIGHT_ROUNDING = 8.0 * 2.0**-52
 
 
 @record

@@ -20,6 +20,7 @@ from contact.errors import ContactError, OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.search.context import SolveContext
+from contact.search.grid import nested_grids
 from contact.search.grid.centring import Unrest
 from contact.search.grid.nested_grids import MOST_POINTS, Proposal
 from contact.search.grid.proposals import about, placed, proposed
@@ -45,16 +46,14 @@ Guess = Callable[[SolveContext, ScaledScene, Array | None], Outcome | Failure]
 class GuessOptions:
     """How fine a grid and how wide a window may become, and where a guess is useless."""
 
-    max_grid_points: int = 2**17  # narrower zones need more than a grid to be found
     refinement: int = 4  # points of the next grid over the last: two halvings of a cell
     max_widenings: int = 4  # of a window, each to twice its width
     # Contact may be full only above this fraction of the period: finding the load costs time.
     maybe_full: float = 0.4
-    # Above this fraction of the largest half width the closed form of full contact is useless.
-    useless_half_width: float = 0.999
     # Gap at the border of a strip over the last one of its branch: modes resolve none narrower.
     narrowest_border_gap: float = 0.1
-    # Above this contact fraction a failure is due to narrow gaps.
+    # Above this fraction of the largest width the closed form of full contact is useless, and a
+    # failure of zones is due to narrow gaps.
     almost_full: float = 0.99
 
 
@@ -156,7 +155,7 @@ def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -
     needs_branch = bool(
         has_branch
         and problem.interaction.neighbours
-        and guess > OPTIONS.useless_half_width * widest(problem)
+        and guess > OPTIONS.almost_full * widest(problem)
     )
     if needs_branch:
         guess = _half_width_on_branch(context, problem, control)
@@ -216,31 +215,36 @@ GUESSES: tuple[tuple[str, Guess], ...] = (
 def from_grid(
     context: SolveContext,
     scaled: ScaledScene,
-    held: bool = False,
+    fixed_centre: bool = False,
     points: int | None = None,
     allow_loss: bool = False,
 ) -> Outcome:
     """The contact from the zones of a coarse grid, refined until they pass the certificate.
 
-    held: a strip keeps its centre. points: of the first grid; None: as many as the profile needs.
+    fixed_centre: a strip keeps its centre. points: of the first grid; None: as many as the profile needs.
     allow_loss: see `NewtonSettings`.
     """
-    return _GridSearch(context, scaled, held, allow_loss).run(points)
+    return _GridSearch(context, scaled, fixed_centre, allow_loss).run(points)
 
 
 class _GridSearch:
     """One search by ever finer grids, in windows that widen as needed."""
 
     def __init__(
-        self, context: SolveContext, scaled: ScaledScene, held: bool, allow_loss: bool
+        self, context: SolveContext, scaled: ScaledScene, fixed_centre: bool, allow_loss: bool
     ) -> None:
-        self.context, self.scaled, self.held, self.allow_loss = context, scaled, held, allow_loss
-        self.most = OPTIONS.max_grid_points
+        self.context, self.scaled, self.fixed_centre, self.allow_loss = (
+            context,
+            scaled,
+            fixed_centre,
+            allow_loss,
+        )
+        self.most = nested_grids.OPTIONS.usual_points
         self.touched, self.widened = False, 0  # the border was touched; times the window widened
         self.failure: Failure | None = None
 
     def run(self, points: int | None) -> Outcome:
-        """The contact from the first grid of so many points that leads to one."""
+        """The contact from the first grid that leads to one. points: of the first grid."""
         context = self.context
         self._begin()
         proposal: Proposal | None = None
@@ -286,7 +290,7 @@ class _GridSearch:
             context.progress("coarse grid", 0, None)
         part = context.plan["coarse search"]
         with context.plan.timed("coarse search"):
-            proposal = proposed(scaled, control, points, held=self.held)
+            proposal = proposed(scaled, control, points, fixed_centre=self.fixed_centre)
             # The pressure of very many points takes memory, and is not needed any more.
             proposal = replace(proposal, grid=None)
         part.detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
@@ -339,7 +343,7 @@ class _GridSearch:
             return found_by_gaps
         if proposal.full or not len(proposal.zones):
             return full_under(context, control, but_for_kinks=True) or NOT_APPLICABLE
-        centred = problem if self.held else about(problem, table)
+        centred = problem if self.fixed_centre else about(problem, table)
         found = context.refine_topology(centred, control, table, allow_loss=self.allow_loss)
         if isinstance(found, Failure) and found.at_border:
             raise context.error(found, problem)
@@ -350,7 +354,7 @@ class _GridSearch:
         self.context.record_failure(f"zones of a grid of {points} points", found)
         is_same = self.failure is not None and found.same(self.failure)
         self.failure = found
-        return is_same or (found.unresolved and points >= OPTIONS.max_grid_points)
+        return is_same or (found.unresolved and points >= nested_grids.OPTIONS.usual_points)
 
     def _error(self, last: Proposal | None, points: int | None) -> ContactError:
         """The error to raise if no grid led to the contact."""

@@ -22,7 +22,7 @@ from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.grid.tilt import known_part
 from contact.search.strategies import gaps, load_search
 from contact.search.strategies.gaps import by_gaps, gaps_from_fields, tightened_gaps
-from contact.search.strategies.load_search import LoadLimits, approach, contact_fraction, nearer
+from contact.search.strategies.load_search import KnownLoads, approach, contact_fraction, nearer
 from contact.search.topology.failure import Failure
 from contact.search.topology.loop import NewtonSettings
 from contact.solution.solution import Solution
@@ -34,27 +34,25 @@ from sie import Array
 class LoadControlOptions:
     """How close a load comes before the control itself is solved for."""
 
-    near_load: float = 1e-2  # relative; zones then have the number and place of the wanted ones
-    nearer_load: float = 1e-5  # relative; tried where the first was not close enough
-    near_width: float = 5e-3  # of a contact fraction, as above
-    retry_factor: float = 0.1  # how much closer the load comes before the width is tried again
-    # A fraction that the closed bracket still misses by more jumps there: rounding is 1e-14.
-    jump: float = 1e-9
-    closed: float = 1e-14  # bracket on the load of a contact fraction: round-off
-    # Of what is in contact, or of what is not: a larger change is solved from a grid.
-    max_change: float = 0.3
+    # Relative error of a load, or of a contact fraction, at which zones have the number and about
+    # the place of the wanted ones.
+    near: float = 5e-3
+    retry_factor: float = 0.1  # how much closer the load comes before the next attempt
+    # Of what is in contact, or of what is not: a grid is a better start than zones farther away.
+    max_change: float = 0.2
     # Of the period: narrower open parts are tops of the full contact's pressure, unseen by grids.
     last_open: float = 1e-3
-    # A similar solution starts the search if its fraction is within this part, as above.
-    close_fraction: float = 0.1
-    first_load: float = 0.3  # over E* and the approach; any start leads on
-    max_newton_steps: int = 12  # from zones so close; more are a sign of other zones
-    max_rounds: int = 5
-    tolerance: float = 1e-7  # of solutions on the way
-    first_tolerance: float = 1e-5  # of those farther away than `near_width`
+    tolerance: float = 1e-6  # of solutions on the way
+
+    @property
+    def nearest(self) -> float:
+        """Relative error of a load for the last attempt, three times closer."""
+        return self.near * self.retry_factor**3
 
 
 OPTIONS = LoadControlOptions()
+# Bracket on a load that round-off closes.
+_ROUNDING = 64 * float(np.finfo(np.float64).eps)
 
 
 def at_approach(context: SolveContext, nearness: float) -> Solution:
@@ -69,12 +67,10 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
     reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
     if not reach > 0.0:
         raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
-    own = OPTIONS.first_load * abs(wanted) or load_search.OPTIONS.first_load * (
-        scene.operator.datum or 1.0
-    )
-    guess = scene.E_star * own
+    length = abs(wanted) or scene.operator.datum or 1.0
+    guess = load_search.OPTIONS.first_load * scene.E_star * length
     first = guess if context.warm_start is None else context.warm_start.load
-    limits = LoadLimits(
+    limits = KnownLoads(
         least=abs(moment) / reach,
         bounded=known is not None and scene.profile.support is None,
         concave=moment == 0.0 and context.operator.is_plain and scene.law.equilibria.unique,
@@ -92,7 +88,7 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
 def at_level(context: SolveContext) -> SolvedZones:
     """The contact of a lone body under its approach, from zones of about the right load."""
     failure, problem = Failure("no load was tried"), None
-    for nearness in (OPTIONS.near_load, OPTIONS.nearer_load):
+    for nearness in (OPTIONS.near, OPTIONS.nearest):
         context = context.with_warm_start(at_approach(context, nearness))
         start = context.warm_start
         assert start is not None
@@ -117,7 +113,7 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
     start = context.warm_start
     # A similar solution is a better start than a grid only if its fraction is close.
     if start is None or abs((start.contact_fraction or 0.0) - goal) > (
-        OPTIONS.close_fraction * smaller_part
+        OPTIONS.max_change * smaller_part
     ):
         outcome = _by_first_guess(context, scaled, goal)
         if not isinstance(outcome, float):
@@ -125,14 +121,12 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
         first = outcome
     else:
         first = start.load
-    near_enough, last, error = OPTIONS.near_width, None, 1.0
+    near_enough, last, error = OPTIONS.near, None, 1.0
 
     def solve(load: float, nearest: Solution | None) -> Solution:
-        far = error > OPTIONS.near_width
-        tol = OPTIONS.first_tolerance if far else OPTIONS.tolerance
-        return _under_load(context, load, nearest, tol)
+        return _under_load(context, load, nearest)
 
-    limits = LoadLimits(closed=OPTIONS.closed)
+    limits = KnownLoads(closed=_ROUNDING)
     for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
         last, fraction = here, contact_fraction(here)[0]
         # The fraction itself tells how close it is where it grows fast with the load.
@@ -198,7 +192,7 @@ def _at_jump(
     """
     assert last.contact_fraction is not None and problem.period is not None
     error = abs(last.contact_fraction - control.value / problem.period)
-    if error > OPTIONS.jump:
+    if error > KnownLoads().closed:
         raise NotConverged(
             "no load that double precision tells from its neighbours has the contact fraction "
             f"{context.scene.given_fraction:.15g}: at a mean pressure of "
@@ -212,7 +206,7 @@ def _at_jump(
         raise context.error(found, problem)
     if isinstance(found, SolvedGaps):
         return replace(
-            found, control_error=found.control_error + OPTIONS.closed * load.value / problem.period
+            found, control_error=found.control_error + _ROUNDING * load.value / problem.period
         )
     narrowest = float(np.diff(found.free.density.zones.table, axis=1).min())
     return replace(found, control_error=error * problem.period / narrowest)
@@ -236,19 +230,10 @@ def _refined(
     context: SolveContext, problem: Problem, control: Control, table: Array, load: float
 ) -> SolvedZones | Failure:
     """Zones that pass the certificate, from a table that is close to them."""
-    return context.refine_topology(
-        problem,
-        control,
-        table,
-        load_guess=load,
-        max_steps=OPTIONS.max_newton_steps,
-        max_rounds=OPTIONS.max_rounds,
-    )
+    return context.refine_topology(problem, control, table, load_guess=load)
 
 
-def _under_load(
-    context: SolveContext, load: float, nearest: Solution | None, tol: float
-) -> Solution:
+def _under_load(context: SolveContext, load: float, nearest: Solution | None) -> Solution:
     """The solution under a load; from a grid if contact is far from that of the nearest one."""
     if nearest is not None:
         fraction, rate = contact_fraction(nearest)
@@ -257,22 +242,20 @@ def _under_load(
             nearest = None
     elif context.warm_start is not None and load == context.warm_start.load:
         return context.warm_start
-    return _solver_of_loads(context, tol)(load, nearest)
+    return _solver_of_loads(context)(load, nearest)
 
 
-def _solver_of_loads(
-    context: SolveContext, tol: float = OPTIONS.tolerance
-) -> Callable[[float, Solution | None], Solution]:
+def _solver_of_loads(context: SolveContext) -> Callable[[float, Solution | None], Solution]:
     """A function that solves the scene under a load, from the nearest solution."""
 
     def solve(load: float, nearest: Solution | None) -> Solution:
+        """The solution under a load, or a rougher one if that does not converge."""
         loaded, start = context.scene.under("load", load), nearest or context.warm_start
         try:
-            return context.solve_scene(loaded, tol, start, context.progress)
+            return context.solve_scene(loaded, OPTIONS.tolerance, start, context.progress)
         except NotConverged as failure:
             # A rougher solution serves as well on the way.
-            allowed = max(1e3 * OPTIONS.tolerance, 10 * tol)
-            if failure.best is None or not failure.best.error < allowed:
+            if failure.best is None or not failure.best.error < OPTIONS.near:
                 raise
             return failure.best
 

@@ -1,7 +1,7 @@
 """The load at which a quantity that grows with it has a wanted value: a bracketed Newton method.
 
 A solution under a load always exists and is unique, and a bracket on the load cannot fail. Newton's
-step is one on a power of the load, read off the last two rates: the approach of a tilted body goes
+step assumes a power of the load, from the last two rates: the approach of a tilted body goes
 with load^-2, other approaches about with the load, a contact fraction about with its root. Each
 load is solved from the zones of the nearest one. The approach of an upright body is concave in the
 load and stays below its tangents, which soon show that no load has the wanted approach.
@@ -19,6 +19,7 @@ import numpy as np
 from contact.errors import NotConverged, OutOfRange
 from contact.model.plugin_checks.forms import AuthorMethod
 from contact.model.scene import Scene
+from contact.search.grid import conjugate_gradient
 from contact.solution.solution import Solution
 
 
@@ -27,11 +28,10 @@ class LoadSearchOptions:
     """Limits of the bracket, and the steps of differences between loads."""
 
     max_loads: int = 80  # halving alone needs some 50
-    closed: float = 1e-9  # bracket, over the load
     max_unsolved: int = 4  # loads without a solution; another load next to each is tried
-    # Of a first load: below it the approach of a lone body only falls, by 1e-3 of the logarithm.
-    lightest: float = 1e-4
-    first_load: float = 1e-3  # over E* and the length of the scene: any start leads on
+    # The first load over E* and a length; any start leads on. No load below this part of the first
+    # one is tried: the approach of a lone body hardly changes there.
+    first_load: float = 1e-3
     rate_step: float = 1e-4  # of a load, for differences; its error is the square, 1e-8
     tolerance_factor: float = 1e-2  # of solves for differences, over the wanted error
     least_tolerance: float = 1e-13  # the smallest that `contact.solve` accepts
@@ -48,13 +48,15 @@ Solve = Callable[[float, Solution | None], Solution]
 
 
 @dataclass(frozen=True)
-class LoadLimits:
+class KnownLoads:
     """What is known of the loads of a search."""
 
     least: float = 0.0  # [N/m] too small for any solution
     bounded: bool = False  # a large load may bring the contact to the end of the known profile
     concave: bool = False  # the quantity is concave in the load
-    closed: float = OPTIONS.closed  # the bracket at which the search ends, over the load
+    closed: float = (
+        conjugate_gradient.OPTIONS.closed
+    )  # the bracket at which the search ends, over the load
 
 
 def approach(solution: Solution) -> tuple[float, float]:
@@ -70,7 +72,7 @@ def contact_fraction(solution: Solution) -> tuple[float, float]:
 
 
 def nearer(
-    solve: Solve, quantity: Quantity, goal: float, first: float, limits: LoadLimits = LoadLimits()
+    solve: Solve, quantity: Quantity, goal: float, first: float, limits: KnownLoads = KnownLoads()
 ) -> Iterator[tuple[Solution, float]]:
     """Yield solutions whose quantity approaches the goal, each with its relative error of the load.
 
@@ -87,7 +89,7 @@ def nearer(
         except OutOfRange as refusal:
             refused = refusal
             search.narrow(from_above=limits.bounded if before is None else load > before.load)
-            if limits.concave and before is None and load < OPTIONS.lightest * first:
+            if limits.concave and before is None and load < OPTIONS.first_load * first:
                 break
             step = math.nan
         except NotConverged:
@@ -112,7 +114,7 @@ def nearer(
 class _Bracket:
     """Loads between which the goal lies, with the solutions at its ends."""
 
-    def __init__(self, goal: float, limits: LoadLimits, first: float) -> None:
+    def __init__(self, goal: float, limits: KnownLoads, first: float) -> None:
         self.goal, self.limits = goal, limits
         self.low, self.high = limits.least, math.inf
         self.load = max(first, 2 * limits.least)
@@ -222,7 +224,7 @@ def by_quantity(
         else warm_start.load
     )
     best: Solution | None = None
-    goal, limits = sign * control.value, LoadLimits(bounded=True)
+    goal, limits = sign * control.value, KnownLoads(bounded=True)
     for here, load_error in nearer(under, quantity, goal, first, limits):
         value, rate = quantity(here)
         own = 3 * here.error * abs(value / (rate * here.load)) if rate else math.inf

@@ -17,8 +17,6 @@ class TighteningOptions:
 
     max_solves: int = 3  # the error falls with the tolerance, so one or two suffice
     safety: float = 0.05  # the next tolerance over the one that would just do
-    # A solve that leaves more than this part of the error shows that the rest is rounding.
-    useless_above: float = 0.5
 
 
 def tightened(
@@ -34,7 +32,7 @@ def tightened(
     again: solves from a solution to a tolerance. Where a smaller tolerance does not reduce the
     error, the smallest one is tried last.
     """
-    is_useless = False
+    is_useless = False  # a solve left more than half of the error: the rest is rounding
     for _ in range(options.max_solves):
         if found.error <= context.tol or tolerance <= LEAST:
             break
@@ -46,6 +44,6 @@ def tightened(
         if isinstance(better, Failure):
             context.record_failure("a smaller inner tolerance", better)
             break
-        is_useless = better.error > options.useless_above * found.error
+        is_useless = 2 * better.error > found.error
         found = better if better.error < found.error else found
     return found

@@ -1,1 +1,1 @@
-"""Intervals and a formulation in, intervals whose signs are right out: for zones and gaps alike."""
+"""From proposed intervals to intervals whose signs are right, for zones and gaps alike."""

@@ -44,13 +44,13 @@ def changes(
 ) -> list[Change]:
     """Changes from the zones of one contact (n, 2) to those of another (m, 2).
 
-    only_grows: no zone vanishes or parts. shared: see `held`.
+    only_grows: no zone vanishes or parts. shared: see `overlapping`.
     """
     found = _grown(before, after, period, shared, "birth", "merge")
     return found if only_grows else found + _grown(after, before, period, shared, "death", "split")
 
 
-def held(zones: Array, a: float, b: float, period: float | None, shared: float = 0.0) -> Array:
+def overlapping(zones: Array, a: float, b: float, period: float | None, shared: float = 0.0) -> Array:
     """The zones (k, 2), moved by periods, that overlap the one from a to b.
 
     shared: by more than this part of the narrower one.
@@ -67,7 +67,7 @@ def _grown(
     """Zones of `high` that `low` does not have, and those that are several zones of `low`."""
     found = []
     for a, b in high.tolist():
-        parts = held(low, a, b, period, shared)
+        parts = overlapping(low, a, b, period, shared)
         if len(parts) == 0:
             found.append(Change(birth, (a, b)))
         for left, right in zip(parts[:-1, 1].tolist(), parts[1:, 0].tolist(), strict=True):

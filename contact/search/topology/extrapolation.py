@@ -30,13 +30,9 @@ from sie import Array, Index, Mask, record
 class ExtrapolationOptions:
     """Doubts about intervals that vanish on the way, and places of new zones."""
 
-    # Half width kept of an interval that may have vanished, over what it was: Newton decides.
-    doubtful_width: float = 0.1
-    # An interval has vanished for certain where its square has fallen to this part of its fall
-    # below zero. Insensitive: Newton drops the others.
-    certain_fall: float = 0.5
-    # A zone is also born where the least gap would be below this part of its change.
-    slight_gap: float = 0.1
+    # Half width kept of an interval that may have vanished, over what it was: Newton decides. A
+    # zone is also born where the least gap would be below this part of its change.
+    doubt: float = 0.1
     # Half width of a new zone over the room on either side: its neighbours stay apart.
     clearance: float = 0.4
 
@@ -263,8 +259,9 @@ def _half_widths(square: Array, before: Array) -> tuple[Array, Mask]:
 
     An interval that may have vanished keeps a small half width.
     """
-    gone = square <= -OPTIONS.certain_fall * (before - square)
-    return np.sqrt(np.maximum(square, OPTIONS.doubtful_width**2 * before)), gone
+    # It has for certain where it would also vanish after half of the way: Newton drops others.
+    gone = square <= -0.5 * (before - square)
+    return np.sqrt(np.maximum(square, OPTIONS.doubt**2 * before)), gone
 
 
 def _remaining(left: Array, right: Array, lost: Mask, closed: Mask, period: float | None) -> Array:
@@ -283,8 +280,8 @@ def _with_new(zones: Array, last: CurvePoint, away: float) -> Array:
     place, value, bend = last.lowest.T
     change = away * last.rates[1]
     depth = np.where(
-        value + change < OPTIONS.slight_gap * np.abs(change),
-        np.maximum(-value - change, OPTIONS.slight_gap * np.abs(change)),
+        value + change < OPTIONS.doubt * np.abs(change),
+        np.maximum(-value - change, OPTIONS.doubt * np.abs(change)),
         0.0,
     )
     period = last.problem.period

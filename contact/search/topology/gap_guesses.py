@@ -14,8 +14,6 @@ from sie import Array, Index, Mask, record
 
 # Samples over which a gap is resolved; narrower ones are placed by closed forms.
 _RESOLVED = 4
-# Halvings of the bracket of a mean pressure: all digits of a first guess.
-_HALVINGS = 60
 
 
 @record
@@ -83,12 +81,12 @@ class GapGuesses:
         low, high = float(finite.min()), float(finite.max())
         while self._open(high) > self.period - width and high < 1e3 * (1 + float(finite.max())):
             high += high - low
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (
-                (middle, high) if self._open(middle) > self.period - width else (low, middle)
-            )
-        return 0.5 * (low + high)
+        while low < (middle := 0.5 * (low + high)) < high:
+            if self._open(middle) > self.period - width:
+                low = middle
+            else:
+                high = middle
+        return middle
 
     def _open(self, mean: float) -> float:
         """Total width of the first guess of the gaps."""

@@ -35,8 +35,8 @@ Kind = TypeVar("Kind", bound=Solved)
 class LoopTolerances:
     """Tolerances of the ends in the rounds of the loop."""
 
-    # The smallest tolerance, a few round-offs. Only to this is a slight dip of the pressure told
-    # from a narrow gap.
+    # The smallest tolerance, a few round-offs. A slight dip of the pressure may be a narrow gap:
+    # only a solution to this tolerance shows which it is.
     tight: float = 1e-15
     tighten: float = 1e-3  # next tolerance over the last, if only the error of ends breaks signs
     error_margin: float = 10.0  # over the stated error of an end; signs closer to it mean nothing
@@ -187,14 +187,13 @@ def refine_topology(
         for found in _Loop(form, control, newton, observer, formal).rounds(table):
             if formal or found.tolerance <= TOLERANCES.tight or not form.is_slight(found):
                 return found
-            # A solution to the tolerance does not tell whether so slight a dip is a gap: the loop
-            # goes on to the smallest tolerance.
+            # At this tolerance a slight dip may be a gap: the loop continues with the smallest one.
             slight = slight or found
     except WrongTopology as wrong:
         if slight is None:
             return wrong.failure
     assert slight is not None
-    # Round-off does not let it be told either.
+    # Round-off is larger than the dip.
     return replace(slight, certificate=replace(slight.certificate, undecided=True))
 
 
@@ -332,7 +331,7 @@ class _Loop(Generic[Kind]):
         if self.newton.tolerance > self.wanted:
             return self._after_rough(here)
         if not here.free.converged:
-            # Where signs fail tells which intervals are missing.
+            # The failed signs show which intervals are missing.
             is_missing = not here.certificate.holds
             self.newton = replace(self.newton, allow_loss=is_missing)
             zones = here.free.density.zones
@@ -394,7 +393,7 @@ class _Loop(Generic[Kind]):
 def end_errors(free: sie.Free, state: sie.AnyState) -> Array:
     """Bounds (Z, 2) of the errors of the ends, with a margin.
 
-    Signs closer to an end tell nothing. state: on the same intervals, under the load that they
+    Signs closer to an end mean nothing. state: on the same intervals, under the load that they
     have.
     """
     zones = free.density.zones

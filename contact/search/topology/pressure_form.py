@@ -25,9 +25,8 @@ from sie import Array, record, wrapped
 class PressureFormOptions:
     """Widths of new zones, and gaps too narrow to be found."""
 
-    # Width of a new zone over the overlap that it removes: a lone zone in a parabola has 0.7.
-    new_zone: float = NEW_ZONE
-    new_zone_at_corner: float = 0.1  # likewise; there one end is known, and the other one grows
+    # Width of a new zone at a corner over the overlap that it removes: its other end grows.
+    new_zone_at_corner: float = 0.1
     # A gap over the kink of a valley narrows with the load and never closes. One narrower than
     # this part of the zones next to it has vanished for lack of digits.
     narrow_valley: float = 1e-3
@@ -156,7 +155,7 @@ class PressureForm:
             raise WrongTopology(certificate.note or "the balance of load fails", None)
         (left, right), (lo, hi) = certificate.overlaps.T, self.problem.corners
         width = right - left
-        middle, half = 0.5 * (left + right), 0.5 * OPTIONS.new_zone * width
+        middle, half = 0.5 * (left + right), 0.5 * NEW_ZONE * width
         narrow = OPTIONS.new_zone_at_corner * width
         # A zone pinned at a corner may press where one with two free ends would vanish.
         new = np.where(
