@@ -50,7 +50,9 @@ def changes(
     return found if only_grows else found + _grown(after, before, period, shared, "death", "split")
 
 
-def overlapping(zones: Array, a: float, b: float, period: float | None, shared: float = 0.0) -> Array:
+def overlapping(
+    zones: Array, a: float, b: float, period: float | None, shared: float = 0.0
+) -> Array:
     """The zones (k, 2), moved by periods, that overlap the one from a to b.
 
     shared: by more than this part of the narrower one.
