@@ -16,7 +16,7 @@ from contact.search.strategies import guesses
 from contact.search.topology import loop
 from sie.fast.iteration import Iterative
 from sie.fast.system import IterativeSystem
-from sie.slits import merged as cuts
+from sie.slits import slits as cuts
 from sie.states import solve as engine
 
 T = np.array([-0.99, -0.6, 0.0, 0.4, 0.95])
@@ -146,7 +146,7 @@ def test_narrow_gaps_among_many_zones_cost_the_iteration_nothing(monkeypatch):
     """Holes are part of the rows: the same zones, and no more iterations than without any."""
     scene = rough(1200)
     with_slits = solve(scene, monkeypatch, 10, 1e-8)
-    monkeypatch.setattr(cuts, "NARROW", 0.0)
+    monkeypatch.setattr(cuts, "OPTIONS", replace(cuts.OPTIONS, max_gap=0.0))
     without = solve(scene, monkeypatch, 10, 1e-8)
     assert with_slits.plan["slits"].used and not without.plan["slits"].used
     width = np.diff(with_slits.zones, axis=1)
