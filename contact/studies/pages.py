@@ -15,7 +15,7 @@ import contact
 
 ROOT = Path(contact.__file__).parent.parent
 DOCS = ROOT / "docs"
-PAGES = ("benchmarks.md", "engine.md", "many-zones.md", "stability.md", "tests.md")
+PAGES = ("ablation.md", "benchmarks.md", "engine.md", "many-zones.md", "stability.md", "tests.md")
 PLACE = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 

@@ -18,7 +18,7 @@ import contact
 from contact.commands.cli import main
 from contact.reference import inverse
 from contact.reference.exact import HertzLine, IsolatedWedge, Westergaard
-from contact.studies import pages
+from contact.studies import ablation, pages
 from contact.studies.bench import (
     cases,
     clock,
@@ -411,6 +411,7 @@ class TestPages:
         self, monkeypatch
     ):
         made = {
+            "ablation",
             "precision",
             "hierarchy",
             "peers",
@@ -435,3 +436,29 @@ class TestPages:
                 named.add(found[2])
                 assert found[0].count("\n| ") > 3, f"{found[2]} in {name} is empty"
         assert named == made
+
+
+class TestAblation:
+    @pytest.mark.parametrize("name", ablation.MECHANISMS)
+    def test_what_a_row_switches_off_is_there(self, name):
+        for switch in ablation.MECHANISMS[name]:
+            owner, attribute = switch.find()
+            assert switch.off(vars(owner)[attribute]) is not vars(owner)[attribute]
+
+    def test_a_row_whose_target_is_gone_is_an_error(self):
+        with pytest.raises(AttributeError, match="outdated"):
+            ablation.Switch("sie.slits.slits:gone", ablation.returning(None)).find()
+        with pytest.raises(AttributeError, match="outdated"):
+            ablation.without("gone")((("one zone", None),))
+
+    def test_lost_and_changed_scenes_are_counted(self):
+        zones = [[-1.0, 1.0]]
+        one = {"solved": True, "zones": zones, "error": 1e-9, "seconds": 1.0}
+        on = {"ordinary": [one, one, one], "extreme": [{"within": True, "seconds": 2.0}]}
+        other = one | {"zones": [[-1.0, 1.1]], "seconds": 3.0}
+        off = {
+            "ordinary": [one | {"solved": False}, other, one | {"seconds": 2.0}],
+            "extreme": [{"within": False, "seconds": 1.0}],
+        }
+        found = ablation.row("it", on, off)
+        assert found == ("it", "1", "1", "2.50", "2.50", "0 of 1", "0.50")

@@ -1,0 +1,278 @@
+"""The value of each mechanism of `sie` and `contact`: every one is switched off in turn.
+
+    python -m contact.studies.ablation [--only NAME ...] [--ordinary] [--out FILE]
+
+The scenes are 95 ordinary ones, 91 of them of `contact.studies.random_scenes` and four adhesive
+traces, and the extreme ones of `contact.studies.bench.extremes` that take no more than about a
+second. A mechanism is switched off by replacing a function, a class attribute or a field of
+options, in a process of its own. The table has for each mechanism the scenes that are lost, those
+whose answer changes by more than both stated errors, and the processor time over that of the run
+with everything on. A target that does not exist is an error. `--ordinary` leaves out the extreme scenes,
+which take most of the time. `python -m contact.studies.pages DIR` sets DIR/ablation.md in
+docs/ablation.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import dataclasses
+import importlib
+import json
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import contact
+from contact.errors import unwarned
+from contact.studies.bench import clock, stability
+from contact.studies.bench.alone import measured, publish
+from contact.studies.bench.extremes import matrix
+from contact.studies.bench.report import Table
+from contact.studies.random_scenes import Drawn, draw
+from contact.studies.trace_kinds import self_affine_heights
+
+
+@dataclass(frozen=True)
+class Switch:
+    """One replacement: `target` is "module:attribute" or "module:Class.attribute".
+
+    `off` returns the new value for the present one.
+    """
+
+    target: str
+    off: Callable[[Any], Any]
+
+    def find(self) -> tuple[Any, str]:
+        """Return the owner and the name of the target; AttributeError if it does not exist."""
+        module, _, path = self.target.partition(":")
+        owner: Any = importlib.import_module(module)
+        *outer, name = path.split(".")
+        for part in outer:
+            owner = getattr(owner, part)
+        if name not in vars(owner):
+            raise AttributeError(f"{self.target} does not exist: the table MECHANISMS is outdated")
+        return owner, name
+
+    def apply(self) -> None:
+        """Set the new value in its module, and wherever the old one was imported by name."""
+        owner, name = self.find()
+        old = vars(owner)[name]
+        new = self.off(old)
+        setattr(owner, name, new)
+        for other_name, other in list(sys.modules.items()):
+            if other_name.split(".")[0] in ("sie", "contact"):
+                for key in [key for key, value in vars(other).items() if value is old]:
+                    setattr(other, key, new)
+
+
+def returning(value: Any) -> Callable[[Any], Any]:
+    """Replace a function by one that returns this value."""
+    return lambda old: lambda *args, **kwargs: value
+
+
+def with_fields(**changed: Any) -> Callable[[Any], Any]:
+    """Replace an options instance by one with other fields."""
+    return lambda old: dataclasses.replace(old, **changed)
+
+
+def without(name: str) -> Callable[[Any], Any]:
+    """Leave the entry of this name out of a table of (name, function)."""
+
+    def off(old: tuple[tuple[str, Any], ...]) -> tuple[tuple[str, Any], ...]:
+        left = tuple(entry for entry in old if entry[0] != name)
+        if len(left) == len(old):
+            raise AttributeError(f"there is no {name!r}: the table MECHANISMS is outdated")
+        return left
+
+    return off
+
+
+def _no_gap_steps(old: Any) -> Any:
+    def off(gaps: Any, widths: Any, moves: Any, k: Any, *rest: Any) -> Any:
+        return np.zeros_like(k), np.zeros(k.shape, dtype=bool)
+
+    return off
+
+
+def _plain_steps(old: Any) -> Any:
+    return lambda forcing, zones, period, k, slopes, plain, *rest: plain
+
+
+def _first_argument(old: Any) -> Any:
+    return lambda problem, found, *rest: found
+
+
+def _none_for_all(old: Any) -> Any:
+    return lambda scenes, tol: [None] * len(scenes)
+
+
+def _no_context(old: Any) -> Any:
+    return lambda *args, **kwargs: contextlib.nullcontext()
+
+
+# Every mechanism: what it does, and the replacements that switch it off.
+MECHANISMS: dict[str, tuple[Switch, ...]] = {
+    "Newton steps of ends across a narrow gap": (
+        Switch("sie.ends.near_steps:gap_steps", _no_gap_steps),
+    ),
+    "Newton steps of ends near a jump": (Switch("sie.ends.near_steps:bent_steps", _plain_steps),),
+    "narrow gaps as slits": (Switch("sie.slits.slits:merge", returning(None)),),
+    "splines for many jumps": (
+        Switch("sie.jumps.spline:OPTIONS", with_fields(min_jumps=10**9, min_density_jumps=10**9)),
+    ),
+    "fast sums and GMRES": (Switch("sie.fast.system:unfit", returning("switched off")),),
+    "far sums by a tree": (Switch("sie.trees.far:reaches", returning(False)),),
+    "one zone in closed form": (
+        Switch("contact.closed.solve:solve_closed", returning(None)),
+        Switch("contact.closed.solve:solve_all_closed", _none_for_all),
+    ),
+    "formulation by gaps": (
+        Switch("contact.search.strategies.gaps:gaps_are_better", returning(False)),
+    ),
+    "first guess of one zone": (
+        Switch("contact.search.strategies.guesses:GUESSES", without("one zone")),
+    ),
+    "search by loads": (Switch("contact.search.find:STRATEGIES", without("loads")),),
+    "half of a symmetric contact": (
+        Switch("contact.search.topology.pressure_form:is_symmetric", returning(False)),
+    ),
+    "origin at the zones of an isolated body": (
+        Switch("contact.search.refine:_from_near_origin", _first_argument),
+    ),
+    "zones after gaps, if these are less precise": (
+        Switch("contact.search.refine:_by_zones", _first_argument),
+    ),
+    "predictor of driving forces": (
+        Switch("contact.adhesion.gradient_flow:_foretold", returning(None)),
+    ),
+    "guide of Dugdale's law by JKR": (
+        Switch("contact.adhesion.jkr_guide:near_advanced", returning(None)),
+    ),
+    "foreseen snap into full contact": (
+        Switch("contact.adhesion.full_contact:closing_foreseen", _no_context),
+    ),
+}
+
+COLUMNS = (
+    "off",
+    "ordinary scenes lost",
+    "of them changed",
+    "time, median",
+    "time, all",
+    "extreme scenes within",
+    "time, all",
+)
+
+
+def ordinary_scenes(count: int = 91, first: int = 10_000) -> list[contact.Scene]:
+    """The first random scenes that can be drawn, and four adhesive traces."""
+    scenes: list[contact.Scene] = []
+    seed = first
+    while len(scenes) < count:
+        one = draw(seed)
+        if isinstance(one, Drawn):
+            scenes.append(one.scene)
+        seed += 1
+    return scenes + [adhesive_scene(seed) for seed in range(4)]
+
+
+def adhesive_scene(seed: int) -> contact.Scene:
+    """A rough trace of 400 points at a mean pressure, under JKR's or Dugdale's law, E* = 1 Pa."""
+    rng = np.random.default_rng([5, seed])
+    heights = self_affine_heights(rng, 400, 0.8, longest=10 + 5 * seed)
+    period = 1.0
+    profile = contact.Sampled(np.arange(400) / 400, 1e-4 * heights, period=period)
+    slope = 1e-4 * float(np.std(np.gradient(heights, 1 / 400)))
+    mean_pressure = 0.1 * slope
+    work = 0.03 * mean_pressure**2 * period
+    law = contact.JKR(work) if seed % 2 else contact.Dugdale(work, 0.5 * slope)
+    return contact.Scene(profile, 1.0, contact.Periodic(), law=law, mean_pressure=mean_pressure)
+
+
+def run_ordinary(scene: contact.Scene, patience: float) -> dict[str, Any]:
+    """Solve an ordinary scene to 1e-8."""
+    found: dict[str, Any] = {"solved": False, "zones": [], "error": 0.0}
+    start = time.process_time()
+    try:
+        solution = clock.limited(lambda: contact.solve(scene, tol=1e-8), patience)
+        found |= {"solved": True, "zones": solution.zones.tolist(), "error": solution.error}
+    except (contact.ContactError, clock.TooLong, ArithmeticError, ValueError):
+        pass
+    return found | {"seconds": time.process_time() - start}
+
+
+def measure(name: str, patience: float, ordinary_only: bool) -> dict[str, Any]:
+    """Run all scenes with one mechanism off; with none off if the name is empty."""
+    for switch in MECHANISMS.get(name, ()):
+        switch.apply()
+    with unwarned():
+        ordinary = [run_ordinary(one, patience) for one in ordinary_scenes()]
+        cases = [] if ordinary_only else matrix(quick=True)
+        verdicts = [stability.run(case, patience) for case in cases]
+    extreme = [
+        {"within": one.outcome in ("pass", "undecided"), "seconds": one.seconds} for one in verdicts
+    ]
+    return {"ordinary": ordinary, "extreme": extreme}
+
+
+def changed(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    """Whether two answers differ by more than both stated errors, in ends over widths."""
+    zones, others = np.array(one["zones"]), np.array(other["zones"])
+    if zones.shape != others.shape:
+        return True
+    if zones.size == 0:
+        return False
+    width = np.diff(zones, axis=1)
+    return bool((np.abs(zones - others) / width).max() > one["error"] + other["error"] + 1e-13)
+
+
+def row(name: str, on: dict[str, Any], off: dict[str, Any]) -> tuple[str, ...]:
+    """Return the table row of a mechanism, from the runs with it on and off."""
+    pairs = list(zip(on["ordinary"], off["ordinary"], strict=True))
+    solved = [(a, b) for a, b in pairs if a["solved"] and b["solved"]]
+    ratios = [b["seconds"] / max(a["seconds"], 1e-4) for a, b in solved]
+    within = sum(one["within"] for one in off["extreme"])
+    extremes = [sum(one["seconds"] for one in run["extreme"]) for run in (on, off)]
+    return (
+        name,
+        str(sum(a["solved"] and not b["solved"] for a, b in pairs)),
+        str(sum(changed(a, b) for a, b in solved)),
+        f"{np.median(ratios):.2f}",
+        f"{sum(b['seconds'] for _, b in solved) / sum(a['seconds'] for a, _ in solved):.2f}",
+        f"{within} of {len(off['extreme'])}" if off["extreme"] else "not run",
+        f"{extremes[1] / extremes[0]:.2f}" if off["extreme"] else "",
+    )
+
+
+def main(names: list[str], options: list[str], out: Path | None) -> None:
+    """Measure mechanisms and publish the table after each, as a run takes long."""
+
+    def run(name: str) -> dict[str, Any]:
+        return measured("contact.studies.ablation", "--one", name, *options)
+
+    on = run("")
+    rows = [row("nothing", on, on)]
+    for name in names:
+        rows.append(row(name, on, run(name)))
+        publish(Table("ablation", "each mechanism off in turn", COLUMNS, rows), [], out)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", nargs="+", choices=list(MECHANISMS), default=list(MECHANISMS))
+    parser.add_argument("--patience", type=float, default=20.0, help="seconds for one scene")
+    parser.add_argument("--ordinary", action="store_true", help="leave out the extreme scenes")
+    parser.add_argument("--one", help="measure one mechanism and print its figures")
+    parser.add_argument("--out", type=Path)
+    given = parser.parse_args()
+    if given.one is not None:
+        print(json.dumps(measure(given.one, given.patience, given.ordinary)))
+    else:
+        options = ["--patience", str(given.patience), *(["--ordinary"] if given.ordinary else [])]
+        main(given.only, options, given.out)
