@@ -1,1 +1,1 @@
-"""What is measured of the package: error against run time, extremes, random scenes, traces."""
+"""Studies of the package: error against run time, extreme and random scenes, ablation."""

@@ -149,10 +149,13 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
         Switch("contact.search.refine:_by_zones", _first_argument),
     ),
     "predictor of driving forces": (
-        Switch("contact.adhesion.gradient_flow:_foretold", returning(None)),
+        Switch("contact.adhesion.gradient_flow:_predictor", returning(None)),
     ),
     "guide of Dugdale's law by JKR": (
-        Switch("contact.adhesion.jkr_guide:near_advanced", returning(None)),
+        Switch("contact.adhesion.jkr_guide:before_advanced", returning(None)),
+    ),
+    "guide of Dugdale's law by a grid": (
+        Switch("contact.adhesion.cohesive_flow:guide_of", returning(None)),
     ),
     "foreseen snap into full contact": (
         Switch("contact.adhesion.full_contact:closing_foreseen", _no_context),
@@ -162,7 +165,7 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
 COLUMNS = (
     "off",
     "ordinary scenes lost",
-    "of them changed",
+    "others changed",
     "time, median",
     "time, all",
     "extreme scenes within",

@@ -1,4 +1,4 @@
-"""Contact on an even grid by projected conjugate gradients, an independent check of solutions.
+"""Contact on an even grid by projected conjugate gradients: an independent check.
 
 It shares no code with the solver and takes any kernel (Polonsky & Keer 1999, Wear 231, 206-219):
 

@@ -1,4 +1,6 @@
-"""Sets measured tables and figures in the pages of docs: python -m contact.studies.pages OUT.
+"""Sets measured tables and figures in the pages of docs.
+
+    python -m contact.studies.pages OUT
 
 OUT/NAME.md replaces the text of a page between `<!-- measured: NAME -->` and `<!-- end -->`;
 OUT/NAME.png becomes docs/images/bench-NAME.png. Tables that are not in OUT stay as they are.

@@ -1,4 +1,4 @@
-"""Adhesion of one symmetric zone: states on top of a frictionless zone, and curves of equilibria.
+"""Adhesion of one symmetric zone: states, and curves of equilibria.
 
 The pressure of an adhesive state is that of the frictionless zone of the same half width, less the
 pressure of a load that leaves the zone flat. The equilibria at a fixed work of adhesion form a

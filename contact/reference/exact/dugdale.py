@@ -1,4 +1,4 @@
-"""Maugis-Dugdale adhesion of one symmetric zone: a tension s on a < |x| < c, next to the zone.
+"""Maugis-Dugdale adhesion of one symmetric zone: a tension s on a < |x| < c.
 
 The pressure is bounded at the ends of the zone; the gap at c is w/s. In the superposition of
 base.py the tension is a set of flat punches of negative load between a and c. Their total load is

@@ -137,7 +137,7 @@ class _JKREquilibria(Equilibria[JKRZone]):
 
 @dataclass(frozen=True)
 class JKRCylinder(Cylinder, _JKREquilibria):
-    """The equilibria of an isolated f = x^2/2R under JKR adhesion, by half width (Barquins 1988).
+    """The equilibria of an isolated f = x^2/2R under JKR adhesion, by half width.
 
     P = pi E* a^2/4R - sqrt(2 pi E* a w), and with a datum d
     approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a).

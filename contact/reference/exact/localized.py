@@ -1,4 +1,4 @@
-"""Localization of one zone in a period: the isolated solution plus a correction for the neighbours.
+"""Localization of one zone in a period: the isolated solution plus a correction.
 
 The neighbours press with their nominal pressure P_s/L outside the strip of width L around the zone,
 so that (1/pi) PV int p/(x-xi) = (E*/2) f' + (2 P_s/pi L) artanh(2x/L). I. G. Goryacheva & I.

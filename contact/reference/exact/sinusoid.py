@@ -1,4 +1,4 @@
-"""Sinusoid f = Delta (1 - cos(2 pi x/L)): partial contact, full contact, and one isolated wave.
+"""Sinusoid f = Delta (1 - cos(2 pi x/L)): partial and full contact, one isolated wave.
 
 H. M. Westergaard, "Bearing pressures and cracks", J. Appl. Mech. 6 (1939) A49-A53. One wave: I.
 Tsukanov (2018a), as given by Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045, eq.

@@ -1,4 +1,4 @@
-"""Inverse design: exact contact problems with any number of given zones, to judge solvers by.
+"""Inverse design: exact contact problems with given zones, to judge solvers by.
 
 `design(zones, E_star, load, ...)` makes the profile of which the given zones are the exact contact.
 Nothing here imports the solver.

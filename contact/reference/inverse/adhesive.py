@@ -1,4 +1,4 @@
-"""Inverse design under JKR adhesion: exact contacts with p ~ -sqrt(E* w/pi)/sqrt(d) at every end.
+"""Inverse design under JKR adhesion: p ~ -sqrt(E* w/pi)/sqrt(d) at every end.
 
 With X^2 the product of the factors of all zone ends, written x - e here (see product.py), the
 function
@@ -46,7 +46,9 @@ from sie import Array, Mask
 
 @dataclass(frozen=True, eq=False)
 class AdhesiveDesign(GivenZones):
-    """An exact JKR contact of given zones, load and work: p ~ -sqrt(E* w/pi)/sqrt(d) at every end.
+    """An exact contact of given zones, load and work of adhesion under JKR adhesion.
+
+    At every end p ~ -sqrt(E* w/pi)/sqrt(d).
 
     `is_admissible` says whether the surfaces stay separate between the zones; for small loads with
     strong adhesion they may overlap. Derived from the general solution of N. I. Muskhelishvili,
@@ -274,7 +276,7 @@ class AdhesiveDesign(GivenZones):
 
 
 def second_variation(design: AdhesiveDesign) -> Array:
-    """Second derivatives of the energy of a designed JKR contact by its ends, at prescribed load.
+    """Second derivatives of the energy of a designed JKR contact by its ends, at a load.
 
     The contact is locally stable if the matrix d^2 energy/ds_i ds_j is positive definite. Derived
     here, see the head of this module.

@@ -1,4 +1,4 @@
-r"""Inverse design under Dugdale's law: exact contacts of given zones and given cohesive intervals.
+r"""Inverse design under Dugdale's law, for given zones and given cohesive intervals.
 
 A tension s acts on the strips, the parts of the cohesive intervals outside the zones: p = -s there.
 With X^2 the product of (z - e) over all zone ends e, and p bounded, the function
@@ -77,7 +77,7 @@ class _Strip:
 
 @dataclass(frozen=True, eq=False)
 class CohesiveDesign:
-    """An exact contact of given zones and given cohesive intervals under Dugdale's law, isolated.
+    """An exact isolated contact of given zones and cohesive intervals under Dugdale's law.
 
     Derived from the general solution of N. I. Muskhelishvili, Singular Integral Equations (1953),
     ch. 11; see the head of this module.

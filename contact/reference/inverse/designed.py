@@ -1,4 +1,4 @@
-"""Inverse design of frictionless contacts: the profile that makes given zones the exact contact.
+"""Inverse design of frictionless contacts: the profile that has given zones.
 
 With X^2 the product over all zone ends (of x - e, or of 2 sin(pi (x - e)/L) with a period L) and M
 a product of the same kind with one root in every gap, such that int_gap X M dx = 0, the function

@@ -1,4 +1,4 @@
-"""Measurements of the solver: error against run time, cost against size, peers, extreme scenes.
+"""Measurements of the solver: error, run time, memory, peers, extreme scenes.
 
 No other room imports this one; the commands `contact bench` and `contact stability` load it on
 demand.

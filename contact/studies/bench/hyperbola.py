@@ -1,4 +1,4 @@
-"""Closed form of an isolated blunted wedge f = s (sqrt(x^2 + d^2) - d): its tip is rounded over d.
+"""Closed form of an isolated wedge with a rounded tip, f = s (sqrt(x^2 + d^2) - d).
 
 By the superposition of flat punches (contact.reference.exact.base) the load at half width a is
 

@@ -1,4 +1,4 @@
-"""The engine on hundreds and thousands of intervals: processor time, memory and stated error.
+"""The engine on hundreds and thousands of intervals: time, memory and stated error.
 
     python -m contact.studies.bench.many_intervals [--out FILE] [COUNT ...]
 

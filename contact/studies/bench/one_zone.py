@@ -1,4 +1,4 @@
-"""One isolated symmetric zone under any slope, by quadrature: the judge of measured profiles.
+"""One isolated symmetric zone under any slope, by quadrature.
 
 With xi = a sin(theta), since PV int dtheta / (a sin(theta) - x) = 0,
 

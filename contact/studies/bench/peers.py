@@ -1,4 +1,4 @@
-"""Two published boundary-element codes on the same scenes: tamaas and ContactMechanics (optional).
+"""Two published boundary-element codes on the same scenes: tamaas and ContactMechanics.
 
 Both put pressures on an even periodic grid and minimise by the conjugate gradients of Polonsky and
 Keer. The comparison favours them: each runs at the loosest tolerance that does not increase its

@@ -1,4 +1,4 @@
-"""Work and precision: true and stated error against processor time, for tolerances 1e-2 to 1e-13.
+"""Work and precision: errors against processor time, for tolerances 1e-2 to 1e-13.
 
 The localized models run on the same scenes; their error is that of the model, however exactly they
 are solved.

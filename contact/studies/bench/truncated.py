@@ -1,4 +1,4 @@
-"""Closed form of an isolated wedge with a flat top, f = s max(|x| - d, 0): corners 2d apart.
+"""Closed form of an isolated wedge with a flat top, f = s max(|x| - d, 0).
 
 By the superposition of flat punches (contact.reference.exact.base), with P(a) = E* s sqrt(a^2 -
 d^2), a > d:

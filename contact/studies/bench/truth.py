@@ -40,7 +40,7 @@ def scale(exact: Exact) -> float:
 
 
 def stated_measure(found: Exact, exact: Exact) -> float:
-    """Return the larger error of pressures at equal normalised positions and of ends over widths.
+    """Return the larger error of pressures at equal positions and of ends over widths.
 
     It is inf if the number of zones differs.
     """

@@ -1,4 +1,4 @@
-"""Stiff and extreme scenes, each with its exact solution and the error that round-off allows."""
+"""Stiff and extreme scenes, each with its exact solution and its allowed error."""
 
 from __future__ import annotations
 
