@@ -17,7 +17,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import dataclasses
-import importlib
 import json
 import sys
 import time
@@ -30,6 +29,7 @@ import numpy as np
 
 import contact
 from contact.errors import unwarned
+from contact.extras import require
 from contact.studies.bench import clock, stability
 from contact.studies.bench.alone import measured, publish
 from contact.studies.bench.extremes import matrix
@@ -51,7 +51,7 @@ class Switch:
     def find(self) -> tuple[Any, str]:
         """Return the owner and the name of the target; AttributeError if it does not exist."""
         module, _, path = self.target.partition(":")
-        owner: Any = importlib.import_module(module)
+        owner: Any = require(module)
         *outer, name = path.split(".")
         for part in outer:
             owner = getattr(owner, part)
