@@ -9,6 +9,7 @@ metres.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -186,5 +187,11 @@ def _places_in_contact(solution: Solution) -> Array:
             profile.x0
             + profile.period * (np.arange(_LIMITS.period_places) + 0.25) / _LIMITS.period_places
         )
-    t = chebyshev_nodes(_LIMITS.zone_places)
-    return np.asarray(zones.dot(0.5 * np.stack((1.0 - t, 1.0 + t))).ravel())
+    return np.asarray(zones.dot(_weights_of_ends(_LIMITS.zone_places)).ravel())
+
+
+@cache
+def _weights_of_ends(count: int) -> Array:
+    """Weights (2, count) of the left and the right end of a zone in its Chebyshev nodes."""
+    t = chebyshev_nodes(count)
+    return 0.5 * np.stack((1.0 - t, 1.0 + t))

@@ -195,6 +195,8 @@ class Solution(sie.Kept):
 
     @cached_property
     def _remainders(self) -> Array | None:
+        if not self.scene.profile.exact_places:
+            return None
         return self.fields.end_remainders(self.zones, self._order)
 
     @property
