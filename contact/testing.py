@@ -1,4 +1,4 @@
-"""For authors of profiles and substrates: `check_profile` and `check_substrate` find their faults."""
+"""Checks for authors of profiles and substrates: `check_profile` and `check_substrate`."""
 
 from contact.model.plugin_checks.reports import (
     Fault,

@@ -27,32 +27,24 @@ from sie import Array, record
 class ClaimOptions:
     """Numbers of the check. None is sensitive: twice or half of each finds the same false claims.
 
-    least_panels, most_panels: limits of the number of panels; between them two per resolution.
-    derived_panels: most panels of a derived slope, each value of which takes many heights.
+    few, many: limits of the number of panels and of kinks; between them two panels per
+        resolution. A derived slope has few: each of its values takes many heights.
     nodes: of Gauss's rule, on one, two and three parts of a panel.
-    margin: factor on estimates of rounding and quadrature errors.
-    rounded_slopes: rounding of a slope, in units of the last digit of the largest one.
-    parts, levels: a panel that disagrees is divided into so many parts, so often.
-    most_kinks: most declared kinks that are checked.
-    beside: distance from a kink at which the slope is taken, over the smallest panel.
+    margin: factor on estimated errors, and ratio of the errors of pressures and ends to the
+        relative error of the slope.
+    parts, levels: a panel that disagrees is divided into this many parts, this many times.
     jump: relative difference from which the jump at a kink is false.
     refused: relative error from which a claim is refused; a smaller one is stated.
-    follows: ratio of the errors of pressures and ends to the relative error of the slope.
     """
 
-    least_panels: int = 16
-    most_panels: int = 64
-    derived_panels: int = 16
+    few: int = 16
+    many: int = 64
     nodes: int = 8
     margin: float = 4.0
-    rounded_slopes: float = 64.0
     parts: int = 5
     levels: int = 2
-    most_kinks: int = 64
-    beside: float = 1e-6
     jump: float = 1e-3
     refused: float = 1e-6
-    follows: float = 4.0
 
 
 OPTIONS = ClaimOptions()
@@ -86,7 +78,7 @@ def of(profile: Profile, zones: Array | None = None) -> Claims:
     known: dict[tuple[float, float], Claims] = profile.claims_seen
     if interval not in known:
         with np.errstate(all="ignore"):
-            known[interval] = _looked_at(profile, *interval)
+            known[interval] = _checked(profile, *interval)
     claims = known[interval]
     if claims.fault:
         raise SceneError(f"the profile contradicts itself: {claims.fault}", "profile", profile)
@@ -105,14 +97,14 @@ def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | No
     return float(np.floor(first / step) * step), float(np.ceil(last / step) * step)
 
 
-def _looked_at(profile: Profile, lo: float, hi: float) -> Claims:
+def _checked(profile: Profile, lo: float, hi: float) -> Claims:
     panels = _Panels.of(profile, *_panels(profile, lo, hi))
     mismatch, limit = _mismatch(profile, panels)
     if mismatch > OPTIONS.refused and not profile.slope_is_derived:
         return Claims(fault=limit)
-    fault = _of_kinks(profile, panels) or _of_symmetry(profile, panels, lo, hi)
-    fault = fault or _of_period(profile, panels) or _of_summits(profile, panels, lo, hi)
-    return Claims(OPTIONS.follows * mismatch, limit, fault)
+    fault = _kink_fault(profile, panels) or _symmetry_fault(profile, panels, lo, hi)
+    fault = fault or _period_fault(profile, panels) or _summit_fault(profile, panels, lo, hi)
+    return Claims(OPTIONS.margin * mismatch, limit, fault)
 
 
 def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
@@ -123,11 +115,9 @@ def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
     length, options = hi - lo, OPTIONS
     resolution = profile.resolution
     wanted = (
-        options.least_panels
-        if resolution is None
-        else max(options.least_panels, np.ceil(2 * length / resolution))
+        options.few if resolution is None else max(options.few, np.ceil(2 * length / resolution))
     )
-    most = options.derived_panels if profile.slope_is_derived else options.most_panels
+    most = options.few if profile.slope_is_derived else options.many
     breaks = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
     breaks = breaks[(breaks > lo) & (breaks < hi)]
     width = length / wanted
@@ -135,7 +125,7 @@ def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
     a = np.concatenate((starts, breaks[:: max(1, len(breaks) // most)]))
     following = np.append(breaks, hi)[np.searchsorted(breaks, a, side="right")]
     b = np.minimum(a + width, following)
-    wide = b - a > options.beside * width
+    wide = b - a > options.refused * width
     return a[wide], b[wide]
 
 
@@ -184,7 +174,7 @@ class _Panels:
         largest = float(np.abs(slope).max(initial=0.0, where=np.isfinite(slope)))
         noise = rounding(heights[:-1])
         doubt = OPTIONS.margin * (np.ptp(sums, axis=1) + noise + deviations(heights[:-1]))
-        doubt += OPTIONS.rounded_slopes * EPS * largest * (b - a)
+        doubt += 64 * EPS * largest * (b - a)
         return cls(
             a,
             b,
@@ -233,37 +223,41 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     k = int(which[worst])
     kind = "the slope that is derived from the heights" if profile.slope_is_derived else "slope"
     return float(least[worst]), (
-        f"{kind} disagrees with the height: from x = {panels.a[k]:.9g} to {panels.b[k]:.9g} m the height rises by "
+        f"{kind} disagrees with the height: from x = {panels.a[k]:.9g} to {panels.b[k]:.9g} m "
+        "the height rises by "
         f"{panels.rise[k]:.9g} m, the integral of the slope is {panels.integral[k]:.9g} m"
     )
 
 
-def _of_kinks(profile: Profile, panels: _Panels) -> str:
+def _kink_fault(profile: Profile, panels: _Panels) -> str:
     """A declared kink whose jump the slope does not have, in words; empty without one."""
     kinks = np.asarray(profile.kinks, dtype=np.float64)
     if profile.slope_is_derived or len(kinks) == 0:
         return ""
-    # Jumps at one place of the cell add up.
+    # Jumps at one place of the cell are added.
     at, which = np.unique(np.asarray(profile.wrap(kinks[:, 0])), return_inverse=True)
     kinks = np.column_stack((at, np.bincount(which, kinks[:, 1])))
-    kinks = kinks[:: max(1, len(kinks) // OPTIONS.most_kinks)]
+    kinks = kinks[:: max(1, len(kinks) // OPTIONS.many)]
     places = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
     apart = float(np.diff(places).min(initial=float(np.max(panels.b - panels.a))))
-    beside = OPTIONS.beside * apart + 4 * np.spacing(np.abs(kinks[:, 0]))
+    distance = OPTIONS.refused * apart + 4 * np.spacing(np.abs(kinks[:, 0]))
     sides = np.asarray(
-        profile.slope(kinks[:, 0] + beside * np.array([[-1.0], [1.0]])), dtype=np.float64
+        profile.slope(kinks[:, 0] + distance * np.array([[-1.0], [1.0]])), dtype=np.float64
     )
     seen = sides[1] - sides[0]
-    off = np.abs(seen - kinks[:, 1]) - OPTIONS.jump * np.maximum(
+    error = np.abs(seen - kinks[:, 1]) - OPTIONS.jump * np.maximum(
         np.abs(kinks[:, 1]), np.abs(sides).max(axis=0)
     )
-    worst = int(np.argmax(np.where(np.isfinite(off), off, -np.inf)))
-    if not off[worst] > 0.0:
+    worst = int(np.argmax(np.where(np.isfinite(error), error, -np.inf)))
+    if not error[worst] > 0.0:
         return ""
-    return f"kink declared at {kinks[worst, 0]:.9g} with jump {kinks[worst, 1]:.6g}: the slope jumps by {seen[worst]:.6g} there"
+    return (
+        f"kink declared at {kinks[worst, 0]:.9g} with jump {kinks[worst, 1]:.6g}: the slope "
+        f"jumps by {seen[worst]:.6g} there"
+    )
 
 
-def _of_symmetry(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
+def _symmetry_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
     """A pair of heights that contradicts `symmetric`, in words."""
     inside = (-panels.a >= lo) & (-panels.a <= hi)
     if not profile.symmetric or not inside.any():
@@ -280,36 +274,39 @@ def _of_symmetry(profile: Profile, panels: _Panels, lo: float, hi: float) -> str
     )
 
 
-def _of_period(profile: Profile, panels: _Panels) -> str:
+def _period_fault(profile: Profile, panels: _Panels) -> str:
     """A pair of heights that contradicts the period, in words."""
     if profile.period is None:
         return ""
     x = panels.a + profile.period
-    told = "the height does not repeat with the period: it is {0:.9g} at {1:.6g} and {2:.9g} at {3:.6g}"
+    message = (
+        "the height does not repeat with the period: it is {0:.9g} at {1:.6g} and {2:.9g} "
+        "at {3:.6g}"
+    )
     return _differ(
         panels.a,
         panels.heights[0],
         np.asarray(profile.height(x), dtype=np.float64),
         panels,
-        told,
+        message,
         x,
     )
 
 
-def _differ(x: Array, here: Array, there: Array, panels: _Panels, told: str, y: Array) -> str:
+def _differ(x: Array, here: Array, there: Array, panels: _Panels, message: str, y: Array) -> str:
     """The pair of heights, at x and y, that differs most, in words; empty if all agree."""
     places = 8 * EPS * (np.abs(x) + np.abs(y)) * panels.largest
-    off = np.abs(here - there) - OPTIONS.margin * (panels.noise + places)
-    # Beyond sharp corners heights are infinite.
-    off = np.where(np.isfinite(off), off, -np.inf)
+    error = np.abs(here - there) - OPTIONS.margin * (panels.noise + places)
+    # Heights are infinite outside sharp corners.
+    error = np.where(np.isfinite(error), error, -np.inf)
     heights = panels.heights[np.isfinite(panels.heights)]
-    worst = int(np.argmax(off))
-    if not off[worst] > OPTIONS.refused * float(np.ptp(heights)):
+    worst = int(np.argmax(error))
+    if not error[worst] > OPTIONS.refused * float(np.ptp(heights)):
         return ""
-    return told.format(here[worst], x[worst], there[worst], y[worst])
+    return message.format(here[worst], x[worst], there[worst], y[worst])
 
 
-def _of_summits(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
+def _summit_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
     """A height below the lowest declared summit, in words."""
     if profile.summits is None:
         return ""
@@ -323,4 +320,7 @@ def _of_summits(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
         np.ptp(panels.heights[0])
     ):
         return ""
-    return f"summits are the lowest places, {top:.9g} m, but the height is {panels.heights[0, lowest]:.9g} m at {panels.a[lowest]:.6g}"
+    return (
+        f"summits are the lowest places, {top:.9g} m, but the height is "
+        f"{panels.heights[0, lowest]:.9g} m at {panels.a[lowest]:.6g}"
+    )

@@ -1,4 +1,4 @@
-"""Validators of single fields: each returns the value in its plain type or raises SceneError."""
+"""Checks of single values: each returns the value in its plain type or raises SceneError."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -14,8 +14,9 @@ from sie import Array
 
 
 def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:
-    """A finite number of which something holds, told by what is allowed; bool, str, None, complex
-    and arrays are refused.
+    """A finite number with a property; bool, str, None, complex and arrays are refused.
+
+    holds: the property; allowed: the same in words.
     """
     try:
         number = (
@@ -36,7 +37,7 @@ def finite(field: str, value: Any, allowed: str = "a finite real number") -> flo
 
 
 def as_array(value: Any) -> NDArray[Any]:
-    """Whatever was given as an array; what has the shape of none is an object."""
+    """The given value as an array; a ragged list becomes an array of objects."""
     try:
         return np.asarray(value)
     except (TypeError, ValueError):
@@ -45,9 +46,7 @@ def as_array(value: Any) -> NDArray[Any]:
 
 @contextmanager
 def of_author(what: str, field: str, given: str = "", hint: str = "") -> Iterator[None]:
-    """What an author's code raises, which may be anything, told as a SceneError; those of its own
-    pass.
-    """
+    """Turn any exception of a user's code into a SceneError that names the method."""
     try:
         with np.errstate(all="ignore"):
             yield
@@ -65,7 +64,7 @@ def positive(field: str, value: Any) -> float:
 
 
 def keep(part: Any, check: Callable[[str, Any], Any], *names: str) -> None:
-    """Fields of a frozen part, checked and in their plain types."""
+    """Check fields of a frozen part and store them in their plain types."""
     for name in names:
         object.__setattr__(part, name, check(name, getattr(part, name)))
 
@@ -86,7 +85,7 @@ def between(field: str, value: Any, low: float, high: float) -> float:
 
 
 def poisson_ratio(field: str, value: Any) -> float:
-    """Of a body that is stable."""
+    """The Poisson ratio of a stable body: above -1 and at most 0.5."""
     return such(
         field, value, "a Poisson ratio, more than -1 and at most 0.5", lambda nu: -1.0 < nu <= 0.5
     )
@@ -117,7 +116,7 @@ def text(field: str, value: Any) -> str:
 
 
 def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
-    """One of the given strings; the nearest is named if it is none of them."""
+    """One of the given strings; otherwise the message names the nearest of them."""
     known = tuple(choices)
     if not isinstance(value, str) or value not in known:
         raise SceneError.unknown(field, value, known)
@@ -125,7 +124,10 @@ def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
 
 
 def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -> Array:
-    """A read-only float copy of at least `least` finite real numbers with `ndim` axes (None: any)."""
+    """A read-only float copy of finite real numbers.
+
+    There are at least `least` of them, with `ndim` axes (None: any number).
+    """
     shape = {None: "an array", 0: "a number", 1: "a one-dimensional array"}.get(
         ndim, f"an array with {ndim} axes"
     )
@@ -154,9 +156,7 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
 
 
 def real(field: str, value: Any) -> Array:
-    """Real numbers of any shape as an array of floats; NaN stays NaN, and infinite ones become NaN:
-    nothing is known there.
-    """
+    """Real numbers of any shape as floats; infinite ones become NaN."""
     raw = as_array(value)
     if raw.dtype.kind not in "iuf" and raw.size:
         raise SceneError.of(field, value, f"real numbers, of any shape (got type {raw.dtype})")
@@ -165,9 +165,7 @@ def real(field: str, value: Any) -> Array:
 
 
 def increasing(field: str, value: Any, least: int = 1) -> Array:
-    """A finite one-dimensional array, strictly increasing; the first place where it is not is
-    named.
-    """
+    """A finite one-dimensional array, strictly increasing; a fault names the first wrong place."""
     array = finite_array(field, value, 1, least)
     wrong = np.flatnonzero(np.diff(array) <= 0)
     if wrong.size:

@@ -1,10 +1,9 @@
-"""Names for profiles, interactions, substrates, laws and controls: `@register_profile("cosh")`
-makes a class known to scene files.
+"""Registries of profiles, interactions, substrates, laws and controls by name.
 
-Classes of other installed packages come through the entry-point groups `contact.profiles`,
-`contact.interactions`, `contact.substrates`, `contact.laws` and `contact.controls`, loaded on the
-first look-up of a name that is not built in, or when all names are listed; one that fails is warned
-about and skipped.
+`@register_profile("cosh")` makes a class known to scene files. Classes of other installed packages
+come through the entry-point groups `contact.profiles`, `contact.interactions`,
+`contact.substrates`, `contact.laws` and `contact.controls`. They are loaded at the first search for
+a name that is not built in, or when all names are listed; one that fails is skipped with a warning.
 """
 
 import dataclasses
@@ -21,9 +20,10 @@ C = TypeVar("C", bound=type)
 
 
 class Named:
-    """Base of the parts of a scene, which gives each class a name.
+    """Base of the parts of a scene; it gives a name to each class.
 
-    It is the name it is registered under, else its own attribute `name`, else its class name.
+    The name is the registered one, else the class's own attribute `name`, else the name of the
+    class.
     """
 
     name: ClassVar[str]
@@ -41,7 +41,7 @@ class Named:
 
 
 class Registry:
-    """Classes of one kind by name; `must_have` lists the methods without which a class is refused."""
+    """Classes of one kind by name; a class without the methods `must_have` is refused."""
 
     def __init__(self, kind: str, group: str, must_have: tuple[str, ...] = ()) -> None:
         self.kind = kind
@@ -77,12 +77,13 @@ class Registry:
         self._classes[name] = cls
 
     def forget(self, name: str) -> None:
-        """Take a name out again: for tests and for running a notebook cell twice."""
+        """Remove a name, for tests and for running a notebook cell twice."""
         self._classes.pop(name, None)
 
     def find(self, name: str, key: str | None = None) -> Any:
-        """The class of a name; SceneError with the nearest known name if there is none, about the
-        `key` it was written under.
+        """The class of a name; otherwise a SceneError with the nearest known name.
+
+        key: under which the name was written.
         """
         if isinstance(name, str) and name not in self._classes:
             self._load_plugins()
@@ -106,9 +107,7 @@ class Registry:
                 # name.
                 if not any(cls is known for known in self._classes.values()):
                     self._enter(point.name, cls)
-            except (
-                Exception
-            ) as error:  # whatever a third-party module raises must not stop the others
+            except Exception as error:  # a third-party module may raise anything
                 skipped = f"{self.kind} {point.name!r} of entry-point group {self.group} is skipped"
                 warnings.warn(
                     f"{skipped}: {type(error).__name__}: {error}", RuntimeWarning, stacklevel=3
@@ -125,13 +124,15 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
             raise SceneError.unknown(f"parameter of {what}", key, known)
     for p in accepted:
         if p.name in known and p.default is p.empty and p.name not in params:
-            told = f"{what} needs the parameter {p.name!r}; its parameters are {', '.join(known)}"
-            raise SceneError(told, p.name, None, "given")
+            message = (
+                f"{what} needs the parameter {p.name!r}; its parameters are {', '.join(known)}"
+            )
+            raise SceneError(message, p.name, None, "given")
     return cls(**params)
 
 
 def parameters(part: Any) -> dict[str, Any]:
-    """What to give the class of a part, by name, to make it again."""
+    """Arguments by name with which the class of a part makes it again."""
     return (
         {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init}
         if dataclasses.is_dataclass(part)
@@ -140,16 +141,16 @@ def parameters(part: Any) -> dict[str, Any]:
 
 
 def anew(kind: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
-    """A part of that class with these arguments; SceneError where it cannot be called with them."""
+    """A part of a class with these arguments; SceneError where the class does not take them."""
     name = getattr(kind, "__name__", str(kind))
     call = f"{name}({', '.join(f'{key}=...' for key in arguments)})"
     with of_author(call, name, hint="; a frozen dataclass takes its fields by name"):
-        made = kind(**arguments)
-    return made
+        part = kind(**arguments)
+    return part
 
 
 def remade(part: Any, changes: Mapping[str, Any]) -> Any:
-    """The same part with other values of some of its parameters."""
+    """The part with other values of some parameters."""
     return anew(type(part), {**parameters(part), **changes})
 
 
@@ -340,7 +341,7 @@ def register_control(name: str) -> Callable[[C], C]:
 def from_table(
     registry: Registry, name: str, params: Mapping[str, Any], key: str | None = None
 ) -> Any:
-    """The object of that name with these parameters; `key` is what a scene file calls the name."""
+    """The object of a name with these parameters; `key`: under which the name was written."""
     return construct(registry.find(name, key), f"{registry.kind} {name!r}", params)
 
 

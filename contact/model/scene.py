@@ -1,14 +1,14 @@
 """A contact scene: a profile, a material, an interaction, a substrate, a law and one control.
 
-The material enters through the reduced modulus alone, equation (2) of Goryacheva & Tsukanov (2020),
+The material enters only through the reduced modulus, equation (2) of Goryacheva & Tsukanov (2020),
 
-    1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2,
+    1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
 
-and the control is the one quantity that is given, of load [N/m], mean pressure [Pa], approach [m],
-half width [m] and contact fraction [1]. A body alone on a half-plane may also be turned: by a given
-`tilt` [rad], which makes the gap at zero load f(x) - tilt x, or by as much as a given `moment` of
-the pressure, int p x dx [N], asks for. SI units throughout. Everything is checked when the scene is
-made, so that the solver need not check it again.
+The control is the one quantity that is given: load [N/m], mean pressure [Pa], approach [m], half
+width [m] or contact fraction [1]. A body alone on a half-plane may also be turned. A given `tilt`
+[rad] makes the gap at zero load f(x) - tilt x; a given `moment` of the pressure, int p x dx [N],
+makes the tilt an unknown. Units are SI. Everything is checked when the scene is made, so that the
+solver need not check it again.
 """
 
 from dataclasses import KW_ONLY, dataclass, replace
@@ -40,7 +40,7 @@ from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import remade
 from contact.model.substrates import HalfPlane, Substrate
 
-# What is asked of a control and a law of someone's own.
+# Methods of a user's control and law that are called here.
 _SIGNED = AuthorMethod("control.signed(scene)", "control")
 _CHECK = AuthorMethod("control.check(scene)", "control")
 _REFUSES = AuthorMethod("law.refuses(scene)", "law")
@@ -141,7 +141,10 @@ class Scene(sie.Kept):
     Examples
     --------
     >>> import contact
-    >>> scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), E_star=1.1e11, interaction=contact.Periodic(), mean_pressure=1.7e9)
+    >>> wave = contact.Sinusoid(1e-6, 1e-4)
+    >>> scene = contact.Scene(
+    ...     wave, E_star=1.1e11, interaction=contact.Periodic(), mean_pressure=1.7e9
+    ... )
     >>> scene.control, round(scene.given_load)
     (('mean_pressure', 1700000000.0), 170000)
     """
@@ -197,7 +200,7 @@ class Scene(sie.Kept):
         self._check_control()
 
     def _check_control(self) -> None:
-        """The one control: its value, and whether it goes with all else."""
+        """Check the value of the one control, and that it goes with the rest of the scene."""
         given = tuple(name for name in (*CONTROLS, "given") if getattr(self, name) is not None)
         if len(given) != 1:
             raise SceneError.of("control", given or None, f"exactly one of {', '.join(CONTROLS)}")
@@ -227,13 +230,16 @@ class Scene(sie.Kept):
             named.check(self)
         self._check_law()
         if self.interaction.follows_isolated and self.is_flat:
-            # The isolated load of the same width is that of zones with ends that move.
-            allowed = f"another model or closure: every isolated load has the width of a {self.profile.name} profile"
+            # The isolated load of the same width exists only where zones have free ends.
+            allowed = (
+                "another model or closure: every isolated load has the width of a "
+                f"{self.profile.name} profile"
+            )
             raise SceneError.of("interaction", self.interaction, allowed)
 
     def under(self, name: str, value: float) -> "Scene":
-        """The same under another value of a control, or another control: of all else nothing is
-        looked at again.
+        """The scene under another value of a control, or another control; nothing else is checked
+        again.
         """
         other = object.__new__(type(self))
         other.__dict__.update({**self.__dict__, **fields_under(name, value, self.given)})
@@ -243,36 +249,30 @@ class Scene(sie.Kept):
 
     @property
     def control(self) -> tuple[str, float]:
-        """Name and value of the quantity that is given."""
+        """Name and value of the given quantity."""
         return self.control_object.name, self.control_object.value
 
     @cached_property
     def control_object(self) -> Control:
-        """What is given, as an object."""
+        """The control as an object."""
         if self.given is not None:
             return self.given
         name = next(name for name in CONTROLS if getattr(self, name) is not None)
         return REGISTERED.find(name)(getattr(self, name))
 
     def held(self, quantity: Quantity) -> float | None:
-        """The value [SI] of a quantity that the solver is to hold, as the control says; None if it
-        is not this one.
-        """
+        """The value [SI] of a quantity that the solver prescribes; None for another quantity."""
         held = self.control_object.held(self)
         return held.value if held is not None and held.quantity is quantity else None
 
     @property
     def given_load(self) -> float | None:
-        """The load [N/m] that the control gives, as such or by the mean pressure; None if it gives
-        none.
-        """
+        """The load [N/m] that the control gives, itself or by the mean pressure; else None."""
         return self.held(Quantity.LOAD)
 
     @property
     def given_fraction(self) -> float | None:
-        """The part of the period in contact that the control gives, as such or by its width [m];
-        None if it gives none.
-        """
+        """The contact fraction that the control gives, itself or by the width; else None."""
         width, period = self.held(Quantity.WIDTH), self.profile.period
         if width is None or period is None:
             return None
@@ -280,13 +280,14 @@ class Scene(sie.Kept):
 
     @property
     def turning(self) -> dict[str, float]:
-        """What is given that turns the body, by name: `tilt` [rad], `moment` [N], or nothing."""
+        """The given quantity that turns the body, by name (`tilt` [rad], `moment` [N]), or none."""
         return {name: value for name in TURNING if (value := getattr(self, name)) is not None}
 
     @property
     def turned(self) -> bool:
-        """Whether the body stands at an angle, given or unknown; that no moment turns a symmetric
-        one needs no solving.
+        """Whether the body stands at an angle, given or unknown.
+
+        A zero moment does not turn a symmetric body.
         """
         if self.moment is not None:
             return self.moment != 0.0 or not self.profile.symmetric
@@ -294,18 +295,19 @@ class Scene(sie.Kept):
 
     @property
     def period(self) -> float | None:
-        """The period of the solution; None where nothing repeats, as with one cell of a profile
-        taken alone.
-        """
+        """The period of the solution; None where nothing repeats, as with one cell taken alone."""
         return self.profile.period if self.interaction.needs_period else None
 
     @cached_property
     def operator(self) -> Operator:
-        """What the pressure does to the surface."""
+        """The elastic operator: displacements of the surface by a pressure."""
         return Operator(self.interaction, self.substrate, self.period)
 
     def _check_admitted(self, control: Control, asked: str) -> None:
-        """By the interaction and the law, under the name of what is held, or of what is looked for."""
+        """SceneError where interaction or law do not admit the control.
+
+        asked: the name of the prescribed quantity.
+        """
         for part in (self.interaction, self.law):
             if asked not in part.allows:
                 allowed = f"left out: the controls of {part.name} are {', '.join(part.allows)}"
@@ -318,8 +320,9 @@ class Scene(sie.Kept):
             )
 
     def _named(self, control: Control) -> Control | None:
-        """What a control of one's own has the solver hold, as if it were given under its name; None
-        where it has none, as a width without a period, or where a load is looked for.
+        """The package's control of the quantity that a user's control prescribes.
+
+        It is None where there is no such quantity, as for a width without a period.
         """
         held, period = held_by(control, self), self.profile.period
         if held is None or (held.quantity is Quantity.WIDTH and period is None):
@@ -332,14 +335,17 @@ class Scene(sie.Kept):
         return named
 
     def _check_body(self) -> None:
-        """The substrate, and the interaction on it: each by itself, and whether they go together."""
+        """Check the substrate and the interaction, alone and together."""
         model, body = self.interaction, self.substrate
         if is_own(body):
             require_body(body)
         operator = self.operator
         if operator.is_own:
             if not isinstance(body, HalfPlane):
-                allowed = f"left out with {model.name}, which gives a kernel of its own in place of the substrate's"
+                allowed = (
+                    f"left out with {model.name}, which gives a kernel of its own in place "
+                    "of the substrate's"
+                )
                 raise SceneError.of("substrate", body.name, allowed)
             if is_own(model):
                 ends, resolution = self.profile.support, self.profile.resolution
@@ -351,7 +357,7 @@ class Scene(sie.Kept):
             allowed = f"left out with {body.name}, which has a base that displacements count from"
             raise SceneError.of("interaction.datum", model.datum, allowed)
         if operator.is_periodic and operator.symbol is not None:
-            # Looked at over the harmonics of the period, too.
+            # The symbol is checked at the harmonics of the period, too.
             assert operator.excess is not None
 
     def _check_law(self) -> None:
@@ -378,18 +384,17 @@ class Scene(sie.Kept):
             raise SceneError.of(
                 turning,
                 value,
-                f"left out: a body that repeats, as {self.interaction.name} takes it, does not turn",
+                f"left out: a body that repeats, as {self.interaction.name} takes it, does not "
+                "turn",
             )
 
     @property
     def is_flat(self) -> bool:
-        """Whether the profile is a punch without slope between sharp corners."""
+        """Whether the profile is a punch with sharp corners and no slope."""
         return self.profile.support is not None and self.is_flat_between(*self.profile.support)
 
     def is_flat_between(self, lo: float, hi: float) -> bool:
-        """With f' = 0 up to sharp corners every load gives the same zone, and no load a narrower
-        one.
-        """
+        """Whether f' = 0 in an interval: there every load gives the same zone."""
         height = self.profile.height(np.linspace(lo, hi, 17))
         return float(np.ptp(height[np.isfinite(height)])) == 0.0
 

@@ -1,9 +1,9 @@
-"""Scenes from TOML files, and as the text of one: the tables [profile], [material], [interaction]
-and [control], and where they are not the usual ones [counter], [substrate] and [law].
+"""Scene files in TOML: reading a scene from one, and writing a scene as the text of one.
 
-The keys of a table are the arguments of the Python object it stands for, in the same units, so that
-a profile, an interaction, a substrate or a law is readable from a file as soon as it is registered.
-File names are relative to the scene file.
+A scene has the tables [profile], [material], [interaction] and [control], and where they are not
+the usual ones [counter], [substrate] and [law]. The keys of a table are the arguments of the Python
+object that it stands for, in the same units: a registered profile, interaction, substrate or law
+can be read at once. File names are relative to the scene file.
 """
 
 import json
@@ -37,9 +37,9 @@ Table = Mapping[str, Any]
 T = TypeVar("T")
 
 TABLES = ("profile", "material", "interaction", "control")
-# Tables that may be left out, and what they name.
+# Tables that may be left out, and the registries of what they name.
 OPTIONAL = {"substrate": SUBSTRATES, "law": LAWS}
-# The table of a counter body that is not flat: as [profile], and how it stands.
+# The table of a rough counter body: as [profile], with how the body stands.
 COUNTER = "counter"
 MODULI = ("E_star", "E1", "nu1", "E2", "nu2")
 
@@ -87,7 +87,7 @@ def load_scene(path: str | PathLike[str]) -> Scene:
         raise SceneError(
             f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}"
         ) from error
-    # It may be what a scene is of.
+    # The user may have given the trace instead of a scene.
     of_trace = (
         f" with a scene (of a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
     )
@@ -99,8 +99,11 @@ def load_scene(path: str | PathLike[str]) -> Scene:
 def read_scene(
     text: bytes, name: str, directory: str | PathLike[str] = ".", hint: str = ""
 ) -> Scene:
-    """The scene of a TOML text; faults are told under that name. directory: from where files that
-    it names are looked for; hint: what to do where it is no TOML.
+    """The scene of a TOML text.
+
+    name: of the text in messages.
+    directory: file names are relative to it.
+    hint: of what to do where the text is no TOML.
     """
     try:
         tables = require("tomllib").loads(text.decode("utf-8"))
@@ -110,7 +113,7 @@ def read_scene(
 
 
 def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Scene:
-    """The scene of tables already read; files they name are looked for from `directory`."""
+    """The scene of tables; file names in them are relative to `directory`."""
     if not isinstance(tables, Mapping):
         raise SceneError.of("tables", tables, f"a mapping with the keys {', '.join(TABLES)}")
     for name in tables:
@@ -164,7 +167,8 @@ def _read_material(table: Table) -> float:
     for name in ("E1", "nu1"):
         if name not in table:
             raise SceneError(
-                f"{name} is missing: give E_star, or E1 and nu1, and E2, nu2 of an elastic counter-body"
+                f"{name} is missing: give E_star, or E1 and nu1, and E2, nu2 of an elastic "
+                "counter-body"
             )
     return E_star(**table)
 
@@ -188,7 +192,7 @@ def _read_control(table: Table) -> dict[str, Any]:
 
 
 def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
-    """What `table[key]` names, and the rest of the table."""
+    """The name that `table[key]` gives, and the rest of the table."""
     if key not in table:
         raise SceneError(f"{key} is missing: it names what the other keys are parameters of")
     rest = dict(table)
@@ -196,7 +200,7 @@ def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
 
 
 def _placed(error: SceneError, tables: Table) -> SceneError:
-    """A fault of the scene as a whole, by the table and the key that it was written under."""
+    """A fault of the scene, with the table and the key under which its value was written."""
     table = next(
         (name for name in tables if error.field == name or error.field in tables[name]), None
     )
@@ -215,9 +219,7 @@ def _placed(error: SceneError, tables: Table) -> SceneError:
 
 
 def _under(place: str, read: Callable[..., T], *given: Any) -> T:
-    """What `read` makes of what is given, the place of a fault before the message of its
-    SceneError.
-    """
+    """The result of `read`; its SceneError gets the place before its message."""
     try:
         return read(*given)
     except SceneError as error:
@@ -225,10 +227,11 @@ def _under(place: str, read: Callable[..., T], *given: Any) -> T:
 
 
 def to_toml(scene: Scene, written: Mapping[str, Table] | None = None) -> str:
-    """The text of a scene. written: tables [profile] and [counter] as a file gave them, where they
-    name a file of points; else all numbers are written.
+    """The text of a scene.
 
-    Raises SceneError where a part has no name that a scene file could call it by.
+    written: tables [profile] and [counter] as a file gave them, where they name a file of points;
+    otherwise all numbers are written. Raises SceneError where a part has no name that a scene file
+    could use.
     """
     bodies = scene.profile.bodies
     parts = (
@@ -244,20 +247,16 @@ def to_toml(scene: Scene, written: Mapping[str, Table] | None = None) -> str:
                 type(part).__name__,
                 f"registered under a name, as by contact.register_{registry.kind}",
             )
-    told = tables(scene)
+    text_tables = tables(scene)
     for place, table in (written or {}).items():
         own = {"shape", *bodies[place].parameters()}
-        told[place] = {
-            **table,
-            **{key: value for key, value in told[place].items() if key not in own},
-        }
-    return "\n".join(f"[{place}]\n{_lines(table)}" for place, table in told.items())
+        rest = {key: value for key, value in text_tables[place].items() if key not in own}
+        text_tables[place] = {**table, **rest}
+    return "\n".join(f"[{place}]\n{_lines(table)}" for place, table in text_tables.items())
 
 
 def tables(scene: Scene) -> dict[str, dict[str, Any]]:
-    """What a scene file says of it, by table; of a substrate and a law nothing where they are the
-    usual ones.
-    """
+    """Tables of a scene file that describe the scene; usual substrates and laws are left out."""
     parts = {place: getattr(scene, place) for place in ("interaction", "substrate", "law")}
     given = {
         place: part
@@ -278,7 +277,7 @@ def _lines(table: Table) -> str:
 
 
 def toml(value: Any) -> str:
-    """A value as TOML writes it; numbers to all their digits."""
+    """A value as TOML writes it; numbers have all their digits."""
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, (Integral, np.integer)):

@@ -1,4 +1,4 @@
-"""Numbers for reading: SI prefixes so that a value stands between 1 and 1000."""
+"""Numbers for reading, with SI prefixes that bring values between 1 and 1000."""
 
 import math
 from collections.abc import Sequence
@@ -9,8 +9,9 @@ _INFINITE = {True: "infinite", False: "-infinite"}
 
 
 def prefix(magnitude: float) -> tuple[float, str]:
-    """Factor and SI prefix that bring a magnitude between 1 and 1000; 1 and none for zero and what
-    is not finite.
+    """Factor and SI prefix that bring a magnitude between 1 and 1000.
+
+    They are 1 and none for zero and for numbers that are not finite.
     """
     if not (math.isfinite(magnitude) and magnitude > 0.0):
         return 1.0, ""
@@ -21,7 +22,7 @@ def prefix(magnitude: float) -> tuple[float, str]:
 
 
 def quantity(value: float | None, unit: str, digits: int = 4, none: str = "not defined") -> str:
-    """A value with its prefixed unit; what is said of None."""
+    """A value with its prefixed unit; the text `none` for None."""
     if value is None:
         return none
     if not math.isfinite(value):
@@ -33,17 +34,15 @@ def quantity(value: float | None, unit: str, digits: int = 4, none: str = "not d
 def headed(
     name: str, values: Sequence[float | None], unit: str, digits: int = 6
 ) -> tuple[str, list[str]]:
-    """A column of a table: its name, above the prefixed unit where there is one, and its values."""
+    """Header and values of a table column; the prefixed unit stands below the name."""
     if unit in ("", "1"):
         return name, ["-" if value is None else f"{value:.{digits}g}" for value in values]
-    prefixed, told = column(values, unit, digits)
-    return f"{name}\n[{prefixed}]", told
+    prefixed, cells = column(values, unit, digits)
+    return f"{name}\n[{prefixed}]", cells
 
 
 def column(values: Sequence[float | None], unit: str, digits: int = 6) -> tuple[str, list[str]]:
-    """The prefixed unit that a whole column of a table is in, and its values as numbers alone; '-'
-    for what is not there.
-    """
+    """The prefixed unit of a table column, and its values as numbers alone; '-' for None."""
     finite = [abs(value) for value in values if value is not None and math.isfinite(value)]
     factor, letter = prefix(max(finite, default=0.0))
     return f"{letter}{unit}", [

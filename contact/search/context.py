@@ -16,7 +16,7 @@ import numpy as np
 
 import sie
 from contact.errors import ContactError, NotConverged, OutOfRange, SceneError
-from contact.formulation import height_rounding
+from contact.formulation import input_checks
 from contact.formulation.controls import Control, Machine, scaled_control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import FullLimit
@@ -211,7 +211,7 @@ class SolveContext:
         free = failure.free
         if free is None:
             return NotConverged(f"not converged: {failure.reason}{profile_fault(self.scene)}")
-        rounded = height_rounding.told(problem, free.density.zones.table)
+        rounded = input_checks.height_rounding(problem, free.density.zones.table)
         if rounded:
             return SceneError(rounded, "profile", self.scene.profile)
         table = in_cell(self.scene, np.asarray(problem.units.x(free.density.zones.table)))

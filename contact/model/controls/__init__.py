@@ -1,4 +1,4 @@
-"""The controls, the quantities of a scene that can be given; importing this package registers them."""
+"""The controls; importing this package registers them."""
 
 from contact.model.controls.base import (
     CONTROLS,

@@ -1,8 +1,8 @@
-"""What a control is: the one quantity of a scene that is given. A control is a frozen dataclass in
-a file of its own.
+"""The base class of controls: a control is the one given quantity of a scene.
 
-Most come to one of the four quantities that the solver can hold (`Quantity`). What comes to none of
-them grows or falls with the load, and the load that has its value is looked for.
+Most controls give one of the four quantities that the solver can prescribe (`Quantity`). Any other
+grows or falls with the load, and the load that has its value is searched for. A control is a frozen
+dataclass in a file of its own.
 """
 
 from dataclasses import dataclass
@@ -12,22 +12,24 @@ from typing import Any, ClassVar, NamedTuple
 from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import Named, construct, remade
 
-# Those that are fields of a scene.
+# Controls that are fields of a scene.
 CONTROLS = ("load", "mean_pressure", "approach", "half_width", "contact_fraction")
-# What turns a body, with its unit.
+# Quantities that turn a body, with their units.
 TURNING = {"tilt": "rad", "moment": "N"}
 
 
 class Quantity(Enum):
-    """What the solver can hold: a load [N/m], per period where there is one, an approach, the half
-    width of one zone about the origin, the width of all zones together [m].
+    """Quantities that the solver can prescribe.
+
+    They are the load [N/m], per period where there is one; the approach; the half width of one zone
+    about the origin; the width of all zones together [m].
     """
 
     LOAD, APPROACH, HALF_WIDTH, WIDTH = range(4)
 
 
 class Held(NamedTuple):
-    """A quantity and its value in SI units."""
+    """A prescribed quantity and its value in SI units."""
 
     quantity: Quantity
     value: float
@@ -64,7 +66,8 @@ class Control(Named):
     ...     falls = True
     ...     def of(self, solution):
     ...         return solution.mean_gap
-    >>> scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), given=MeanGap(2e-7))
+    >>> wave = contact.Sinusoid(1e-6, 1e-4)
+    >>> scene = contact.Scene(wave, 1e9, contact.Periodic(), given=MeanGap(2e-7))
     >>> round(contact.solve(scene).mean_gap * 1e7, 7), scene.control
     (2.0, ('doc-mean-gap', 2e-07))
     >>> contact.model.registry.CONTROLS.forget("doc-mean-gap")
@@ -80,14 +83,16 @@ class Control(Named):
         return False
 
     def check(self, scene: Any) -> None:
-        """Raises SceneError where the control and the rest of the scene do not go together."""
+        """Raise SceneError where the control and the rest of the scene do not go together."""
 
     def held(self, scene: Any) -> Held | None:
-        """What the solver is to hold; None: the load at which `of` gives the value is looked for."""
+        """The quantity that the solver prescribes; None: a load with the value of `of` is searched
+        for.
+        """
         return None if self.quantity is None else Held(self.quantity, self.value)
 
     def of(self, solution: Any) -> float:
-        """The value that a solution (`contact.Solution`) has, right to about its stated error."""
+        """The value that a solution (`contact.Solution`) has, to about its stated error."""
         raise NotImplementedError
 
 
@@ -97,7 +102,10 @@ def known_controls(given: Control | None) -> dict[str, type[Control]]:
 
 
 def fields_under(name: str, value: float, given: Control | None = None) -> dict[str, Any]:
-    """The fields of a scene under the control of this name. given: its present `given`, if any."""
+    """The fields of a scene under the control of this name.
+
+    given: the present `given` of the scene, if any.
+    """
     if name in CONTROLS:
         own: dict[str, Any] = {name: value}
     elif given is not None and name == given.name:

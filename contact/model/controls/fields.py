@@ -1,5 +1,6 @@
-"""The controls that are fields of a scene: load, mean pressure, approach, part of the period in
-contact, half width.
+"""The controls that are fields of a scene.
+
+They are load, mean pressure, approach, contact fraction and half width.
 """
 
 from dataclasses import dataclass
@@ -51,13 +52,16 @@ class Approach(Control):
     quantity = Quantity.APPROACH
 
     def signed(self, scene: Any) -> bool:
-        # A turned body touches at some other place than its lowest: there the approach counts from
-        # there. Adhesion bears tension.
+        # A turned body touches away from its lowest point, and its approach counts from that point.
+        # Adhesion bears tension.
         return bool(scene.turned or scene.law.pressure_range.has_tension)
 
     def check(self, scene: Any) -> None:
         if not scene.operator.has_approach:
-            allowed = f"left out, or {scene.interaction.name} given a datum: without one a {scene.substrate.name} has no approach"
+            allowed = (
+                f"left out, or {scene.interaction.name} given a datum: without one a "
+                f"{scene.substrate.name} has no approach"
+            )
             raise SceneError.of(self.name, self.value, allowed)
 
 
@@ -100,7 +104,8 @@ class HalfWidth(Control):
             )
         if not profile.symmetric:
             self._refuse(
-                f"left out: it means one zone about x = 0, and {profile.name} is not known to be symmetric"
+                f"left out: it means one zone about x = 0, and {profile.name} is not known to be "
+                "symmetric"
             )
         if profile.period is not None and not self.value < 0.5 * profile.period:
             self._refuse(f"less than half the period, {0.5 * profile.period:.17g}")
@@ -109,11 +114,13 @@ class HalfWidth(Control):
         reach = profile.support[1]
         if self.value >= reach:
             self._refuse(
-                f"less than the profile's own, {reach:.17g}, with which any load from some on is borne"
+                f"less than the profile's own, {reach:.17g}, with which any load from some on is "
+                "borne"
             )
         if scene.is_flat_between(-self.value, self.value):
             self._refuse(
-                f"left out: {profile.name} has no slope, any load has its half width {reach:.17g}; give a load"
+                f"left out: {profile.name} has no slope, any load has its half width "
+                f"{reach:.17g}; give a load"
             )
 
     def _refuse(self, allowed: str) -> None:

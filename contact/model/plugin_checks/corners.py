@@ -54,7 +54,10 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
             (left + right) * n * (2 * reach) ** (n - 1) for at, n, left, right in points if at == s
         )
         if abs(seen - jump) > CHECKS.jump * max(scale, abs(jump)) + rounding:
-            yield f"kink declared at {s:.6g} with jump {jump:.6g}: the slope jumps by {seen:.6g} there"
+            yield (
+                f"kink declared at {s:.6g} with jump {jump:.6g}: the slope jumps by {seen:.6g} "
+                "there"
+            )
     for s, jump in slope_jumps(slope, lo, lo + width, reach, max(scale, rounding / CHECKS.jump)):
         at = float(profile.wrap(s)) if profile.period is not None else s
         away = np.abs(np.append(declared[:, 0], points[:, 0]) - at)

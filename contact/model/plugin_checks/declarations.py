@@ -21,14 +21,16 @@ from sie import Array
 
 @dataclass(frozen=True)
 class DeclarationLimits:
-    """Where and how far the heights of a profile are looked at.
+    """Where the heights of a profile are checked, and how large they may be.
 
-    places: of a cell, or of a part that is known, at which heights must be numbers.
+    places: of a cell, or of a known part, at which heights must be numbers.
     largest_height: variation of heights [m] whose square is still a number with a length's.
+    decades: places over the resolution, or in m, if nobody says how large the shape is.
     """
 
     places: int = 4097
     largest_height: float = 1e120
+    decades: tuple[float, ...] = (-0.43, -1.1e-3, -1.3e-9, 1.7e-6, 1.9e-4, 0.29)
 
 
 _LIMITS = DeclarationLimits()
@@ -128,7 +130,10 @@ def require_declarations(profile: Profile) -> None:
             raise SceneError.of(f"profile.{name}", table, allowed)
     low = profile.algebraic_points[profile.algebraic_points[:, 1] <= 1.0]
     if len(low):
-        allowed = "rows whose exponent is above 1 (1 is a kink: declare it in kinks; below 1 is a cusp, infinitely steep)"
+        allowed = (
+            "rows whose exponent is above 1 (1 is a kink: declare it in kinks; below 1 is "
+            "a cusp, infinitely steep)"
+        )
         raise SceneError.of("profile.algebraic_points", low[0].tolist(), allowed)
     tips = _read(profile, "summits")
     if tips is not None and not (_is_real(tips, 1) and np.size(tips)):
@@ -155,12 +160,10 @@ def _is_real(value: Any, axes: int) -> bool:
 def _places(profile: Profile) -> Array:
     """Six places (2, 3) at which there should be a profile."""
     ends = profile.known if profile.period is not None else profile.support or profile.extent
-    spread = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 3))
     if ends is not None:
+        spread = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 3))
         return np.asarray(0.5 * (ends[0] + ends[1]) + (ends[1] - ends[0]) * spread)
-    # Nobody says how large the shape is: the places are decades apart.
-    decades = np.array([[1.0, 1e-3, 1e-9], [1e-6, 1e-4, 1.0]])
-    return np.asarray((profile.resolution or 1.0) * spread * decades)
+    return (profile.resolution or 1.0) * np.array(_LIMITS.decades).reshape(2, 3)
 
 
 def _require_by_elements(profile: Profile, name: str, x: Array) -> None:
@@ -173,7 +176,10 @@ def _require_by_elements(profile: Profile, name: str, x: Array) -> None:
             warnings.simplefilter("ignore")
             value = np.asarray(getattr(profile, name)(given.copy()))
         if value.dtype.kind not in "iuf" or value.shape != given.shape:
-            got = f"for x of shape {given.shape} gives {shown(value)}, of type {value.dtype} and shape {value.shape}"
+            got = (
+                f"for x of shape {given.shape} gives {shown(value)}, of type {value.dtype} and "
+                f"shape {value.shape}"
+            )
             raise SceneError(
                 f"profile.{name}(x) {got}: it must be real and of the shape of x", name, value
             )

@@ -96,32 +96,53 @@ _PLACES = Form(_are_places, f"a one-dimensional array of positions [m] {_NO_METH
 # By kind of part: the forms of its attributes, and the arguments of its methods.
 _ATTRIBUTES: dict[type, dict[str, Form]] = {
     Profile: {
-        "name": _TEXT, "units": _TABLE, "x0": _START, "feature": _LENGTH, "exact_places": _FLAG, "breakpoints": _PLACES,
+        "name": _TEXT,
+        "units": _TABLE,
+        "x0": _START,
+        "feature": _LENGTH,
+        "exact_places": _FLAG,
+        "breakpoints": _PLACES,
     },
     Interaction: {
-        "name": _TEXT, "units": _TABLE, "allows": _NAMES, "datum": _LENGTH, "neighbours": _COUNT,
+        "name": _TEXT,
+        "units": _TABLE,
+        "allows": _NAMES,
+        "datum": _LENGTH,
+        "neighbours": _COUNT,
         **dict.fromkeys(("needs_period", "exact", "strip", "turns", "follows_isolated"), _FLAG),
     },
     Substrate: {"name": _TEXT, "units": _TABLE},
     Law: {
-        "name": _TEXT, "units": _TABLE, "allows": _NAMES, "tension": _NOT_BELOW_0, "reach": _NOT_BELOW_0, "bare": _BARE,
+        "name": _TEXT,
+        "units": _TABLE,
+        "allows": _NAMES,
+        "tension": _NOT_BELOW_0,
+        "reach": _NOT_BELOW_0,
+        "bare": _BARE,
         **dict.fromkeys(("turns", "pulls", "convex", "by_gaps", "full_contact"), _FLAG),
     },
     Control: {"name": _TEXT, "unit": _TEXT, "quantity": _QUANTITY, "falls": _FLAG},
-}  # fmt: skip
+}
 _METHODS: dict[type, dict[str, tuple[str, ...]]] = {
     Profile: {"height": ("x",), "slope": ("x",), "slope_conjugate": ("x",)},
     Interaction: {
-        "kernel": ("period", "unit"), "symbol": ("q",), "columns": ("period", "centre"), "side_conditions": ("period",),
-        "placed_columns": ("period", "centre", "scaled"), "placed_conditions": ("period", "scaled"),
+        "kernel": ("period", "unit"),
+        "symbol": ("q",),
+        "columns": ("period", "centre"),
+        "side_conditions": ("period",),
+        "placed_columns": ("period", "centre", "scaled"),
+        "placed_conditions": ("period", "scaled"),
     },
     Substrate: {"symbol": ("q",)},
     Law: {
-        "intensity": ("E_star",), "without_range": ("share",), "surface_energy": ("fields", "width"), "refuses": ("scene",),
+        "intensity": ("E_star",),
+        "without_range": ("share",),
+        "surface_energy": ("fields", "width"),
+        "refuses": ("scene",),
         "fault": ("fields", "load"),
     },
     Control: {"signed": ("scene",), "check": ("scene",), "held": ("scene",), "of": ("solution",)},
-}  # fmt: skip
+}
 
 
 def is_own(part: Any) -> bool:
@@ -138,7 +159,7 @@ def require_form(kind: type, part: Any) -> None:
 
 
 def require_calls(kind: type, part: Any) -> None:
-    """SceneError that names the first method of a part that cannot be called as it will be."""
+    """SceneError that names the first method of a part that does not take its arguments."""
     place = kind.__name__.lower()
     for name, arguments in _METHODS[kind].items():
         with of_author(f"{place}.{name}", place):
@@ -147,7 +168,7 @@ def require_calls(kind: type, part: Any) -> None:
 
 
 def require_attributes(kind: type, part: Any) -> None:
-    """SceneError that names the first attribute of a part that has not the form it must have."""
+    """SceneError that names the first attribute of a part of a wrong form."""
     place = kind.__name__.lower()
     for name, form in _ATTRIBUTES[kind].items():
         with of_author(f"{place}.{name}", place):
@@ -254,7 +275,7 @@ def require_law(law: Law, E_star: float) -> None:
 
 
 def held_by(control: Control, scene: Any) -> Held | None:
-    """The quantity that the solver prescribes under a control; None where it has to be searched for.
+    """The quantity that the solver prescribes under a control; None where it is searched for.
 
     Raises SceneError where the control has neither `held` nor `of`.
     """

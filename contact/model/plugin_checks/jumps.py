@@ -21,7 +21,7 @@ from sie import Array, Mask
 
 @dataclasses.dataclass(frozen=True)
 class JumpOptions:
-    """How jumps and powers are told from smooth shapes.
+    """How jumps and powers are distinguished from smooth shapes.
 
     points: on either side of a place.
     differences: order of the differences that separate powers from smooth parts.
@@ -57,8 +57,8 @@ CHECKS = JumpOptions()
 
 
 @dataclasses.dataclass(frozen=True)
-class Seen:
-    """Jumps of f^(1), f^(2), f^(3), one place a row.
+class JumpEstimates:
+    """Estimated jumps of f^(1), f^(2), f^(3), one place a row.
 
     height: of the jumps; doubt: their errors; sharp: whether each stays when seen from nearer.
     """
@@ -68,7 +68,7 @@ class Seen:
     sharp: Mask
 
 
-def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0) -> Seen:
+def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0) -> JumpEstimates:
     """Jumps at places, seen from distances up to `reach`, one for each place.
 
     nearest: the shortest step, for places that are not known to the last digit.
@@ -104,7 +104,7 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
     nearer = np.arange(CHECKS.halvings - 1)[:, None, None] >= best
     nearer &= rounding[1:] <= CHECKS.clear * np.abs(height)
     same = np.abs(seen[1:] - height) <= CHECKS.unchanged * np.abs(height)
-    return Seen(height, doubt, np.all(~nearer | same, axis=0))
+    return JumpEstimates(height, doubt, np.all(~nearer | same, axis=0))
 
 
 def slope_jumps(
@@ -137,7 +137,10 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
     """Faults of the declared jumps of f'' and f''', and such jumps that are not declared."""
     jumps = np.asarray(profile.jumps)
     if jumps.ndim != 2 or jumps.shape[1] != 3 or not np.isin(jumps[:, 1], (2, 3)).all():
-        yield "jumps must be an array of shape (k, 3): position, order 2 or 3, jump of that derivative"
+        yield (
+            "jumps must be an array of shape (k, 3): position, order 2 or 3, jump of that "
+            "derivative"
+        )
         return
     lo, hi = window_of(profile) if profile.period is not None else (float(x[0]), float(x[-1]))
     width, periodic, ends = hi - lo, profile.period is not None, ends_of(profile)
@@ -211,7 +214,10 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
                     f"{one:.6g} |x - s|^{power:.6g}" for power, one in zip(n, c, strict=True)
                 )
                 where = "left" if side < 0 else "right"
-                yield f"algebraic point declared at {s:.6g}, {terms} on its {where}: the profile differs by {ratio:.2g} of that"
+                yield (
+                    f"algebraic point declared at {s:.6g}, {terms} on its {where}: the profile "
+                    f"differs by {ratio:.2g} of that"
+                )
 
 
 def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) -> float:
@@ -249,7 +255,7 @@ def room_around(places: Array, others: Array, width: float, periodic: bool) -> A
 
 
 def _against_declared(
-    profile: Profile, places: Array, seen: Seen, scale: float, width: float
+    profile: Profile, places: Array, seen: JumpEstimates, scale: float, width: float
 ) -> Iterator[str]:
     """Faults of the declared jumps of f'' and f''' at places; `corners.kinks` checks f'."""
     for order in (2, 3):
@@ -265,10 +271,16 @@ def _against_declared(
         for i in np.flatnonzero((error > least) & ((claimed != 0) | seen.sharp[:, order - 1])):
             s = places[i]
             if claimed[i]:
-                yield f"jump declared at {s:.6g} of order {order}, {claimed[i]:.6g}: the profile shows {height[i]:.6g}"
+                yield (
+                    f"jump declared at {s:.6g} of order {order}, {claimed[i]:.6g}: the profile "
+                    f"shows {height[i]:.6g}"
+                )
             else:
                 row = f"[{s:.9g}, {order}, {height[i]:.6g}]"
-                yield f"derivative {order} jumps by {height[i]:.6g} at {s:.9g}, and jumps does not say so: {row}"
+                yield (
+                    f"derivative {order} jumps by {height[i]:.6g} at {s:.9g}, and jumps does "
+                    f"not say so: {row}"
+                )
 
 
 def _bends(profile: Profile, lo: float, width: float, scale: float) -> Array:

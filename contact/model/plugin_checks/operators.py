@@ -101,7 +101,10 @@ def _require_regular(kernel: sie.Kernel) -> None:
     regular, potential = kernel.regular, kernel.regular_potential
     assert regular is not None
     if potential is None:
-        what = "the smooth part of interaction.kernel has no potential, by which the gap is known: give sie.Smooth both"
+        what = (
+            "the smooth part of interaction.kernel has no potential, by which the gap is "
+            "known: give sie.Smooth both"
+        )
         raise SceneError(what, "interaction")
     zero = np.zeros(1)
     for name, function in (("value", regular), ("potential", potential)):
@@ -115,7 +118,10 @@ def _require_regular(kernel: sie.Kernel) -> None:
             or table.shape != (len(_LAGS), 2)
             or not np.all(np.isfinite(table))
         ):
-            got = f"the {name} of the smooth part of interaction.kernel for x (5, 1) and xi (2,) gives {shown(table)}"
+            got = (
+                f"the {name} of the smooth part of interaction.kernel for x (5, 1) and xi (2,) "
+                f"gives {shown(table)}"
+            )
             raise SceneError(
                 f"{got}: it must be real, finite and of the shape of x - xi", "interaction"
             )
@@ -156,7 +162,10 @@ def _require_symbol(operator: Operator, kernel: sie.Kernel) -> None:
     found = 1 - 2 * n * np.fft.rfft(rest).real[1 : harmonics + 1] / places
     if not np.all(found > 0):
         k = int(np.argmin(found))
-        allowed = "one of an elastic body, of a symbol above 0: else pressure lifts the surface, and no contact is the only one"
+        allowed = (
+            "one of an elastic body, of a symbol above 0: else pressure lifts the surface, "
+            "and no contact is the only one"
+        )
         raise SceneError.of(
             "interaction.kernel", f"of symbol {found[k]:.6g} at wave {k + 1} of the period", allowed
         )
@@ -191,7 +200,8 @@ def require_body(substrate: Substrate) -> None:
     again = checked(substrate.symbol, WAVES[::-1], "substrate")[::-1]
     if not np.allclose(again, values, rtol=1e-12, atol=0):
         raise SceneError(
-            "substrate.symbol(q) depends on the other waves of q: it must be taken element by element",
+            "substrate.symbol(q) depends on the other waves of q: it must be taken element by "
+            "element",
             "substrate",
         )
     _require_fast(values)
@@ -215,8 +225,10 @@ def require_body(substrate: Substrate) -> None:
             raise SceneError.of(
                 "substrate.compression",
                 None,
-                f"given, since the symbol vanishes for long waves (L = {long:.3g} at q = {wave:.0e} 1/m): "
-                "the body has a base, and the limit of L(q)/q is by how much a uniform pressure compresses it",
+                f"given, since the symbol vanishes for long waves (L = {long:.3g} at q = "
+                f"{wave:.0e} 1/m): "
+                "the body has a base, and the limit of L(q)/q is by how much a uniform pressure "
+                "compresses it",
             )
         return
     # The height of the body [m] is about the inverse of the wave at which L rises to 1.
@@ -245,5 +257,6 @@ def _require_fast(values: Array) -> None:
             "substrate.symbol(q)",
             float(values[k]),
             f"1 for short waves as by exp(-q h), and not as q^{power:.2g}, as about q = "
-            f"{WAVES[k]:.3g} 1/m: a modulus that varies from the very surface on has no smooth kernel; give it a uniform surface layer",
+            f"{WAVES[k]:.3g} 1/m: a modulus that varies from the very surface on has no smooth "
+            "kernel; give it a uniform surface layer",
         )

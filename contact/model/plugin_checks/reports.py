@@ -186,7 +186,8 @@ def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
                 faults.append("it does not equal its own copy: make it a frozen dataclass")
         except Exception as error:  # the author's code may fail in any way; the report says how
             faults.append(
-                f"it cannot be compared or hashed ({type(error).__name__}: {error}): make it a frozen dataclass"
+                f"it cannot be compared or hashed ({type(error).__name__}: {error}): make it a "
+                "frozen dataclass"
             )
         if not getattr(type(substrate), "name", ""):
             notes.append(
@@ -231,7 +232,10 @@ def _declarations(profile: Profile, x: Array) -> Iterator[str]:
                 if not profile.x0 <= s < profile.x0 + period
             ]
             if outside:
-                yield f"{name} at {outside} lie outside the cell [{profile.x0:g}, {profile.x0 + period:g})"
+                yield (
+                    f"{name} at {outside} lie outside the cell [{profile.x0:g}, "
+                    f"{profile.x0 + period:g})"
+                )
     if not dataclasses.is_dataclass(profile) or not profile.__dataclass_params__.frozen:
         yield "note: not a frozen dataclass: changed after a solve, it is not what was solved"
 
@@ -240,12 +244,17 @@ def _values(profile: Profile, x: Array) -> Iterator[str]:
     for name in ("height", "slope"):
         value = np.asarray(getattr(profile, name)(x.copy()))
         if value.shape != x.shape:
-            yield f"{name}(x) of shape {x.shape} has shape {value.shape}: it must have the shape of x"
+            yield (
+                f"{name}(x) of shape {x.shape} has shape {value.shape}: it must have the shape of x"
+            )
         elif value.dtype.kind not in "fiu":
             yield f"{name}(x) is of type {value.dtype}: it must be real"
         elif not np.isfinite(value).all():
             i = int(np.flatnonzero(~np.isfinite(value))[0])
-            yield f"{name}({x[i]:.6g}) is {value[i]}: it must be finite inside [{x[0]:.3g}, {x[-1]:.3g}]"
+            yield (
+                f"{name}({x[i]:.6g}) is {value[i]}: it must be finite inside [{x[0]:.3g}, "
+                f"{x[-1]:.3g}]"
+            )
     if profile.support is not None:
         lo, hi = profile.support
         out = [lo - 1e-3 * (hi - lo), hi + 1e-3 * (hi - lo)]
@@ -279,7 +288,10 @@ def _shapes(profile: Profile, x: Array) -> Iterator[str]:
             if got.shape != np.shape(expected):
                 yield f"{name}(x) for {what} has shape {got.shape}, not {np.shape(expected)}"
             elif np.any(np.abs(got - expected) > tolerance):
-                yield f"{name}(x) for {what} differs from its values elsewhere: it must work by elements"
+                yield (
+                    f"{name}(x) for {what} differs from its values elsewhere: it must work by "
+                    "elements"
+                )
         for what, argument in (("a number", float(x[0])), ("a list", x[:6].tolist())):
             try:
                 function(argument)
@@ -295,12 +307,15 @@ def _periodicity(profile: Profile, x: Array) -> Iterator[str]:
         here = np.asarray(function(x))
         size = np.ptp(here) if name == "height" else np.max(np.abs(here))
         for turns in (-2, 1, 3):
-            off = np.abs(np.asarray(function(x + turns * profile.period)) - here)
+            difference = np.abs(np.asarray(function(x + turns * profile.period)) - here)
             if name == "height" and profile.support is not None:
-                off = off[np.isfinite(here)]
-            if off.size and not np.max(off) <= max(_TOLERANCES.slope * size, 0.0):
-                i = int(np.argmax(off))
-                yield f"{name} is not periodic: at {x[i]:.6g} and {turns} period(s) on it off by {off[i]:.3g}"
+                difference = difference[np.isfinite(here)]
+            if difference.size and not np.max(difference) <= max(_TOLERANCES.slope * size, 0.0):
+                i = int(np.argmax(difference))
+                yield (
+                    f"{name} is not periodic: at {x[i]:.6g} and {turns} period(s) on it off by "
+                    f"{difference[i]:.3g}"
+                )
                 break
 
 
@@ -310,8 +325,11 @@ def _slope(profile: Profile, x: Array) -> Iterator[str]:
     scale = scale_of(x, profile.resolution, (float(x[0]), float(x[-1])))
     judged = verdicts(profile.height, profile.slope, x, scale)
     if judged.contradicted.any():
-        i = int(np.argmax(np.where(judged.contradicted, judged.off, 0.0)))
-        means = f"about x = {x[i]:.6g} its mean is {judged.claimed[i]:.9g}, and the height rises by {judged.seen[i]:.9g} a length"
+        i = int(np.argmax(np.where(judged.contradicted, judged.discrepancy, 0.0)))
+        means = (
+            f"about x = {x[i]:.6g} its mean is {judged.claimed[i]:.9g}, and the height rises "
+            f"by {judged.seen[i]:.9g} a length"
+        )
         yield f"slope disagrees with the height: {means}"
 
 
@@ -330,11 +348,14 @@ def _symmetry(profile: Profile, x: Array) -> Iterator[str]:
     both = x[(-x >= x[0]) & (-x <= x[-1])]
     if both.size == 0:
         if profile.symmetric and profile.extent is None and profile.support is None:
-            yield "note: symmetric is claimed but the window has no point whose mirror image lies in it"
+            yield (
+                "note: symmetric is claimed but the window has no point whose mirror image "
+                "lies in it"
+            )
         return
     right, left = np.asarray(profile.height(both)), np.asarray(profile.height(-both))
-    off = float(np.max(np.abs(right - left)))
-    even = off <= _TOLERANCES.slope * float(np.ptp(right)) or off == 0
+    difference = float(np.max(np.abs(right - left)))
+    even = difference <= _TOLERANCES.slope * float(np.ptp(right)) or difference == 0
     if profile.symmetric and not even:
         i = int(np.argmax(np.abs(right - left)))
         at = f"{left[i]:.6g} at {-both[i]:.6g} and {right[i]:.6g} at {both[i]:.6g}"
@@ -347,14 +368,17 @@ def _summits(profile: Profile, x: Array) -> Iterator[str]:
     if profile.summits is None:
         return
     tips = np.asarray(profile.summits, dtype=np.float64)
-    near = 1e-4 * (profile.resolution or float(x[-1] - x[0]))
+    distance = 1e-4 * (profile.resolution or float(x[-1] - x[0]))
     top = np.asarray(profile.height(tips))
-    for side in (-near, near):
+    for side in (-distance, distance):
         lower = np.asarray(profile.height(tips + side)) < top - _TOLERANCES.same * float(
             np.ptp(profile.height(x))
         )
         if lower.any():
-            yield f"summits names {tips[lower].tolist()}, but the height is smaller beside: tips are minima"
+            yield (
+                f"summits names {tips[lower].tolist()}, but the height is smaller beside: tips "
+                "are minima"
+            )
             return
 
 
@@ -370,12 +394,15 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
     s = (np.arange(n) + 0.5) / n
     slope = np.asarray(profile.slope(at[:, None] - profile.period * s))
     expected = slope @ (1 / np.tan(np.pi * s)) / n
-    off = np.abs(np.asarray(given) - expected)
-    i = int(np.argmax(off))
-    if off[i] > 2 * CHECKS.jump * max(
+    difference = np.abs(np.asarray(given) - expected)
+    i = int(np.argmax(difference))
+    if difference[i] > 2 * CHECKS.jump * max(
         float(np.max(np.abs(slope))), float(np.max(np.abs(expected)))
     ):
-        yield f"slope_conjugate({at[i]:.6g}) = {given[i]:.6g}, the slope's integral is {expected[i]:.6g}"
+        yield (
+            f"slope_conjugate({at[i]:.6g}) = {given[i]:.6g}, the slope's integral is "
+            f"{expected[i]:.6g}"
+        )
 
 
 _CHECKS: tuple[tuple[str, Callable[[Profile, Array], Iterator[str]]], ...] = (

@@ -1,7 +1,7 @@
-"""What a profile is: the gap f(x) at zero load, its slope f'(x), and what else is known of it.
+"""The base class of profiles: the gap f(x) at zero load, its slope, and what else is known of it.
 
-Only `height` must be given. f grows away from contact (a punch pointing down); any constant offset
-is irrelevant to zones and pressures. A periodic profile repeats the cell [x0, x0 + L).
+Only `height` must be given. f grows away from contact, as for a punch that points down; a constant
+offset changes neither zones nor pressures. A periodic profile repeats the cell [x0, x0 + L).
 """
 
 import dataclasses
@@ -21,24 +21,40 @@ from contact.model.profiles.derive import DerivedSlope, detail_of
 from contact.model.registry import Named, anew, construct, parameters
 from sie import Array
 
-# Places a period at which slopes are read.
-_PLACES = 1024
-# Places at which the noise of a derived slope is looked at: its median hardly depends on them.
-_LOOKS = 64
 
-# The one tip of many shapes.
+@dataclasses.dataclass(frozen=True)
+class ProfileOptions:
+    """Places at which a profile is sampled for its own estimates.
+
+    slopes: of the period, for the largest and the mean slope.
+    noise: for the noise of a derived slope; the median hardly depends on them.
+    """
+
+    slopes: int = 1024
+    noise: int = 64
+
+
+_OPTIONS = ProfileOptions()
+
+# Summits of shapes whose only tip is at x = 0.
 AT_ORIGIN = np.zeros(1)
 AT_ORIGIN.setflags(write=False)
 
 
 def onto(ends: tuple[float, float], at: Array, slack: Array | float) -> Array:
-    """Places with those that rounding has put just beyond an end moved back onto it: a corner
-    reached by arithmetic is still the body's.
+    """Places moved onto the ends of an interval where round-off has put them just outside.
+
+    A corner that is reached by arithmetic still belongs to the body.
     """
     lo, hi = ends
     return np.where(
         (at < lo) & (at >= lo - slack), lo, np.where((at > hi) & (at <= hi + slack), hi, at)
     )
+
+
+def _midpoints(lo: float, hi: float, count: int) -> Array:
+    """Midpoints of equal parts of an interval."""
+    return np.asarray(lo + (hi - lo) * (np.arange(count) + 0.5) / count)
 
 
 def is_of_package(profile: "Profile") -> bool:
@@ -48,20 +64,21 @@ def is_of_package(profile: "Profile") -> bool:
     return all(type(part).__module__.startswith("contact.") for part in (profile, *parts))
 
 
-def told_by(name: str) -> Any:
-    """A property that is a parameter, or what a part says of itself: `told_by("width")`,
-    `told_by("profile.support")`.
+def read_from(name: str) -> Any:
+    """A property that returns an attribute of the profile or of a part of it.
+
+    An example is `read_from("profile.support")`.
     """
     return property(attrgetter(name))
 
 
 class Profile(Named, sie.Kept):
-    """Base of all profiles; subclasses are frozen dataclasses that check their fields when made.
+    """The base class of profiles; subclasses are frozen dataclasses that check their fields.
 
     A profile has a `height(x)`: the gap at zero load [m], at x [m] of any shape, growing away from
     contact; a constant does not matter. All else may be left out: `slope`, `period`, `symmetric`,
-    `kinks`, `jumps`, `algebraic_points`, `support`, `extent`, `summits`, `resolution`,
-    `slope_conjugate` make solving faster or sharper (docs/own-profile.md).
+    `kinks`, `jumps`, `algebraic_points`, `support`, `extent`, `summits`, `resolution` and
+    `slope_conjugate` make solving faster or more accurate (docs/own-profile.md).
 
     Examples
     --------
@@ -78,25 +95,26 @@ class Profile(Named, sie.Kept):
     (1, True)
     """
 
-    # Of parameters, by name, as tables and axes tell them; what is not here has none told.
+    # Units of the parameters, by name, for tables and axes.
     units: ClassVar[Mapping[str, str]] = {}
     period: float | None = None
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        # A field `period: float` is meant to be required; the None above must not become its
+        # A field `period: float` is meant to be required: the None above must not become its
         # default.
         if "period" in inspect.get_annotations(cls) and "period" not in cls.__dict__:
             cls.period = dataclasses.field()
 
     def height(self, x: ArrayLike) -> Array:
-        """f(x), the gap at zero load up to a constant [m]; any array shape; periodic if the profile
-        is.
+        """f(x), the gap at zero load up to a constant [m], in the shape of x.
+
+        It is periodic if the profile is.
         """
         raise NotImplementedError(f"{type(self).__name__} must define height(x)")
 
     def slope(self, x: ArrayLike) -> Array:
-        """f'(x), derived numerically from the height: give it in closed form where you can."""
+        """f'(x), derived numerically from the height unless a subclass gives it."""
         return self._derived(np.asarray(x, dtype=np.float64))
 
     @cached_property
@@ -106,12 +124,11 @@ class Profile(Named, sie.Kept):
 
     @cached_property
     def slope_rounding(self) -> float:
-        """Noise of a slope that is derived from the heights of a cell, or of a known part; else 0."""
+        """Noise of a slope that is derived from heights of a cell or a known part; else 0."""
         known = self.support or self.known
         if not self.slope_is_derived or known is None:
             return 0.0
-        lo, hi = known
-        return self._derived.rounding(lo + (hi - lo) * (np.arange(_LOOKS) + 0.5) / _LOOKS)
+        return self._derived.rounding(_midpoints(*known, _OPTIONS.noise))
 
     @property
     def slope_is_derived(self) -> bool:
@@ -125,44 +142,39 @@ class Profile(Named, sie.Kept):
 
     @property
     def kinks(self) -> Array:
-        """Slope jumps in the cell, one a row: position, f'(s+) - f'(s-)."""
+        """Jumps of the slope in the cell, one a row: position, f'(s+) - f'(s-)."""
         return np.empty((0, 2))
 
     @property
     def jumps(self) -> Array:
         """Jumps of f^(n), n = 2 or 3, in the cell, one a row: position, n, f^(n)(s+) - f^(n)(s-).
 
-        None need be declared; those that are cost no accuracy and few modes.
+        They need not be declared; those that are cost no accuracy and few modes.
         """
         return np.empty((0, 3))
 
     @property
     def algebraic_points(self) -> Array:
-        """Places in the cell beside which f is smooth but for a power n > 1, one a row: position s,
-        exponent n, and the coefficients of (s - x)^n for x < s and of (x - s)^n for x > s
-        [m^(1-n)].
+        """Places in the cell next to which f is smooth but for a power n > 1 of the distance.
 
-        None need be declared; a power that is not a whole number has no other way to be told.
+        One a row: position s, exponent n, and the coefficients of (s - x)^n for x < s and of (x -
+        s)^n for x > s [m^(1-n)]. A power that is a whole number can also be declared as a jump.
         """
         return np.empty((0, 4))
 
     @property
     def support(self) -> tuple[float, float] | None:
-        """The interval beyond which f = +inf (a sharp-cornered punch); None if there is no such
-        end.
-        """
+        """The interval outside which f = +inf, of a punch with sharp corners; else None."""
         return None
 
     @property
     def extent(self) -> tuple[float, float] | None:
-        """The interval within which f is known (a measured trace just ends); None: known
-        everywhere.
-        """
+        """The interval in which f is known, of a measured trace that just ends; else None."""
         return None
 
     @property
     def known(self) -> tuple[float, float] | None:
-        """One cell, or the extent without a period; None: the whole line."""
+        """One cell, or the extent if there is no period; None: the whole line."""
         return self.extent if self.period is None else (self.x0, self.x0 + self.period)
 
     @property
@@ -177,8 +189,9 @@ class Profile(Named, sie.Kept):
 
     @property
     def resolution(self) -> float | None:
-        """Smallest length over which the shape varies: of one that repeats, if not given, as its
-        heights tell; None if unknown.
+        """Smallest length over which the shape varies; None if unknown.
+
+        The default, for a periodic profile, is found from its heights.
         """
         return self._detail
 
@@ -192,15 +205,14 @@ class Profile(Named, sie.Kept):
 
     @property
     def feature(self) -> float | None:
-        """Length over which most of the shape varies: as closely as this asks for a first guess
-        looks at it.
-        """
+        """Length over which most of the shape varies: first guesses are sampled this closely."""
         return self.resolution
 
     @property
     def exact_places(self) -> bool:
-        """Whether `slope` is that at the very number x: of the product of a wave number and x, say,
-        no digit is lost.
+        """Whether `slope` is that at the very number x.
+
+        Then products of a wave number and x, for example, lose no digit.
         """
         return False
 
@@ -217,21 +229,17 @@ class Profile(Named, sie.Kept):
 
     @cached_property
     def slopes_seen(self) -> Array:
-        """Finite slopes at even places over the period, or where the shape is known; none of a body
-        without either.
-        """
+        """Finite slopes at even places of the period or the known part, or none."""
         if self.known is None:
             return np.zeros(0)
         lo, hi = self.known
         with np.errstate(all="ignore"):
-            slopes = np.asarray(
-                self.slope(lo + (hi - lo) * (np.arange(_PLACES) + 0.5) / _PLACES), dtype=float
-            )
+            slopes = np.asarray(self.slope(_midpoints(lo, hi, _OPTIONS.slopes)), dtype=float)
         return np.asarray(slopes[np.isfinite(slopes)])
 
     @cached_property
     def slope_sizes(self) -> tuple[float, float]:
-        """(largest, root mean square) of these slopes."""
+        """The largest and the root mean square of `slopes_seen`."""
         seen = self.slopes_seen
         return (
             (float(np.abs(seen).max()), float(np.sqrt(np.mean(seen**2))))
@@ -241,16 +249,16 @@ class Profile(Named, sie.Kept):
 
     @cached_property
     def claims_seen(self) -> dict[tuple[float, float], Any]:
-        """Results of contact.formulation.claims, by interval."""
+        """Cache of contact.formulation.claims: results by interval."""
         return {}
 
     def wrap(self, x: ArrayLike) -> Any:
-        """x moved by whole periods into [x0, x0 + L), bit for bit the same if already there."""
+        """x moved by whole periods into [x0, x0 + L); unchanged to the last bit if it is there."""
         given = np.asarray(x)
         if self.period is None:
             return given
         lo = self.x0
-        # By their places, which few numbers are searched for faster than for themselves.
+        # The places of the extremes are found faster than the extremes themselves.
         if (
             given.dtype == np.float64
             and given.size
@@ -258,53 +266,50 @@ class Profile(Named, sie.Kept):
             and given.item(given.argmax()) < lo + self.period
         ):
             return given
-        # The real part alone decides: complex arguments come from the complex-step derivative.
+        # The real part decides: complex arguments come from the complex step.
         turns = np.floor((given.real - lo) / self.period)
         moved = given - self.period * turns
-        # Rounding can leave the result a hair outside on either side.
+        # Round-off can leave the result just outside on either side.
         moved = np.where(moved.real < lo, lo + (moved - moved.real), moved)
         return np.where(moved.real >= lo + self.period, lo + (moved - moved.real), moved)
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
-        """The profile of a scene file's table without its `shape`; files are looked for from
-        `directory`.
+        """The profile of a scene file's table without its `shape`.
+
+        File names are relative to `directory`.
         """
         return construct(cls, f"profile {cls.name!r}", table)
 
     def parameters(self) -> dict[str, Any]:
-        """What to give the class, by name, to make this profile again."""
+        """Arguments by name with which the class makes this profile again."""
         return parameters(self)
 
     @property
     def bodies(self) -> "dict[str, Profile]":
-        """The profiles of the bodies whose gap this is, by the table of a scene file that tells
-        each: of one body this one.
-        """
+        """The profiles of the bodies, by the table of a scene file that describes each."""
         return {"profile": self}
 
     def facing(self, x: Array) -> dict[str, Array]:
-        """The places of the bodies at x, each told as its own profile counts them."""
+        """The places of the bodies that face x, in each body's own positions."""
         return {"profile": x}
 
     @property
     def title(self) -> str:
-        """What pictures and tables call it."""
+        """Name of the profile in pictures and tables."""
         return self.name
 
     def tables(self) -> dict[str, dict[str, Any]]:
-        """What a scene file says of it: by table, the shape and its parameters."""
+        """Tables of a scene file that describe the profile: shape and parameters."""
         return {"profile": {"shape": self.name, **self.parameters()}}
 
     @property
     def preparation(self) -> dict[str, Any]:
-        """Of measured points: the keys by which they were prepared, with their values; none of any
-        other shape.
-        """
+        """Keys by which measured points were prepared, with values; empty for other shapes."""
         return {}
 
     def unprepared(self) -> dict[str, Any]:
-        """What there was before, by name."""
+        """Measured points before their preparation, by name; empty for other shapes."""
         return {}
 
     @property
@@ -313,28 +318,27 @@ class Profile(Named, sie.Kept):
         return ()
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> "Profile":
-        """The same with other values of parameters, by table and name."""
+        """The profile with other values of parameters, by table and name."""
         return anew(type(self), {**self.parameters(), **changes.get("profile", {})})
 
     @property
     def no_period(self) -> str:
-        """Said where a period is asked for and there is none."""
+        """Message where a period is needed and there is none."""
         return f"the {self.name} profile has none"
 
     def counter_height(self, x: ArrayLike) -> Array:
-        """Heights of the counter-face at zero load [m], up to a constant, upwards: 0, unless the
-        counter body is rough too.
+        """Heights of the counter-face at zero load [m], upwards, up to a constant.
+
+        They are 0 unless the counter body is rough, too.
         """
         return np.zeros(np.shape(x))
 
     def trace_summary(self) -> dict[str, Any] | None:
-        """Of a measured trace: what was read and done to it, and its roughness, lengths in m; None
-        for other shapes.
-        """
+        """What was read of a measured trace and done to it, and its roughness [m]; else None."""
         return None
 
     def _length(self) -> float | None:
-        """A length typical of the shape, for the steps of numerical differences."""
+        """A typical length of the shape, for the steps of numerical differences."""
         if self.resolution is not None:
             return self.resolution
         if self.support is not None:
@@ -342,7 +346,8 @@ class Profile(Named, sie.Kept):
         return self.period
 
     def _fields(self) -> tuple[Any, ...]:
-        return tuple(getattr(self, f.name) for f in dataclasses.fields(self) if f.compare)  # type: ignore[arg-type]
+        fields = dataclasses.fields(self)  # type: ignore[arg-type]
+        return tuple(getattr(self, field.name) for field in fields if field.compare)
 
     # Equality and hash for dataclasses made with eq=False because a field is an array.
     def __eq__(self, other: object) -> bool:

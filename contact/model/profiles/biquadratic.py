@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
 from contact.model.checks import keep, positive, positive_or_none
-from contact.model.profiles.base import Array, Profile, told_by
+from contact.model.profiles.base import Array, Profile, read_from
 from contact.model.registry import register_profile
 
 
@@ -50,7 +50,7 @@ class Biquadratic(Profile):
     period: float | None = None
     units = {"radius": "m", "spacing": "m", "period": "m"}
     symmetric = True
-    resolution = told_by("spacing")
+    resolution = read_from("spacing")
 
     def __post_init__(self) -> None:
         keep(self, positive, "radius", "spacing")
@@ -78,14 +78,15 @@ class Biquadratic(Profile):
     def kinks(self) -> Array:
         if self.period is None:
             return np.empty((0, 2))
-        # By symmetry the slope changes sign at the border: the jump is twice its value on the right
-        # of it.
+        # By symmetry the slope changes its sign at the border: the jump is twice its value on the
+        # right.
         return np.array([[self.x0, 2 * self._slope_in_cell(self.x0)]])
 
     @property
     def jumps(self) -> Array:
-        """The third derivative, 3x/(R c^2), is odd and jumps where the cells meet; the even ones do
-        not.
+        """The jump of the third derivative, 3x/(R c^2), where the cells meet.
+
+        The second derivative has none.
         """
         if self.period is None:
             return np.empty((0, 3))

@@ -1,12 +1,12 @@
 """The slope of a profile whose author gave only its height.
 
-Complex step: f'(x) = Im f(x + ih)/h, exact to rounding for analytic f (Squire & Trapp 1998, doi
-10.1137/S003614459631241X). A height that takes |x| or drops the imaginary part makes it wrong. So
-it is used only where the rise of the height does not contradict its integral (`verdicts`).
+Complex step: f'(x) = Im f(x + ih)/h, exact to round-off for analytic f (W. Squire & G. Trapp 1998,
+doi 10.1137/S003614459631241X). It is wrong for a height that takes |x| or drops the imaginary part.
+So it is used only where the rise of the height does not contradict its integral (`verdicts`).
 
-Else central differences, extrapolated (Richardson 1911, doi 10.1098/rsta.1911.0009). The step of
-each place is the best one of those that agree with all shorter steps to within rounding (Lepski
-1991, doi 10.1137/1135065). No place is judged by the values far from it.
+Otherwise central differences are extrapolated (L. F. Richardson 1911, doi 10.1098/rsta.1911.0009).
+Each place has its own step: the best of those that agree with all shorter steps to within round-off
+(O. V. Lepski 1991, doi 10.1137/1135065). Values far from a place do not matter to it.
 """
 
 import warnings
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from contact.model.profiles.noise import EPS
 from sie import Array, record
 
-# The complex step: its square vanishes beside any length, so there is no truncation error.
+# The complex step. Its square vanishes against any length, so there is no truncation error.
 _TINY = 1e-100
 
 Function = Callable[[Any], Any]
@@ -58,7 +58,10 @@ class DifferenceOptions:
     wider: number of steps above it; heights with a large constant need wide ones.
     of_period: the widest step over the period of a height that repeats.
     sure: steps that agree before a run is sure; the last one has 2^-8 of the first's round-off.
-    level: steps over which round-off stays level before truncation shows.
+    window: steps over which round-off stays level before truncation shows.
+    first_shown: round-off over what the first changed height shows of it.
+    spread: largest round-off over the median one.
+    hides: most hidden round-off over that of the highest heights; a steep step looks like more.
     margin: round-off of an extrapolated quotient, over that of a height over the least step.
     together: places side by side that share their round-off; insensitive, 16 to 64.
     at_once: places worked on together, which bounds the memory.
@@ -68,8 +71,11 @@ class DifferenceOptions:
     wider: int = 24
     of_period: float = 0.25
     sure: int = 8
-    level: int = 6
-    margin: float = 8.0
+    window: int = 6
+    first_shown: float = 128.0
+    spread: float = 4.0
+    hides: float = 1e7
+    margin: float = 3.0
     together: int = 32
     at_once: int = 2**12
 
@@ -81,8 +87,9 @@ DIFFERENCES = DifferenceOptions()
 class DerivedSlope:
     """f' from f alone.
 
-    length: one over which f varies, if known; ends: beyond which there is no f; period: with which
-    f repeats, if it does.
+    length: over which f varies, if known.
+    ends: outside which there is no f.
+    period: of f, if it has one.
     """
 
     def __init__(
@@ -94,7 +101,7 @@ class DerivedSlope:
     ) -> None:
         self._options = DIFFERENCES
         if period is not None and length is not None:
-            # Steps of whole periods see no slope, and all agree.
+            # Differences over whole periods are all zero, and all agree.
             wider = int(np.floor(np.log2(DIFFERENCES.of_period * period / length)))
             self._options = replace(DIFFERENCES, wider=min(DIFFERENCES.wider, wider))
         self._height, self._length, self._ends = height, length, ends
@@ -108,13 +115,13 @@ class DerivedSlope:
         by_step = self._by_step(x)
         if by_step is None:
             return self._differences(x)
-        lost = ~np.isfinite(by_step)
-        if lost.any():
-            by_step[lost] = self._differences(x[lost])
+        failed = ~np.isfinite(by_step)
+        if failed.any():
+            by_step[failed] = self._differences(x[failed])
         return by_step
 
     def rounding(self, x: Array) -> float:
-        """Median rounding of f' at some places; 0 where complex steps are taken."""
+        """Median round-off of f' at some places; 0 where complex steps are taken."""
         if self._by_step(x) is not None:
             return 0.0
         scale = scale_of(x, self._length)
@@ -125,7 +132,7 @@ class DerivedSlope:
         return differences(self._height, x, scale, self._ends, self._options)[0]
 
     def _by_step(self, x: Array) -> Array | None:
-        """Complex steps; None where they cannot be taken or once they have been contradicted."""
+        """Complex steps; None where they cannot be taken or were contradicted."""
         by_step = complex_step(self._height, x) if self._complex else None
         if by_step is None:
             return None
@@ -149,10 +156,10 @@ class DerivedSlope:
 def scale_of(
     x: Array, length: float | None = None, ends: tuple[float, float] | None = None
 ) -> Array:
-    """For each place, a length about which steps are tried.
+    """For each place, the length about which steps are tried.
 
-    It is the one that is known, else the distance of the place from 0 or from the next place. With
-    ends, no interval of `verdicts` reaches beyond them.
+    It is the known length, else the distance of the place from 0 or from the next place. With ends,
+    no interval of `verdicts` reaches outside them.
     """
     if length is None:
         places, which = np.unique(x, return_inverse=True)
@@ -175,13 +182,13 @@ def complex_step(height: Function, x: Array) -> Array | None:
 
 
 def complex_value(function: Function, z: NDArray[Any]) -> NDArray[Any] | None:
-    """An author's function of complex numbers; None where it takes none."""
+    """Value of an author's function of complex numbers; None where it takes none."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
-        # A cast that discards the imaginary part is a warning of numpy.
+        # Numpy warns of a cast that discards the imaginary part.
         warnings.simplefilter("error")
         try:
             value = np.asarray(function(z))
-        except Exception:  # it may refuse them in any way it likes
+        except Exception:  # the author's code may raise anything
             return None
     return value if value.dtype.kind == "c" and value.shape == z.shape else None
 
@@ -190,13 +197,13 @@ def complex_value(function: Function, z: NDArray[Any]) -> NDArray[Any] | None:
 class Verdicts:
     """Whether the height contradicts or confirms a slope, for each place.
 
-    off: by what part of the slope, on the interval that shows a contradiction best; claimed, seen:
-    the mean slope there by the slope and by the height.
+    discrepancy: over the slope, on the interval that shows a contradiction best.
+    claimed, seen: the mean slope there by the slope and by the height.
     """
 
     contradicted: NDArray[np.bool_]
     confirmed: NDArray[np.bool_]
-    off: Array
+    discrepancy: Array
     claimed: Array
     seen: Array
 
@@ -206,8 +213,8 @@ def verdicts(
 ) -> Verdicts:
     """Compare rises of the height with integrals of its slope on intervals about the places x.
 
-    An interval tells only where both are resolved by a polynomial through its nodes, and heights
-    have digits left.
+    An interval counts only if a polynomial through its nodes resolves both, and heights have digits
+    left.
     """
     contradicted, confirmed = np.zeros(x.shape, dtype=bool), np.zeros(x.shape, dtype=bool)
     claimed, seen, worst = np.zeros(x.shape), np.zeros(x.shape), np.zeros(x.shape)
@@ -218,43 +225,50 @@ def verdicts(
         with np.errstate(all="ignore"):
             heights = np.asarray(height(at), dtype=np.float64)
             slopes = np.asarray(slope(at), dtype=np.float64)
-            off, agrees, integral = _compared(heights, slopes, h, x, options)
+            discrepancy, agrees, integral = _compared(heights, slopes, h, x, options)
             j, k = np.argmax(heights, axis=1)[:, None], np.argmin(heights, axis=1)[:, None]
             apart, by_slope, by_height = (
                 (np.take_along_axis(part, j, 1) - np.take_along_axis(part, k, 1))[:, 0]
                 for part in (at, integral, heights)
             )
-            better = off > worst
+            better = discrepancy > worst
             claimed = np.where(better, by_slope / apart, claimed)
             seen = np.where(better, by_height / apart, seen)
-        contradicted |= off > 0
+        contradicted |= discrepancy > 0
         confirmed |= agrees
-        worst = np.maximum(worst, off)
+        worst = np.maximum(worst, discrepancy)
     return Verdicts(contradicted, confirmed, worst, claimed, seen)
 
 
 def _compared(
     heights: Array, slopes: Array, h: Array, x: Array, options: VerdictOptions
 ) -> tuple[Array, NDArray[np.bool_], Array]:
-    """For intervals of half width h about x, by rows: their discrepancy over the rise where it is a
-    contradiction, else 0; whether they agree; the integral of the slope at the nodes."""
+    """Compare both on intervals of half width h about x, one a row.
+
+    Returns the discrepancy over the rise where it is a contradiction, else 0; whether both agree;
+    and the integral of the slope at the nodes.
+    """
     n = options.nodes
     t = np.cos(np.pi * (np.arange(n) + 0.5) / n)
     fit = np.linalg.inv(chebyshev.chebvander(t, n - 1))
     rise = chebyshev.chebvander(t, n) @ chebyshev.chebint(fit)
     integral = h[:, None] * (slopes @ rise.T)
-    off = np.ptp(heights - integral, axis=1)
+    discrepancy = np.ptp(heights - integral, axis=1)
     total, steepest = np.ptp(heights, axis=1), np.abs(slopes).max(axis=1)
     size = np.maximum(total, h * steepest)
     last = fit[-options.nodes // 2 :].T
     of_heights, of_slopes = (np.abs(part @ last).max(axis=1) for part in (heights, slopes))
     rounded = EPS * (np.abs(heights).max(axis=1) + np.abs(x) * steepest)
-    # Heights that do not change may hide a change below their rounding.
-    tells = (total > 0) & (of_heights <= options.digits * total) & np.isfinite(off)
+    # Heights that do not change may hide a change below their round-off.
+    tells = (total > 0) & (of_heights <= options.digits * total) & np.isfinite(discrepancy)
     tells &= rounded <= options.digits * size
-    unexplained = off - options.differs * (of_heights + h * of_slopes + rounded)
+    unexplained = discrepancy - options.differs * (of_heights + h * of_slopes + rounded)
     differs = tells & (unexplained > options.counts * size)
-    return np.where(differs, off / size, 0.0), tells & (off <= options.counts * size), integral
+    return (
+        np.where(differs, discrepancy / size, 0.0),
+        tells & (discrepancy <= options.counts * size),
+        integral,
+    )
 
 
 def differences(
@@ -264,15 +278,15 @@ def differences(
     ends: tuple[float, float] | None = None,
     options: DifferenceOptions = DIFFERENCES,
 ) -> tuple[Array, Array]:
-    """f' at places (n,) by central differences at the best step of each, and its rounding.
+    """f' at places (n,) by central differences at the best step of each, and its round-off.
 
-    Places side by side share what is known of the rounding: a height near its tip does not show it.
+    Places side by side share their estimate of round-off: a height near its tip does not show it.
     """
     order = np.argsort(x)
     best, doubt = np.empty(x.shape), np.empty(x.shape)
     with np.errstate(all="ignore"):
         for some in np.array_split(order, max(1, -(-len(x) // options.at_once))):
-            # Whole blocks, the last one filled up with its last place.
+            # The last block is filled up with its last place.
             whole = np.append(
                 some, np.full(-len(some) % min(options.together, len(some)), some[-1])
             )
@@ -288,21 +302,21 @@ def _quotients(
     ends: tuple[float, float] | None,
     options: DifferenceOptions,
 ) -> tuple[Array, Array]:
-    """Extrapolated quotients of ascending places, steps growing by rows, and their rounding."""
+    """Extrapolated quotients of ascending places, one step a row, and their round-off."""
     steps = scale * 2.0 ** np.arange(-options.finer, options.wider + 1)[:, None]
     if ends is not None:
         steps = np.where((x - steps >= ends[0]) & (x + steps <= ends[1]), steps, 0.0)
     here = np.asarray(height(x), dtype=np.float64)
     right, left = (np.asarray(height(at), dtype=np.float64) for at in (x + steps, x - steps))
-    quotients = (right - left) / ((x + steps) - (x - steps))  # the steps taken, not those asked for
+    quotients = (right - left) / ((x + steps) - (x - steps))  # the rounded steps
     blocks = min(options.together, len(x))
     finite = np.where(np.isfinite(here), np.abs(here), 0.0)
     highest = np.repeat(finite.reshape(-1, blocks).max(axis=1), blocks)
     rounding = EPS * (
         np.maximum(np.maximum(np.abs(right), np.abs(left)), highest) + np.abs(x * quotients)
     )
-    hidden = np.repeat(_hidden(right - 2 * here + left, blocks, options), blocks)
-    # Combined so that no terms of h^2, h^4 and h^6 are left.
+    hidden = np.repeat(_hidden(right - 2 * here + left, rounding, blocks, options), blocks)
+    # The combination has no terms of h^2, h^4 and h^6.
     values = (
         4096 * quotients[:-3] - 1344 * quotients[1:-2] + 84 * quotients[2:-1] - quotients[3:]
     ) / 2835
@@ -312,9 +326,9 @@ def _quotients(
 def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple[Array, Array]:
     """For each column the best value of a run of rows that agree to within noise, and its noise.
 
-    It is the first run that is sure, else the longest: what agrees at wide steps only is an alias.
-    The best value is the last but one before noise grows or the run ends: the last one may be off
-    by as much as its noise lets pass.
+    It is the first run that is long enough, else the longest: agreement at wide steps only is an
+    alias. The best value is the last but one before noise grows or the run ends, as the last one
+    may be wrong by as much as its noise.
     """
     n = values.shape[1]
     best, doubt = np.full(n, np.nan), np.full(n, np.inf)
@@ -325,23 +339,23 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
         np.zeros(n, dtype=np.intp),
         np.zeros(n, dtype=bool),
     )
-    for new, off in zip(values, noise, strict=True):
-        counts = np.isfinite(new) & np.isfinite(off) & ~done
-        goes_on = counts & (length > 0) & (new >= lo - off) & (new <= hi + off)
+    for new, error in zip(values, noise, strict=True):
+        counts = np.isfinite(new) & np.isfinite(error) & ~done
+        goes_on = counts & (length > 0) & (new >= lo - error) & (new <= hi + error)
         done |= counts & ~goes_on & (length >= options.sure)
         begins = counts & ~goes_on & ~done
-        lo = np.where(begins, new - off, np.where(goes_on, np.maximum(lo, new - off), lo))
-        hi = np.where(begins, new + off, np.where(goes_on, np.minimum(hi, new + off), hi))
-        last, last_noise = np.where(begins, new, last), np.where(begins, off, last_noise)
-        better = begins | (goes_on & (off < least))
+        lo = np.where(begins, new - error, np.where(goes_on, np.maximum(lo, new - error), lo))
+        hi = np.where(begins, new + error, np.where(goes_on, np.minimum(hi, new + error), hi))
+        last, last_noise = np.where(begins, new, last), np.where(begins, error, last_noise)
+        better = begins | (goes_on & (error < least))
         value, value_noise = (
             np.where(better, last, value),
             np.where(better, last_noise, value_noise),
         )
         last, last_noise, least = (
             np.where(counts, new, last),
-            np.where(counts, off, last_noise),
-            np.where(better, off, least),
+            np.where(counts, error, last_noise),
+            np.where(better, error, least),
         )
         length = np.where(begins, 1, length + goes_on)
         leads = (begins | goes_on) & (length > longest)
@@ -350,21 +364,28 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
     return best, doubt
 
 
-def _hidden(evens: Array, blocks: int, options: DifferenceOptions) -> Array:
-    """Round-off of heights in each block that their size hides, as of cosh(x) - 1.
+def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptions) -> Array:
+    """Round-off of heights in each block that their size hides, as of cosh(x) - 1; else 0.
 
-    evens: second differences by growing steps. A combination of them of sixth order is level while
-    it is round-off, and grows with the step where it is not: its least level is the round-off.
+    evens: second differences by growing steps. rounding: of the heights by their size. A
+    combination of second differences of sixth order is level while it is round-off, and grows with
+    the step where it is not.
     """
     rough = np.abs(evens[2:] - 20 * evens[1:-1] + 64 * evens[:-2]) / 128
     rough = np.where(np.isfinite(rough), rough, np.inf).reshape(len(rough), -1, blocks)
     windows = np.lib.stride_tricks.sliding_window_view(
-        np.median(rough, axis=2), options.level, axis=0
+        np.median(rough, axis=2), options.window, axis=0
     )
-    # Steps too short to change a height show no round-off.
-    level = np.where(np.median(windows, axis=2) > 0.0, np.max(windows, axis=2), np.inf)
-    least = np.min(level, axis=0)
-    return np.where(np.isfinite(least), least, 0.0)
+    before, after = (np.median(half, axis=2) for half in np.split(windows, 2, axis=2))
+    # Steps too short to change a height show no round-off; at a kink roughness grows by eight.
+    level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
+    found = np.where(level, np.max(windows, axis=2), np.inf)
+    # The first steps that change a height show a part of the round-off: the weights' ratio.
+    found = np.where(found <= options.first_shown * np.min(found, axis=0), found, 0.0)
+    largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
+    sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)
+    most = options.hides * np.max(sizes, axis=(0, 2))
+    return np.asarray(np.minimum(options.spread * largest, most))
 
 
 @dataclass(frozen=True)
@@ -392,11 +413,11 @@ def detail_of(
 ) -> float:
     """Smallest length over which heights vary between two places.
 
-    It is that of the last term of the slope's Chebyshev series which counts.
+    It is that of the last term of the slope's Chebyshev series that counts.
     """
     length, n = hi - lo, options.first
     while True:
-        # The ends themselves may be corners, beyond which there is no body.
+        # The ends may be corners, outside which there is no body.
         x = lo + length * np.sin(0.25 * np.pi * (2 * np.arange(n) + 1) / n) ** 2
         with np.errstate(all="ignore"):
             heights = np.asarray(height(x), dtype=np.float64)

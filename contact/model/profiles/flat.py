@@ -7,16 +7,17 @@ from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
 from contact.model.checks import keep, positive, positive_or_none
-from contact.model.profiles.base import AT_ORIGIN, Array, Profile, told_by
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile, read_from
+from contact.model.profiles.noise import EPS
 from contact.model.registry import register_profile
 
 
 @register_profile("flat")
 @dataclass(frozen=True)
 class Flat(Profile):
-    """A punch of that width; with a period, one in each cell.
+    """A flat punch with sharp corners; with a period, one in each cell.
 
-    f = 0 for |x| <= width/2 and +inf beyond: the pressure is infinite as 1/sqrt(d) at the corners
+    f = 0 for |x| <= width/2 and +inf outside: the pressure is infinite as 1/sqrt(d) at the corners
     (M. Sadowsky, ZAMM 8, 1928, 107, doi 10.1002/zamm.19280080203).
 
     Parameters
@@ -43,7 +44,7 @@ class Flat(Profile):
     units = {"width": "m", "period": "m"}
     symmetric = True
     summits = AT_ORIGIN
-    resolution = told_by("width")
+    resolution = read_from("width")
 
     def __post_init__(self) -> None:
         keep(self, positive, "width")
@@ -53,13 +54,13 @@ class Flat(Profile):
 
     def height(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=np.float64)
-        # A corner reached by arithmetic (middle + half width, a whole period on) still belongs to
-        # the punch.
-        slack = 4 * np.finfo(np.float64).eps * (self.width + np.abs(x))
+        # A corner that is reached by arithmetic (middle + half width, a whole period) still belongs
+        # to the punch.
+        slack = 4 * EPS * (self.width + np.abs(x))
         return np.where(np.abs(self.wrap(x)) <= self.width / 2 + slack, 0.0, np.inf)
 
     def slope(self, x: ArrayLike) -> Array:
-        """0 on the punch; beyond it there is no surface, and 0 stands there too."""
+        """0 on the punch; outside there is no surface, and the value is 0, too."""
         return np.zeros(np.shape(x))
 
     @property

@@ -1,4 +1,4 @@
-"""Any smooth periodic shape: f(x) = sum_k cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2 pi k x/L)."""
+"""Smooth periodic shape f(x) = sum_k cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2 pi k x/L)."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,19 +10,17 @@ from numpy.typing import ArrayLike
 from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive
 from contact.model.profiles.base import Array, Profile
-from contact.model.profiles.trigonometric import Sum, in_turns
+from contact.model.profiles.trigonometric import BLOCK, Sum, in_turns
 from contact.model.registry import register_profile
 from sie import Complex, record
 
-_LONG = 256  # harmonics from which on sums go through a grid
-_BLOCK = 1 << 20  # entries of the largest table of powers held at a time (16 MB)
+_LONG = 256  # harmonics; longer sums go through a grid, which is then faster
 
 
 @register_profile("fourier")
 @dataclass(frozen=True, eq=False, repr=False)
 class Fourier(Profile):
-    """Harmonics 1, 2, ... of the period; the shorter list of `cosine` and `sine` is filled up with
-    zeros.
+    """Harmonics 1, 2, ... of the period; the shorter list is filled up with zeros.
 
     f(x) = sum_k cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2 pi k x/L).
 
@@ -92,7 +90,7 @@ class Fourier(Profile):
 
     @property
     def exact_places(self) -> bool:
-        """In two words a place keeps all of its digits over the period."""
+        """Whether sums use places in two words, which keep all digits over the period."""
         return bool(np.size(self.cosine) >= _LONG)
 
     @cached_property
@@ -115,9 +113,9 @@ class _Waves:
         return Sum.of(self.amplitudes)
 
     def __call__(self, x: Array) -> Array:
-        """Of few harmonics by k = r + s q: a matrix product and sqrt(N) terms more.
+        """The sum at x: few harmonics by k = r + s q, a matrix product and sqrt(N) terms.
 
-        Each power is an exponential of its own, so no rounding builds up as in a recurrence.
+        Each power is an exponential of its own, so no round-off accumulates as in a recurrence.
         """
         c = self.amplitudes
         if c.size >= _LONG:
@@ -129,7 +127,7 @@ class _Waves:
         by_rows = table.reshape(-1, s)
         low, high = np.arange(1, s + 1), s * np.arange(by_rows.shape[0])
         out = np.empty(flat.size)
-        step = max(1, _BLOCK // s)
+        step = BLOCK
         for i in range(0, flat.size, step):
             part = flat[i : i + step, None]
             inner = np.exp(2j * pi * (part * low)) @ by_rows.T

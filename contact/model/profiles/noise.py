@@ -38,13 +38,16 @@ def noise(values: Array) -> float:
 
 
 def rounding(values: Array) -> float:
-    """Round-off and noise of values (7, n) at even places, of the largest of them."""
+    """Round-off of the largest of values (7, n) at even places, with their noise."""
     finite = np.isfinite(values)
     largest = float(np.abs(values).max(initial=0.0, where=finite))
     return EPS * largest + 4.0 * noise(values)
 
 
 def noise_at(function: Callable[[Array], Array], x: Array, length: float) -> float:
-    """Round-off and noise of a function near places x, whose shortest wave has this length."""
+    """Round-off and noise of a function near places x.
+
+    length: of the function's shortest wave.
+    """
     at = x + STEP * length * PLACES[:, None]
     return rounding(np.asarray(function(at), dtype=np.float64))

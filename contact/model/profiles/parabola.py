@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.model.checks import keep, positive, positive_or_none
-from contact.model.profiles.base import AT_ORIGIN, Array, Profile, told_by
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile, read_from
 from contact.model.registry import register_profile
 
 
@@ -35,7 +35,8 @@ class Parabola(Profile):
     --------
     >>> import contact
     >>> import numpy as np
-    >>> hertz = contact.solve(contact.Scene(contact.Parabola(radius=1.0), 1e9, contact.Isolated(), load=1e4))
+    >>> scene = contact.Scene(contact.Parabola(radius=1.0), 1e9, contact.Isolated(), load=1e4)
+    >>> hertz = contact.solve(scene)
     >>> bool(np.isclose(hertz.zones[0, 1], np.sqrt(4e4 / (np.pi * 1e9)), rtol=1e-10))
     True
     """
@@ -45,7 +46,7 @@ class Parabola(Profile):
     units = {"radius": "m", "period": "m"}
     symmetric = True
     summits = AT_ORIGIN
-    resolution = told_by("period")
+    resolution = read_from("period")
 
     def __post_init__(self) -> None:
         keep(self, positive, "radius")

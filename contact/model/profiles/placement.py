@@ -92,7 +92,7 @@ class Overlap:
 
     @classmethod
     def of(cls, placed: Sequence[PlacedBody], period: float | None) -> "Overlap":
-        """SceneError where the bodies do not face each other on one interval."""
+        """The interval of two placed bodies; SceneError where there is not exactly one."""
         shift = placed[1].shift
         extents = [one.window(one.body.extent) for one in placed if one.body.extent is not None]
         known = (max(lo for lo, _ in extents), min(hi for _, hi in extents)) if extents else None
@@ -130,9 +130,9 @@ class Overlap:
 
 
 def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
-    """Cells of a periodic body with corners, under the tip of a body without an end.
+    """Cells of a periodic body with corners that are listed under the tip of an endless body.
 
-    Only so many cells have their corners listed; None where there is no such pair.
+    None where the bodies are no such pair.
     """
     lone, row = sorted(placed, key=lambda one: one.body.period is not None)
     body, period = row.body, row.body.period

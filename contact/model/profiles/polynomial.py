@@ -1,6 +1,4 @@
-"""Polynomial profile: f(x) = sum_k coefficients[k] x^k, lowest power first, on the cell if it is
-periodic.
-"""
+"""Polynomial profile f(x) = sum_k coefficients[k] x^k, on the cell if it is periodic."""
 
 from dataclasses import dataclass
 
@@ -11,16 +9,17 @@ from numpy.typing import ArrayLike
 from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive_or_none
 from contact.model.profiles.base import Array, Profile
+from contact.model.profiles.noise import EPS
 from contact.model.registry import register_profile
 
-_ROUNDING = 1e-12  # of the sum of the terms' sizes: a smaller mismatch at the border is rounding
+# A mismatch at the border below this part of the sum of the terms' sizes is round-off.
+_ROUNDING = 4096 * EPS
 
 
 @register_profile("polynomial")
 @dataclass(frozen=True, eq=False)
 class Polynomial(Profile):
-    """f = c0 + c1 x + c2 x^2 + ...; with a period the heights at both borders agree, the slopes
-    need not.
+    """f = c0 + c1 x + c2 x^2 + ...; the heights at both borders of a period must agree.
 
     Parameters
     ----------
@@ -84,11 +83,11 @@ class Polynomial(Profile):
 
     @property
     def jumps(self) -> Array:
-        """Where the cells meet, the second and the third derivative jump too."""
+        """Jumps of the second and third derivative where the cells meet."""
         return self._jumps_at_the_border(2, 3)
 
     def _jumps_at_the_border(self, *orders: int) -> Array:
-        """Place, order and jump of these derivatives, where they jump by more than rounding."""
+        """Place, order and jump of these derivatives, where the jump exceeds round-off."""
         found = []
         for order in orders if self.period is not None else ():
             d = polyder(self._c, order)
@@ -99,7 +98,7 @@ class Polynomial(Profile):
 
     @property
     def breakpoints(self) -> Array:
-        # Even with equal slopes some higher derivative jumps where the cells meet.
+        # Where slopes are equal some higher derivative jumps at the border of the cell.
         return np.empty(0) if self.period is None else np.array([self.x0])
 
     @property

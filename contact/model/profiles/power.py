@@ -14,7 +14,7 @@ from contact.model.checks import keep, positive, positive_or_none
 from contact.model.profiles.base import AT_ORIGIN, Array, Profile
 from contact.model.registry import register_profile
 
-# Powers of the distance from the border beyond the third that are declared there; the next one
+# Powers of the distance from the border, beyond the third, that are declared there. The next one
 # leaves coefficients that fall as n^-9.
 _AT_BORDER = (5, 7)
 
@@ -69,8 +69,10 @@ class Power(Profile):
             raise SceneError.of(
                 "exponent",
                 self.exponent,
-                "at least 1: below, the tip is a cusp, infinitely steep, which small slopes exclude; "
-                "round it off, as coefficient (x^2 + r^2)^(exponent/2) in a profile of your own does",
+                "at least 1: below, the tip is a cusp, infinitely steep, which small slopes "
+                "exclude; "
+                "round it off, as coefficient (x^2 + r^2)^(exponent/2) in a profile of your own "
+                "does",
             )
         if self.period is not None:
             with np.errstate(all="ignore"):
@@ -122,8 +124,10 @@ class Power(Profile):
         return np.array(tip + border).reshape(-1, 4)
 
     def _at_border(self, *orders: int) -> list[tuple[float, int, float]]:
-        """Where the cells meet, f goes as (L/2 - d)^n at the distance d on both sides: place, order
-        k, and k times twice the coefficient of d^k, for odd k (even powers of d are smooth)."""
+        """Place, order k, and k times twice the coefficient of d^k where the cells meet, for odd k.
+
+        f goes as (L/2 - d)^n at the distance d on both sides; even powers of d are smooth.
+        """
         if self.period is None:
             return []
         found = []

@@ -1,8 +1,7 @@
-"""A measured profile: the interpolating cubic spline through its points, f = max(height) -
-height(x).
+"""A measured profile: the interpolating cubic spline, f = max(height) - height(x).
 
-C2 at the points and between; periodic, or with the not-a-knot condition at both ends (de Boor, A
-Practical Guide to Splines). No smoothing: what was measured is what is pressed.
+The spline is C2, periodic or with the not-a-knot condition at both ends (C. de Boor, A Practical
+Guide to Splines). Nothing is smoothed: the measured points are what is pressed.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,25 +21,33 @@ from contact.errors import SceneError, warn
 from contact.extras import require
 from contact.model.checks import finite_array, increasing, one_of, positive_or_none, text
 from contact.model.profiles.base import Array, Profile, onto
+from contact.model.profiles.noise import EPS
 from contact.model.registry import register_profile
 
-if TYPE_CHECKING:
-    from contact.model.traces.prepare import Preparation, Reading, Trace
-
-# What reads files and prepares what they hold, and what tells the roughness.
+# Modules for files, roughness and unmeasured intervals, loaded when they are needed.
 _READING = "contact.model.traces.prepare"
 _ROUGHNESS = "contact.model.traces.roughness"
 _UNMEASURED = "contact.model.traces.unmeasured"
 
-_FEWEST = 4  # a not-a-knot cubic has four coefficients
-# Of how a trace is prepared: what may be a whole number.
+# Keys of a preparation that may be whole numbers.
 _WHOLE = ("detrend", "regrid")
-_MOSTLY = 0.25  # this part of the points lie closer than what a first guess must see
-# relative: positions and heights of a repeated end point that agree this far are one point
-_SAME = 1e-9
-_ROUNDING = 4 * float(
-    np.finfo(np.float64).eps
-)  # relative: heights this near one another are one height
+
+
+@dataclass(frozen=True)
+class SampledOptions:
+    """Numbers of a measured profile.
+
+    min_points: a not-a-knot cubic has four coefficients.
+    close_points: part of the points that lie closer than the samples of first guesses.
+    same: relative difference up to which a repeated end point is one point.
+    """
+
+    min_points: int = 4
+    close_points: float = 0.25
+    same: float = 1e-9
+
+
+OPTIONS = SampledOptions()
 
 
 def read_trace(
@@ -65,12 +72,11 @@ def read_trace(
     along: str | None = None,
     invert: bool | None = None,
 ) -> Sampled:
-    """A measured trace from a file, a table of text or an instrument's own format, prepared as
-    asked.
+    """A measured trace from a text file or an instrument's file, prepared as the arguments say.
 
     The arguments are the keys of a scene's [profile] with a `file`. They act in this order: read,
     sort, invert, fill, regrid, lambda_s, detrend, lambda_c, taper, period; the profile's `history`
-    says what was done. What a file can be read as in two ways is refused, with both.
+    says what was done. A file that can be read in two ways is refused, with both.
 
     Parameters
     ----------
@@ -149,22 +155,21 @@ def read_trace(
     >>> trace.history[1]
     '1 of 5 heights are missing; 1 in 1 gaps, the widest 1 µm, filled by straight lines'
     """
-    made = _of_trace(require(_READING).load_trace(**locals()))
-    warn(made.warnings)
-    return made
+    profile = _of_trace(require(_READING).load_trace(**locals()))
+    warn(profile.warnings)
+    return profile
 
 
 @register_profile("sampled")
 @dataclass(frozen=True, init=False, repr=False, eq=False)
 class Sampled(Profile):
-    """Points (x, height), heights upwards positive, x increasing; with a period, one period of the
-    surface.
+    """Points (x, height), heights upwards positive, x increasing; with a period, one period.
 
-    A last point one period after the first is accepted if it repeats the first height, and dropped.
-    Without a period the profile is known between its first and last point only (`extent`): outside
-    it is nan. The parameter `height` is kept as `heights` because `height(x)` is f for every
-    profile; `history` says what was done to a file's points on the way, `warnings` what is doubtful
-    about them. `contact.read_trace` (and `Sampled.from_file`) reads a file.
+    A last point one period after the first is dropped if it repeats the first height. Without a
+    period the profile is known between its first and last point only (`extent`): outside it is nan.
+    The parameter `height` is stored as `heights` because `height(x)` is f for every profile.
+    `history` says what was done to a file's points, `warnings` what is doubtful about them.
+    `contact.read_trace` (and `Sampled.from_file`) reads a file.
 
     Parameters
     ----------
@@ -198,12 +203,12 @@ class Sampled(Profile):
     history: tuple[str, ...] = field(default=(), compare=False, repr=False)
     warnings: tuple[str, ...] = field(default=(), compare=False, repr=False)
     units = {"period": "m", "lambda_s": "m", "lambda_c": "m", "taper": "1"}
-    # Of a trace from a file: what was read, and what was done to it.
-    source: ClassVar[tuple[Reading, Preparation] | None] = None
+    # The points of a file and their preparation; None for other points.
+    source: ClassVar[tuple[Any, Any] | None] = None
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
-        points = increasing("x", x, _FEWEST)
-        heights = finite_array("height", height, 1, _FEWEST)
+        points = increasing("x", x, OPTIONS.min_points)
+        heights = finite_array("height", height, 1, OPTIONS.min_points)
         if heights.size != points.size:
             raise SceneError.of(
                 "height", height, f"as many as there are x ({points.size}, not {heights.size})"
@@ -211,7 +216,7 @@ class Sampled(Profile):
         length = positive_or_none("period", period)
         if length is not None:
             points, heights = _one_period(points, heights, length)
-        if not np.ptp(heights) > _ROUNDING * np.max(np.abs(heights)):
+        if not np.ptp(heights) > 4 * EPS * np.max(np.abs(heights)):
             raise SceneError.of("height", height, "not the same everywhere")
         for name, value in (
             ("x", points),
@@ -226,7 +231,7 @@ class Sampled(Profile):
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
-        """A scene's table: points as `x` and `height`, or a `file` with the arguments of
+        """The profile of a scene's table: points `x` and `height`, or a `file` with keys of
         `from_file`.
         """
         if not isinstance(table, Mapping):
@@ -240,14 +245,20 @@ class Sampled(Profile):
         return read_trace(Path(directory) / text("file", table["file"]), **rest)
 
     def __repr__(self) -> str:
-        return f"Sampled({self.x.size} points from {self.x[0]:.6g} to {self.x[-1]:.6g}, period={self.period!r})"
+        return (
+            f"Sampled({self.x.size} points from {self.x[0]:.6g} to {self.x[-1]:.6g}, "
+            f"period={self.period!r})"
+        )
 
     def parameters(self) -> dict[str, Any]:
         return {"x": self.x, "height": self.heights, "period": self.period}
 
     @property
     def no_period(self) -> str:
-        return f"the {self.name} profile has none: period = true takes its length for one (taper brings its ends to one height)"
+        return (
+            f"the {self.name} profile has none: period = true takes its length for one (taper "
+            "brings its ends to one height)"
+        )
 
     @property
     def preparation(self) -> dict[str, Any]:
@@ -259,7 +270,7 @@ class Sampled(Profile):
         )
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
-        """With other points of the file where what is done to them is another."""
+        """The profile with other values; the file's points are prepared again where keys change."""
         own = changes.get("profile", {})
         if self.source is None or not set(own) - set(self.parameters()):
             return super().varied(changes)
@@ -284,7 +295,7 @@ class Sampled(Profile):
         return np.asarray(-self._spline(self._inside(x), 1))
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
-        """Exact; None without a period."""
+        """H f' in closed form; None without a period."""
         if self._conjugate is None:
             return None
         return self._conjugate(np.asarray(self.wrap(np.asarray(x, dtype=np.float64))))
@@ -299,16 +310,14 @@ class Sampled(Profile):
 
     @property
     def breakpoints(self) -> Array:
-        """The knots: the third derivative jumps there (not-a-knot: not at the ends and their
-        neighbours).
-        """
+        """The knots, where the third derivative jumps; not-a-knot: without two at each end."""
         return np.array(self.x if self.period is not None else self.x[2:-2])
 
     @property
     def jumps(self) -> Array:
         """The jumps of the third derivative of f at the knots: between them f is a cubic."""
         third = -6.0 * self._spline.c[0]
-        # With a period the first knot has the last piece before it.
+        # With a period the last piece precedes the first knot.
         first, before = (0, third[-1:]) if self.period is not None else (1, third[:0])
         at = self._knots[first:-1]
         return np.column_stack((at, np.full(at.size, 3.0), np.diff(third, prepend=before)))
@@ -319,7 +328,7 @@ class Sampled(Profile):
 
     @property
     def feature(self) -> float:
-        return float(np.quantile(np.diff(self._knots), _MOSTLY))
+        return float(np.quantile(np.diff(self._knots), OPTIONS.close_points))
 
     @property
     def _knots(self) -> Array:
@@ -327,8 +336,7 @@ class Sampled(Profile):
 
     @cached_property
     def _spline(self) -> Any:
-        # Counted from the highest point, so that an offset of the instrument's zero costs no
-        # digits.
+        # Depths below the highest point: an offset of the instrument's zero costs no digits.
         depth, repeats = self.heights - self.heights.max(), self.period is not None
         values, kind = (
             (np.append(depth, depth[0]), "periodic") if repeats else (depth, "not-a-knot")
@@ -352,41 +360,42 @@ class Sampled(Profile):
         w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
         if self.period is not None:
             return w
-        # Beyond its ends the spline answers nan.
+        # Outside its ends the spline returns nan.
         lo, hi = self.x[0], self.x[-1]
-        return onto((lo, hi), w, 8 * np.finfo(np.float64).eps * max(abs(lo), abs(hi), hi - lo))
+        return onto((lo, hi), w, 8 * EPS * max(abs(lo), abs(hi), hi - lo))
 
 
 @lru_cache(maxsize=8)
-def _prepared_again(reading: Reading, by: Preparation) -> Sampled:
-    """Points of one file in several ways; of the last ones each is made once, as the points of a
-    sweep ask for it again and again.
-    """
-    return _of_trace(require(_READING).prepared(reading, by))
+def _prepared_again(reading: Any, preparation: Any) -> Sampled:
+    """Points of one file after another preparation, cached for sweeps."""
+    return _of_trace(require(_READING).prepared(reading, preparation))
 
 
-def _of_trace(trace: Trace) -> Sampled:
+def _of_trace(trace: Any) -> Sampled:
     try:
-        made = Sampled(trace.x, trace.height, trace.period)
+        profile = Sampled(trace.x, trace.height, trace.period)
     except SceneError as error:
         of = "" if trace.source is None else f"file {trace.source[0].path!r}: "
         raise SceneError(f"{of}{error}", error.field, error.value, error.allowed) from error
     for name in ("history", "warnings", "source"):
-        object.__setattr__(made, name, getattr(trace, name))
-    return made
+        object.__setattr__(profile, name, getattr(trace, name))
+    return profile
 
 
 def _one_period(x: Array, heights: Array, period: float) -> tuple[Array, Array]:
-    """The points without a repeated last one."""
+    """The points of one period, without a repeated last one."""
     length = float(x[-1] - x[0])
-    if abs(length - period) <= _SAME * period:
+    if abs(length - period) <= OPTIONS.same * period:
         step = float(heights[-1] - heights[0])
-        if abs(step) > _SAME * float(np.ptp(heights)):
-            allowed = f"equal at both ends if the last point is one period after the first (off by {step:.3g})"
+        if abs(step) > OPTIONS.same * float(np.ptp(heights)):
+            allowed = (
+                "equal at both ends if the last point is one period after the first (off "
+                f"by {step:.3g})"
+            )
             raise SceneError.of("height", heights, allowed)
         x, heights = x[:-1], heights[:-1]
     elif length > period:
         raise SceneError.of("period", period, f"at least as long as the points reach ({length!r})")
-    if x.size < _FEWEST:
-        raise SceneError.of("x", x, f"at least {_FEWEST} points in a period")
+    if x.size < OPTIONS.min_points:
+        raise SceneError.of("x", x, f"at least {OPTIONS.min_points} points in a period")
     return x, heights

@@ -1,4 +1,4 @@
-"""Random rough profiles: a self-affine spectrum with random phases, the same for the same seed."""
+"""Random rough profiles with a self-affine spectrum and random phases, reproducible by a seed."""
 
 from math import floor, pi, sqrt
 from typing import Any
@@ -8,10 +8,11 @@ import numpy as np
 from contact.errors import SceneError
 from contact.model.checks import integer, positive, such
 from contact.model.profiles.fourier import Fourier
+from contact.model.profiles.noise import EPS
 
-# Relative: a wave so near a cut-off counts as within it, as 1/(1/49) is 49.
-_ROUNDING = 1e-12
-_MOST = 1 << 22  # harmonics
+# A wave this near a cut-off, relative, is within it: 1/(1/49) is 49.
+_ROUNDING = 4096 * EPS
+_MAX_HARMONICS = 1 << 22  # bounds the memory
 
 
 def self_affine(
@@ -24,12 +25,12 @@ def self_affine(
     rolloff: float | None = None,
     longest: float | None = None,
 ) -> Fourier:
-    """A random rough profile: amplitudes k^-(H + 1/2), level beyond the roll-off, phases drawn
-    evenly, scaled to an rms slope.
+    """A random rough profile with amplitudes k^-(H + 1/2), constant beyond the roll-off.
 
-    The power spectrum of the line falls as q^-(1 + 2H). Only phases are random: every seed has the
-    same spectrum, rms height and rms slope. A shorter `shortest` with the same seed adds waves and
-    leaves the phases of the others as they are.
+    Phases are uniform and the amplitudes are scaled to an rms slope. The power spectrum of the line
+    falls as q^-(1 + 2H). Only phases are random: every seed has the same spectrum, rms height and
+    rms slope. A shorter `shortest` with the same seed adds waves and leaves the phases of the
+    others unchanged.
 
     Parameters
     ----------
@@ -61,7 +62,9 @@ def self_affine(
     --------
     >>> import contact
     >>> import numpy as np
-    >>> rough = contact.self_affine(hurst=0.8, period=1e-3, shortest=1e-5, rolloff=2e-4, rms_slope=0.1, seed=3)
+    >>> rough = contact.self_affine(
+    ...     hurst=0.8, period=1e-3, shortest=1e-5, rolloff=2e-4, rms_slope=0.1, seed=3
+    ... )
     >>> slope = rough.slope(np.arange(1000) * 1e-6)
     >>> float(np.sqrt(np.mean(slope**2)).round(12)), rough.period
     (0.1, 0.001)
@@ -78,11 +81,12 @@ def self_affine(
         floor(length / least * (1 + _ROUNDING)),
         max(1, floor(length / most * (1 - _ROUNDING)) + (most < length)),
     )
-    if last > _MOST:
+    if last > _MAX_HARMONICS:
         raise SceneError.of(
             "shortest",
             shortest,
-            f"at least {length / _MOST:.6g}: {_MOST} waves to a period are the most",
+            f"at least {length / _MAX_HARMONICS:.6g}: {_MAX_HARMONICS} waves to a period are the "
+            "most",
         )
     if last < first:
         raise SceneError.of(
@@ -100,12 +104,13 @@ def self_affine(
 
 
 def _wavelength(field: str, value: Any, least: float, period: float) -> float:
-    """A wavelength between the shortest there is and the period."""
+    """A wavelength between the shortest one and the period, checked."""
     wave = positive(field, value)
     if not least <= wave <= period * (1 + _ROUNDING):
         raise SceneError.of(
             field,
             value,
-            f"a length from {f'shortest = {least!r}' if least else 'above 0'} to the period, {period!r}",
+            f"a length from {f'shortest = {least!r}' if least else 'above 0'} to the period, "
+            f"{period!r}",
         )
     return wave

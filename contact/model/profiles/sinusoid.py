@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.model.checks import keep, positive
-from contact.model.profiles.base import AT_ORIGIN, Array, Profile, told_by
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile, read_from
 from contact.model.registry import register_profile
 
 
@@ -43,15 +43,13 @@ class Sinusoid(Profile):
     units = {"amplitude": "m", "period": "m"}
     symmetric = True
     summits = AT_ORIGIN
-    resolution = told_by("period")
+    resolution = read_from("period")
 
     def __post_init__(self) -> None:
         keep(self, positive, "amplitude", "period")
 
     def _turns(self, x: ArrayLike) -> Array:
-        """x in periods, less the nearest whole number: cheaper than `wrap`, and all that sine and
-        cosine need.
-        """
+        """x in periods, less the nearest whole number; cheaper than `wrap`."""
         turns = np.asarray(x, dtype=np.float64) / self.period
         return np.asarray(turns - np.rint(turns))
 

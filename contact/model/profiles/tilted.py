@@ -1,5 +1,6 @@
-"""A body turned by a small angle about x = 0: the gap at zero load becomes f(x) - tilt x, so that x
-> 0 comes down for tilt > 0.
+"""A body turned by a small angle about x = 0: the gap at zero load is f(x) - tilt x.
+
+With tilt > 0 the side x > 0 comes down.
 """
 
 from dataclasses import dataclass
@@ -8,24 +9,22 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.model.profiles.base import Array, Profile, told_by
+from contact.model.profiles.base import Array, Profile, read_from
 
 
 @dataclass(frozen=True)
 class Tilted(Profile):
-    """f(x) - tilt x of another profile; of a periodic one its cell alone, since what is turned does
-    not repeat.
-    """
+    """f(x) - tilt x of another profile; of a periodic one its cell alone."""
 
     profile: Profile
     tilt: float
     name: ClassVar[str] = "tilted"
 
-    slope_is_derived = told_by("profile.slope_is_derived")
-    support = told_by("profile.support")
-    extent = told_by("profile.known")
-    resolution = told_by("profile.resolution")
-    feature = told_by("profile.feature")
+    slope_is_derived = read_from("profile.slope_is_derived")
+    support = read_from("profile.support")
+    extent = read_from("profile.known")
+    resolution = read_from("profile.resolution")
+    feature = read_from("profile.feature")
 
     def height(self, x: ArrayLike) -> Array:
         return np.asarray(np.asarray(self.profile.height(x)) - self.tilt * np.asarray(x))
@@ -50,9 +49,7 @@ class Tilted(Profile):
         return self._within(np.asarray(self.profile.breakpoints)[:, None])[:, 0]
 
     def _within(self, rows: Array) -> Array:
-        """Those of the cell that do not stand on its border, beyond which there is another cell no
-        more.
-        """
+        """Rows of places inside the cell; at its border the shape just ends."""
         if self.profile.period is None:
             return rows
         lo, hi = self.profile.x0, self.profile.x0 + self.profile.period

@@ -1,10 +1,9 @@
-"""Long trigonometric sums at any points: a fast Fourier transform onto a finer grid, and short
-kernels between its points.
+"""Long trigonometric sums at any points, by a fast Fourier transform onto a finer grid.
 
-Re sum_k c_k exp(2 pi i k x) is a smooth function on the grid of n > 4 K points, convolved with
-psi(d) = exp(b (sqrt(1 - d^2) - 1)), d in half widths of W/2 cells, once c_k has been divided by the
-transform of psi: W = 16 leaves 1e-15. Barnett, Magland & af Klinteberg (2019), SIAM J. Sci. Comput.
-41, C479-C504, doi 10.1137/18M120885X.
+Re sum_k c_k exp(2 pi i k x) is a smooth function on the grid of n > 4 K points, convolved with the
+short kernel psi(d) = exp(b (sqrt(1 - d^2) - 1)), d in half widths of W/2 cells, once c_k has been
+divided by the transform of psi. W = 16 leaves an error of 1e-15. A. H. Barnett, J. Magland & L. af
+Klinteberg (2019), SIAM J. Sci. Comput. 41, C479-C504, doi 10.1137/18M120885X.
 """
 
 from functools import lru_cache
@@ -17,10 +16,10 @@ from sie import Array, Complex, record
 
 _WIDTH = 16
 _HALF = 0.5 * _WIDTH
-# As steep as an oversampling of two allows (their section 4).
+# Steepness b for an oversampling of two (their section 4).
 _STEEP = 0.98 * np.pi * _WIDTH * 0.75
-# Points handled at once: their kernels stay in the cache.
-_BLOCK = 1 << 14
+# Points handled at once, so that their kernels stay in the cache.
+BLOCK = 1 << 14
 
 
 @lru_cache(maxsize=4)
@@ -39,8 +38,9 @@ def _transform(harmonics: int, n: int) -> Array:
 
 @record
 class Sum:
-    """Re sum_{k >= 1} c_k exp(2 pi i k x) for x in turns, as values on a grid of n points, the
-    first ones repeated.
+    """Re sum_{k >= 1} c_k exp(2 pi i k x) for x in turns, as values on a grid of n points.
+
+    The first values are repeated at the end.
     """
 
     values: Array
@@ -48,24 +48,25 @@ class Sum:
 
     @classmethod
     def of(cls, c: Complex) -> "Sum":
-        # A power of two: then the place on the grid is exact.
+        # With a power of two the place on the grid is exact.
         n = 1 << int(np.ceil(np.log2(4 * (c.size + 1))))
         spectrum = np.zeros(n // 2 + 1, dtype=np.complex128)
         spectrum[1 : c.size + 1] = 0.5 * n * c / _transform(c.size, n)
         values = scipy.fft.irfft(spectrum, n)
-        return cls(values[np.arange(n + _WIDTH) % n], n)  # a short one goes round more than once
+        return cls(values[np.arange(n + _WIDTH) % n], n)  # a short grid is repeated more than once
 
     def __call__(self, turns: Array, rest: Array | None = None) -> Array:
-        """Values at x = turns + rest (m,); rest: what rounding has left of x, where it is known:
-        with many terms it is seen.
+        """Values at x = turns + rest (m,); rest: the round-off of turns, where it is known.
+
+        Sums of many terms need it.
         """
         out = np.empty(turns.size)
-        for start in range(0, turns.size, _BLOCK):
-            place = turns[start : start + _BLOCK] * self.n
+        for start in range(0, turns.size, BLOCK):
+            place = turns[start : start + BLOCK] * self.n
             first = np.ceil(place - _HALF)
             away = place - first
             if rest is not None:
-                away += rest[start : start + _BLOCK] * self.n
+                away += rest[start : start + BLOCK] * self.n
             away /= _HALF
             with np.errstate(invalid="ignore"):
                 index = first.astype(np.intp) % self.n
@@ -75,13 +76,14 @@ class Sum:
                 total += self.values[index + j] * np.exp(
                     _STEEP * (np.sqrt(np.maximum(1 - d * d, 0.0)) - 1)
                 )
-            out[start : start + _BLOCK] = total
+            out[start : start + BLOCK] = total
         return out
 
 
 def coefficients(weights: Array, turns: Array, count: int) -> Complex:
-    """sum_j w_j exp(-2 pi i k x_j), k = 1 ... `count`, of weights (m,) at x (m,) in turns: the
-    transpose of `Sum`, to 1e-15 sum |w_j|.
+    """sum_j w_j exp(-2 pi i k x_j), k = 1 ... `count`, of weights (m,) at x (m,) in turns.
+
+    It is the transpose of `Sum`, accurate to 1e-15 sum |w_j|.
     """
     n = 1 << int(np.ceil(np.log2(4 * (count + 1))))
     place = turns * n
@@ -96,8 +98,9 @@ def coefficients(weights: Array, turns: Array, count: int) -> Complex:
 
 
 def in_turns(x: Array, period: float) -> tuple[Array, Array]:
-    """x / period in two words: the quotient, and what rounding has left of it (Dekker's exact
-    product, Numer. Math. 18, 1971).
+    """x / period in two words: the quotient, and its round-off.
+
+    (T. J. Dekker's exact product, Numer. Math. 18, 1971, 224.)
     """
     turns = x / period
     product = turns * period

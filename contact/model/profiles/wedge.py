@@ -8,17 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.model.checks import positive, positive_or_none
-from contact.model.profiles.base import AT_ORIGIN, Array, Profile, told_by
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile, read_from
 from contact.model.registry import register_profile
 
 
 @register_profile("wedge")
 @dataclass(frozen=True, init=False, repr=False)
 class Wedge(Profile):
-    """f = slope |x| on the cell: a tip at 0 and, with a period, a valley with a corner at its
-    border.
+    """f = slope |x| on the cell; with a period there is a valley with a corner at its border.
 
-    The parameter is called `slope`; it is kept as `tangent` because `slope(x)` is f' for every
+    The parameter is called `slope`; it is stored as `tangent` because `slope(x)` is f' for every
     profile.
 
     Parameters
@@ -39,7 +38,8 @@ class Wedge(Profile):
     10.1017/CBO9781139171731, section 5.2).
 
     >>> import contact
-    >>> wedge = contact.solve(contact.Scene(contact.Wedge(slope=0.1), 1e9, contact.Isolated(), load=1e3))
+    >>> scene = contact.Scene(contact.Wedge(slope=0.1), 1e9, contact.Isolated(), load=1e3)
+    >>> wedge = contact.solve(scene)
     >>> float(wedge.zones[0, 1].round(12))
     1e-05
     """
@@ -49,7 +49,7 @@ class Wedge(Profile):
     units = {"slope": "1", "period": "m"}
     symmetric = True
     summits = AT_ORIGIN
-    resolution = told_by("period")
+    resolution = read_from("period")
 
     def __init__(self, slope: float, period: float | None = None) -> None:
         object.__setattr__(self, "tangent", positive("slope", slope))

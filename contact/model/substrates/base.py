@@ -1,9 +1,9 @@
-"""What a substrate is: the elastic body, given by its symbol alone.
+"""The base class of substrates: an elastic body, given by its symbol alone.
 
-A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q): the symbol L is the
-surface's compliance over that of the half-plane, and tends to 1 for short waves. Everything follows
-from it (contact.model.operator): the kernel, the multiplier of the grid, full contact, and whether
-the displacement of a uniform pressure is finite.
+A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q). The symbol L is the
+surface's compliance over that of the half-plane, and tends to 1 for short waves. It gives the
+kernel, the multiplier of the grid, full contact, and whether a uniform pressure has a finite
+displacement (contact.model.operator).
 """
 
 from collections.abc import Mapping
@@ -17,8 +17,7 @@ from sie import Array
 
 
 class Substrate(Named, sie.Kept):
-    """Base of the substrates. A substrate is a frozen dataclass in a file of its own, with one
-    method, `symbol`.
+    """The base class of substrates; a substrate is a frozen dataclass with one method, `symbol`.
 
     Attributes
     ----------
@@ -41,7 +40,8 @@ class Substrate(Named, sie.Kept):
     ...     name = "soft"
     ...     def symbol(self, q):
     ...         return 1 + 0.5 * np.exp(-q * self.depth)
-    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), substrate=Soft(1e-5), contact_fraction=1.0)
+    >>> profile, model = contact.Sinusoid(1e-6, 1e-4), contact.Periodic()
+    >>> wave = contact.Scene(profile, 1e9, model, substrate=Soft(1e-5), contact_fraction=1.0)
     >>> full = np.pi * 1e9 * 1e-2 / Soft(1e-5).symbol(2 * np.pi / 1e-4)
     >>> bool(np.isclose(contact.solve(wave).mean_pressure, full, rtol=1e-12))
     True
@@ -51,14 +51,10 @@ class Substrate(Named, sie.Kept):
     compression: float | None = None
 
     def symbol(self, q: Array) -> Array:
-        """L(q), q [1/m] > 0, of any shape; L > 0, and 1 to the last digit for waves that are short
-        enough.
-        """
+        """L(q) for q [1/m] > 0 of any shape; L > 0, and 1 to the last digit for short waves."""
         raise NotImplementedError(f"{type(self).__name__} must define symbol(q)")
 
     @cached_property
     def smooth_part(self) -> SmoothPart:
-        """What the body's line load has beyond the half-plane's 1/r, and its primitives, as
-        functions of the distance [m].
-        """
+        """The kernel of a line load less the half-plane's 1/r, with its primitives."""
         return SmoothPart.of(self.symbol, grounded=self.compression is not None)

@@ -12,7 +12,7 @@ from sie import Array
 @register_substrate("half-plane")
 @dataclass(frozen=True)
 class HalfPlane(Substrate):
-    """The body deep below the surface and wide beside it: L = 1, the kernel 1/r of a line load.
+    """A body that is deep and wide: L = 1, and the kernel of a line load is 1/r.
 
     Examples
     --------

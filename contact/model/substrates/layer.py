@@ -1,14 +1,14 @@
-r"""An elastic layer on a rigid base, bonded to it or resting on it without friction (K. L. Johnson,
-Contact Mechanics, 1985, 5.8).
+"""An elastic layer on a rigid base, bonded to it or resting on it without friction.
 
-With s = q h, h the thickness, and k = 3 - 4 nu,
+With s = q h, h the thickness, and k = 3 - 4 nu (K. L. Johnson, Contact Mechanics, 1985, 5.8),
 
-    bonded    L = (2k sinh 2s - 4s) / (2k cosh 2s + 1 + k^2 + 4s^2),      L ~ s (1 - 2 nu) / (2 (1 - nu)^2)    for long waves,
-    smooth    L = (cosh 2s - 1) / (sinh 2s + 2s),                         L ~ s / 2,
+    bonded    L = (2k sinh 2s - 4s) / (2k cosh 2s + 1 + k^2 + 4s^2),
+    smooth    L = (cosh 2s - 1) / (sinh 2s + 2s).
 
-both 1 for waves shorter than the thickness. They are taken times exp(-2s), so that nothing
-overflows, with 2k sinh 2s - 4s as 2k (sinh 2s - 2s) + 4 (k - 1) s, in which nothing cancels: k - 1
-= 2 (1 - 2 nu) vanishes where the layer keeps its volume.
+For long waves L ~ s (1 - 2 nu) / (2 (1 - nu)^2) if bonded, and L ~ s / 2 if smooth; for waves
+shorter than the thickness both are 1. Numerators and denominators are multiplied by exp(-2s), so
+that nothing overflows. 2k sinh 2s - 4s is written as 2k (sinh 2s - 2s) + 4 (k - 1) s, in which
+nothing cancels: k - 1 = 2 (1 - 2 nu) vanishes where the layer keeps its volume.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from contact.model.substrates.base import Substrate
 from sie import Array
 
 BASES = ("bonded", "smooth")
-# sinh x - x by its series, x^3/3! + x^5/5! + ..., below this x.
+# Below this x, sinh x - x is summed as its series x^3/3! + x^5/5! + ...
 _SERIES = 2.0
 _TERMS = np.array([1 / factorial(n) for n in range(3, 29, 2)])
 
@@ -30,8 +30,7 @@ _TERMS = np.array([1 / factorial(n) for n in range(3, 29, 2)])
 @register_substrate("layer")
 @dataclass(frozen=True)
 class Layer(Substrate):
-    """An elastic layer of a thickness [m] and Poisson ratio nu on a rigid base, "bonded" or
-    "smooth"; E_star is that of the layer.
+    """An elastic layer on a rigid base, "bonded" or "smooth"; E_star is that of the layer.
 
     Displacements and the approach count from the base (K. L. Johnson, Contact Mechanics, 1985, doi
     10.1017/CBO9781139171731, section 5.8).
@@ -75,9 +74,7 @@ class Layer(Substrate):
 
     @property
     def compression(self) -> float:  # type: ignore[override]
-        """h (1 - 2 nu) / (2 (1 - nu)^2) where the base holds the layer sideways, h/2 where it does
-        not.
-        """
+        """The limit of L(q)/q for long waves: h (1 - 2 nu) / (2 (1 - nu)^2) if bonded, else h/2."""
         if self.base == "smooth":
             return 0.5 * self.thickness
         return 0.5 * self.thickness * (1 - 2 * self.nu) / (1 - self.nu) ** 2
@@ -95,9 +92,9 @@ class Layer(Substrate):
 
 def _sinh_less(x: Array, e: Array) -> Array:
     """(sinh x - x) e, e = exp(-x)."""
-    near = np.minimum(x, _SERIES)
-    square = near * near
+    small = np.minimum(x, _SERIES)
+    square = small * small
     series = np.zeros_like(x)
     for term in _TERMS[::-1]:
         series = series * square + term
-    return np.where(x < _SERIES, near * square * series * e, 0.5 * (1 - e * e) - x * e)
+    return np.where(x < _SERIES, small * square * series * e, 0.5 * (1 - e * e) - x * e)

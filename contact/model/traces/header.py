@@ -10,8 +10,8 @@ from typing import Any
 from contact.errors import SceneError, shown
 from contact.model.traces.text import unquoted
 
-# One row a unit: its length [m], nan for what is no length; its names, of which messages use the
-# first. Case, accents, a plural s and a dot at the end do not matter.
+# One row a unit: its length [m], nan if it is none of length; its names. Messages use the first.
+# Case, accents, a plural s and a dot at the end do not matter.
 _TABLE = (
     (1e3, "km kilometer kilometre км километр 千米 公里"),
     (1.0, "m meter metre м метр 米 メートル"),
@@ -32,7 +32,7 @@ _TABLE = (
     (2.54e-8, "uin μin microin microinch microinches"),
     (nan, "px pix pixel V mV volt rad mrad urad μrad radian deg degree ° s ms sec second count"),
 )
-# Names of columns. They tell a row of names from a row of units below it.
+# Names of columns: they distinguish a row of names from a row of units below it.
 _NAMES = frozenset(
     "x y z r h pos position dist distance height heights profile lateral length depth path "
     "weg hohe tiefe abscisse hauteur altura высота длина координата 高度 位置 高さ".split()
@@ -61,7 +61,7 @@ _LENGTHS = tuple(names.split()[0] for scale, names in _TABLE if not isnan(scale)
 
 
 def scale_of(word: str) -> float | None:
-    """The length of a unit [m], nan for a unit of no length, None for a word that is no unit."""
+    """The length of a unit [m], nan if it is none of length, None if the word is no known unit."""
     exact = folded(word)
     lower = exact.lower()
     # A single letter has a meaning in its own case only: A is not a, m is not M.
@@ -86,7 +86,7 @@ def scales(units: Any) -> tuple[float, float]:
 
 
 def written(names: Sequence[str]) -> str:
-    """Units as a scene file and Python have them."""
+    """Units as a scene file and Python write them."""
     if len(set(names)) == 1:
         return f'"{names[0]}"'
     return "[" + ", ".join(f'"{name}"' for name in names) + "]"
@@ -94,14 +94,14 @@ def written(names: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class Unit:
-    """A word where a unit stands, and its scale as `scale_of` has it."""
+    """A word in the place of a unit, and its scale as returned by `scale_of`."""
 
     word: str
     scale: float | None
 
     @property
     def why_not(self) -> str:
-        """Why it is no unit of lengths; empty if it is one."""
+        """Why the word is no unit of length; empty if it is one."""
         if self.scale is None:
             return f"{shown(self.word)}, which is no unit that is known ({', '.join(_LENGTHS)} are)"
         return f"{shown(self.word)}, which is no unit of lengths" if isnan(self.scale) else ""
@@ -113,7 +113,7 @@ _BRACKETS = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]")
 _BRACKETS_FIRST = re.compile(rf"^\s*{_BRACKETS.pattern}")
 _BRACKETS_LAST = re.compile(rf"{_BRACKETS.pattern}\s*$")
 _BRACKETS_ALONE = re.compile(rf"^{_BRACKETS.pattern}$")
-# The blanks between a name and brackets behind it, and behind brackets before a name.
+# Blanks between a name and brackets after it, and between brackets and a name after them.
 _NAME_BRACKET = re.compile(r"(?<=[^\s\])>}])\s+(?=[\[(<{][^\])>}]*[\])>}])")
 _BRACKET_NAME = re.compile(r"(?<=[\])>}])\s+(?=[^\s\[(<{])")
 _TO_BRACKET = re.compile(r"[^\[(<{\])>}]+[\[(<{][^\])>}]*[\])>}]")  # words up to brackets
@@ -129,9 +129,9 @@ _NUMBER_FIRST = re.compile(r"[+-]?[\d.,]*\d")
 def unit_of(field: str, short: bool = False) -> Unit | None:
     """The unit in a field of a header; None without one.
 
-    A unit stands in brackets or behind a slash, a comma, a colon or "in": "x [um]", "Weg/mm",
-    "X, мм". The last word of other fields may be one: "Lateral um", "height_nm", "Zmm". short: so
-    may a single letter, which is mostly a part of the name, as in "Height A".
+    A unit stands in brackets or after a slash, a comma, a colon or "in": "x [um]", "Weg/mm", "X,
+    мм". The last word of other fields may be one: "Lateral um", "height_nm", "Zmm". short: a single
+    letter may be one, too, though it is mostly part of the name, as in "Height A".
     """
     field = field.translate(_WIDE)
     for found in _BRACKETS.finditer(field):
@@ -198,18 +198,18 @@ def is_name(field: str) -> bool:
 
 
 def is_depth(field: str) -> bool:
-    """Whether a field names heights that grow into the body."""
+    """Whether a field is a name of heights that grow into the body."""
     lower = folded(field).lower()
     return any(word in lower for word in _DEPTHS)
 
 
 def mentioned(line: str) -> str | None:
-    """The first unit of lengths, but the metre, that a line speaks of anywhere; None without one."""
+    """The first unit of length other than the metre in a line; None without one."""
     for word in _WORDS.findall(unicodedata.normalize("NFKC", line)):
         scale = scale_of(word)
         if scale in (None, 1.0) or isnan(scale) or len(word) < 2 or word.lower() in _NOT_IN_REMARKS:
             continue
-        # Short words with a capital are something else: Nm, MM.
+        # Short words with a capital letter mean something else: Nm, MM.
         if len(word) > 3 or not word[0].isupper():
             return str(word)
     return None
@@ -230,9 +230,9 @@ def bare_name(field: str) -> str:
 
 
 def header_fields(line: str, delimiter: str | None) -> Iterator[list[str]]:
-    """The fields of a header, split as the data are and in other ways.
+    """The fields of a header, divided as the data are and in other ways.
 
-    Units stay with their names: in brackets, behind a slash, a comma, a colon or "in".
+    Units stay with their names: in brackets, after a slash, a comma, a colon or "in".
     """
     line = line.strip().lstrip("#%!*/").strip()
     before = line[:1] in tuple("[(<{")
@@ -259,9 +259,9 @@ def _with_mark(found: re.Match[str]) -> str:
 
 
 def in_pairs(fields: Sequence[str]) -> list[str]:
-    """Names and units that were split apart, as in "Lateral um Raw nm", put together again.
+    """Names and units that were divided, as in "Lateral um Raw nm", joined again.
 
-    Empty unless all units are known or the same, or all names are usual ones.
+    It is empty unless all units are known or equal, or all names are usual ones.
     """
     names, words = fields[::2], [_BRACKETS_ALONE.sub(r"\1", word) for word in fields[1::2]]
     if any(re.search(r"[\[(<{\])>}]", part) for part in (*names, *words)):

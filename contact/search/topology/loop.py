@@ -18,7 +18,7 @@ import numpy as np
 
 import sie
 from contact.errors import ContactError, SceneError
-from contact.formulation import height_rounding
+from contact.formulation import input_checks
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.search.topology.failure import Failure, WrongTopology, same
@@ -277,7 +277,7 @@ class _Loop(Generic[Kind]):
             if isinstance(fault, ContactError):
                 raise
             reason = (
-                height_rounding.told(form.problem, table)
+                input_checks.height_rounding(form.problem, table)
                 or f"what the scene gives the equation does not go together: {fault}"
             )
             raise SceneError(reason) from fault

@@ -8,7 +8,7 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError
-from contact.formulation import height_rounding
+from contact.formulation import input_checks
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
@@ -150,7 +150,7 @@ class PressureForm:
         A new zone reaches the corner or the border at which its overlap begins or ends.
         """
         if len(certificate.negative) == 0 and len(certificate.overlaps) == 0:
-            if rounded := height_rounding.told(self.problem, zones.table):
+            if rounded := input_checks.height_rounding(self.problem, zones.table):
                 raise SceneError(rounded, "profile", self.problem.profile)
             raise WrongTopology(certificate.note or "the balance of load fails", None)
         (left, right), (lo, hi) = certificate.overlaps.T, self.problem.corners

@@ -1,0 +1,90 @@
+"""Check for heights that are rounded so coarsely that they contradict the slope: cosh(x) - 1.
+
+Over an interval the height rises by the integral of the slope. A difference is round-off if it
+stays as small over intervals far wider, where the rise is larger; it grows with them if height and
+slope are not of one function.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.formulation.problem import Problem
+from contact.model.profiles.derive import verdicts
+from sie import Array
+
+
+@dataclass(frozen=True)
+class InputCheckOptions:
+    """Numbers of the check.
+
+    parts: of the widest zone, on which rises are compared with integrals.
+    nodes: of Gauss's rule on each part.
+    wider: intervals over the zone, where round-off is compared with larger rises.
+    counts: difference over the rise that is worth a message; less is none.
+    grows: largest growth of round-off over the wider intervals.
+    """
+
+    parts: int = 16
+    nodes: int = 12
+    wider: tuple[float, ...] = (1e2, 1e3, 1e4, 1e5, 1e6)
+    counts: float = 1e-7
+    grows: float = 1e3
+
+
+_OPTIONS = InputCheckOptions()
+
+
+def height_rounding(problem: Problem, table: Array) -> str:
+    """How many digits round-off leaves of the heights over scaled zones (n, 2), in words.
+
+    It is empty where they suffice, or where something else is wrong.
+    """
+    zone = table[int(np.argmax(table[:, 1] - table[:, 0]))]
+    middle, half = 0.5 * float(zone[0] + zone[1]), 0.5 * float(zone[1] - zone[0])
+    here, rise, largest = _differences(problem, middle, half)
+    if not here > _OPTIONS.counts * rise:
+        return ""
+    # Heights with digits that contradict the slope are not rounded: one of the two is wrong.
+    at = middle + half * np.linspace(-1, 1, _OPTIONS.parts)
+    scale = np.full(at.shape, half / _OPTIONS.parts)
+    if verdicts(problem.shape, problem.slope, at, scale).contradicted.any():
+        return ""
+    for wider in _OPTIONS.wider:
+        there, risen, _ = _differences(problem, middle, wider * half)
+        if there <= 10 * _OPTIONS.counts * risen and there <= _OPTIONS.grows * here:
+            break
+    else:
+        return ""
+    height, width = problem.units.height, 2 * half * problem.units.length
+    digits = math.floor(math.log10(max(rise / largest, 1.0)))
+    left = f"{digits or 'no'} {'digit is' if digits == 1 else 'digits are'} left"
+    return (
+        f"the heights of the profile vary by {rise * height:.1e} m over {width:.1e} m of contact, "
+        f"and are rounded to about {largest * height:.1e} m: {left}, as of a small difference of "
+        "large numbers; give the height in a form that keeps them near its lowest place, as "
+        "2 sinh(x/2)^2 for cosh(x) - 1"
+    )
+
+
+def _differences(problem: Problem, middle: float, half: float) -> tuple[float, float, float]:
+    """Differences of rises and integrals of the slope over parts of an interval, scaled.
+
+    Returns their median, the largest rise, and the largest sum of differences.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_OPTIONS.nodes)
+    at = middle + half * np.linspace(-1, 1, _OPTIONS.parts + 1)
+    with np.errstate(all="ignore"):
+        step = at[1:] - at[:-1]
+        x = 0.5 * (at[1:] + at[:-1])[:, None] + 0.5 * step[:, None] * nodes
+        expected = 0.5 * step * (problem.slope(x.ravel()).reshape(x.shape) @ weights)
+        difference = np.diff(problem.shape(at)) - expected
+        rise, largest = (
+            float(np.ptp(np.concatenate(([0.0], np.cumsum(parts)))))
+            for parts in (expected, difference)
+        )
+    if not (np.isfinite(difference).all() and math.isfinite(rise)):
+        return 0.0, 0.0, 0.0
+    # A shape that bends sharply shows round-off in few parts: the median ignores the others.
+    return float(np.median(np.abs(difference))), rise, largest
