@@ -19,11 +19,11 @@ from contact.errors import SceneError, warn
 from contact.model.profiles.base import Profile
 from contact.model.profiles.sampled import Sampled
 from contact.model.scene_file import load_scene, toml
+from contact.model.traces.prepare import Trace, load_trace
+from contact.model.traces.roughness import Roughness, height_distribution, power_spectrum, roughness
 from contact.model.units import prefix, quantity
 from contact.solution.plotting import new_figure
 from contact.solution.terminal import show_table
-from contact.model.traces.prepare import Trace, load_trace
-from contact.model.traces.roughness import Roughness, height_distribution, power_spectrum, roughness
 from sie import Array
 
 # The scene that is written: steel on a rigid flat.
