@@ -77,8 +77,17 @@ class IsolatedBluntedWedge(SymmetricZone):
         return float(self.pressure_at(self.rounding / self.half_width))
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        """(1/pi) int_x^a P'(s) / sqrt(s^2 - x^2) ds with s = x cosh(v), smooth near s = x."""
+        """(1/pi) int_x^a P'(s) / sqrt(s^2 - x^2) ds with s = x cosh(v), smooth near s = x.
+
+        The integral is split in halves, since P' changes over the length d within a long interval.
+        """
         a, column = self.half_width, r[..., None]
-        v = np.arccosh(np.maximum(a / r, 1.0))
-        rate = integrated(lambda v, _: self._load_rate(np.minimum(column * np.cosh(v), a)), v)
-        return np.asarray(rate / np.pi)
+        half = 0.5 * np.arccosh(np.maximum(a / r, 1.0))
+
+        def rate(v: Array) -> Array:
+            return self._load_rate(np.minimum(column * np.cosh(v), a))
+
+        first = integrated(lambda v, _: rate(v), half)
+        return np.asarray(
+            (first + integrated(lambda v, _: rate(half[..., None] + v), half)) / np.pi
+        )
