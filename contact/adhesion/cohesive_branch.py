@@ -40,6 +40,7 @@ from contact.adhesion.edge_branch import (
     OPTIONS,
     branch_scaling,
     described_way,
+    driven_inward,
     past_pull_off,
     start_contact,
 )
@@ -354,13 +355,9 @@ def _receded(
         0.5 * float(here.table[-1, 1] - here.table[0, 0]),
     )
 
-    def inward(half: float) -> bool:
-        at = curve.at(np.array([[middle - half, middle + half]]), max(value, 0.0))
-        return bool(np.all((at.residual < 0.0) | (at.by_value < 0.0)))
-
     for _ in range(LIMITS.max_tries):
         half *= OPTIONS.widening
-        if inward(half) and all(inward(half * wider) for wider in OPTIONS.multiples):
+        if driven_inward(curve, middle, half, max(value, 0.0)):
             table = np.array([[middle - half, middle + half]])
             rest = receded(curve, table, max(value, 0.0), guide_of(curve, len(here.contact), table))
             return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)

@@ -20,8 +20,8 @@ from sie import Array, record
 class CohesiveFields(ZoneFields):
     """The fields of a contact with tension around it.
 
-    problem: the deformed profile (`TractionLoaded`), whose pressure is q; law_problem: the problem with the
-    scene's law; rate: d load/d approach, scaled, None under tension everywhere.
+    problem: the deformed profile (`TractionLoaded`), whose pressure is q; law_problem: the problem
+    with the scene's law; rate: d load/d approach, scaled, None under tension everywhere.
     """
 
     law_problem: Problem | None = None

@@ -345,15 +345,16 @@ def _step(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, float]
             continue
         passed = gradient_flow.overshoots(here, ahead, step, sign)
         if not passed.any():
-            # Short of where contact is lost it is not at rest.
+            # Where the next state has no contact, the ends are not at rest.
             return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
         limit, back_again = _shorter(here, limit, step, np.where(passed, 0.5, 0.9)), back_again + 1
     raise NotConverged("no step of the ends keeps to the branch")
 
 
 def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array:
-    """Limits of a shorter step. A damped one keeps its shape, so that ends at rest do not hold up
-    the others.
+    """Limits of a shorter step.
+
+    A damped step keeps its shape, so that ends at rest do not hold up the others.
     """
     if here.growth >= 0.0:
         return np.asarray(float(np.min(by)) * limit * float((np.abs(step) / limit).max()))
@@ -361,9 +362,10 @@ def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array
 
 
 def _let_go(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, float]:
-    """Where ends that run away drive others the other way, as under a held approach: all ends down
-    the slope of the energy, a step of the implicit Euler method, as long as lets them go no farther
-    than they may.
+    """(next state, largest move): a step of all ends down the slope of the energy.
+
+    It is taken where growing ends drive others the other way, as under a held approach. It is the
+    longest step of the implicit Euler method within the limits.
     """
     inward, outward = gradient_flow.inward_and_outward(curve, here)
     onward, back = (outward, inward) if sign > 0 else (inward, outward)

@@ -225,18 +225,27 @@ def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
     lo, hi = scaled.problem.units.scaled(np.array(scaled.cell))
     middle, half = 0.5 * (lo + hi), 0.25 * (hi - lo)
 
-    def driven_inward(half: float) -> bool:
-        here = curve.at(np.array([[middle - half, middle + half]]), value)
-        return bool(np.all((here.residual < 0.0) | (here.by_value < 0.0)))
-
     for _ in range(LIMITS.max_tries):
         table = np.array([[middle - half, middle + half]])
         if np.any(curve.at(table, value).by_value < 0.0):
             break
-        if driven_inward(half) and all(driven_inward(half * wider) for wider in OPTIONS.multiples):
+        if driven_inward(curve, middle, half, value):
             return table
         half *= OPTIONS.widening
     raise OutOfRange("no zone is so wide that its ends recede: there is no greatest contact")
+
+
+def driven_inward(curve: Curve, middle: float, half: float, value: float) -> bool:
+    """Whether the ends of an interval, and of its multiples, are driven inward.
+
+    An end that the control lowers as it rises counts as driven inward.
+    """
+    for multiple in (1.0, *OPTIONS.multiples):
+        width = half * multiple
+        here = curve.at(np.array([[middle - width, middle + width]]), value)
+        if not np.all((here.residual < 0.0) | (here.by_value < 0.0)):
+            return False
+    return True
 
 
 def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:

@@ -1,19 +1,19 @@
-"""Whether a contact that adheres snaps into full contact by itself as it advances: told early, on
-a coarse grid.
+"""Early test whether a contact that adheres snaps into full contact by itself as it advances.
 
 Soft and rough surfaces close altogether under no load at all. On their way there, thousands of
 zones begin and merge, and following each of them takes minutes. The same growth on a coarse grid
 takes a tenth of a second. Three tests are made, the cheap ones first:
 
-1. Full contact is an equilibrium: its least pressure is above what the law bears.
-2. Its energy is below that of the first touch. Growth only lowers the energy, so that without
-   this it never ends there.
-3. The contact on the grid, grown from first touch, ends there. The grid does not resolve the strip
-   beside a zone on which a strong attraction acts. It takes a weaker attraction of a longer reach
-   and of the same work, whose strip is a few cells wide: by then only the work matters.
+1. Full contact is an equilibrium: its least pressure is above the limit of the law.
+2. Its energy is below that of the first touch. Growth only lowers the energy: without this it
+    never ends there.
+3. The contact on the grid, grown from first touch, ends there. The grid does not resolve the
+strip
+    next to a zone on which a strong attraction acts. It takes a weaker attraction of a longer reach
+    and of the same work, whose strip is a few cells wide: for such strips only the work matters.
 
-The map from intervals of attraction to {gap < reach} keeps order under a held load, so that this
-answer is monotone: what closes under a load closes under every larger one.
+The map from intervals of attraction to {gap < reach} keeps order under a held load. So the answer
+is monotone: what closes under a load closes under every larger one.
 """
 
 import math
@@ -53,6 +53,7 @@ class SnapOptions:
 
 
 _OPTIONS = SnapOptions()
+_SEEN_ON_GRID = "; on a coarse grid it ends in full contact, and was not followed to there"
 
 
 @contextmanager
@@ -63,11 +64,13 @@ def closing_foreseen(context: SolveContext, curve: Curve, value: float) -> Itera
     followed.
     """
     if _is_followed_slowly(context) and _closes(context, curve, value, _OPTIONS.work_share):
+        context.plan["branch"].detail += _SEEN_ON_GRID
         raise Closed
     try:
         yield
     except (ContactError, *NUMERICAL_ERRORS) as failure:
         if _closes(context, curve, value, 1.0):
+            context.plan["branch"].detail += _SEEN_ON_GRID
             raise Closed from failure
         raise
 
@@ -127,7 +130,7 @@ def _closes(context: SolveContext, curve: Curve, value: float, work_share: float
     stored = float(np.sum(influence.stiffness[1:] * np.abs(waves) ** 2))
     if stored >= work + mean_pressure * float(height.mean()):
         return False
-    # A strip beside a wide zone is pi/4 E* reach/stress wide.
+    # A strip next to a wide zone is pi/4 E* reach/stress wide.
     stress = math.sqrt(0.25 * math.pi * scene.E_star * work / (_OPTIONS.strip_cells * cell))
     stress = min(stress, law.tension or math.inf)
     reach = work / stress

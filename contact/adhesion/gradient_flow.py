@@ -50,13 +50,13 @@ class FlowOptions:
     # Share of the largest motion from which on an end belongs to a growing motion.
     runaway_share: float = 0.3
     # A gap below this part of its zones whose ends are driven by more than the next number has
-    # closed; likewise a zone has come apart.
+    # closed; a zone below the third number, with such ends, is lost.
     closed_gap: float = 1e-2
     hard_drive: float = 0.5
     lost_zone: float = 0.02
-    # The predictor is used from so many zones on, if some end is driven by more than that.
+    # The predictor is used for at least so many zones, if some end is driven by more than
+    # `overshoot`.
     predictor_zones: int = 12
-    predictor_drive: float = 0.1
     predictor_tries: int = 4
 
 
@@ -146,7 +146,7 @@ def _predictor(curve: Curve, here: State, sign: float) -> Predictor | None:
     if (
         len(here.table) < FLOW.predictor_zones
         or here.corners is not None
-        or float((sign * here.residual).max()) < FLOW.predictor_drive
+        or float((sign * here.residual).max()) < FLOW.overshoot
     ):
         return None
     return Predictor.of(curve, here, curve.fields(here, TOLERANCES.rough), sign)

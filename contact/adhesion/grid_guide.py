@@ -144,8 +144,8 @@ class GridGuide(sie.Kept):
     ) -> GridRest:
         """Where intervals come to rest that grow (sign 1) or shrink (-1).
 
-        reach: factor of the law's reach. table: None for tension in all of a period. Raises ContactLost,
-        Closed, or NotConverged at the border of the window.
+        reach: factor of the law's reach. table: None for tension in all of a period. Raises
+        ContactLost, Closed, or NotConverged at the border of the window.
         """
         limit = reach * self.problem.law.reach
         share = np.ones(self.points) if table is None else self._shares(table)

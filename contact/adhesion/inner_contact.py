@@ -233,8 +233,8 @@ def _steps(
 ) -> tuple[Array, Array]:
     """The intensities K (2, n) and the outward Newton steps of the ends.
 
-    before: zones and K of the previous step; around: distance to the next obstacle, and whether that
-    is a zone (`_room`); corners: ends at sharp corners, and those that stay there (`_held`).
+    before: zones and K of the previous step; around: distance to the next obstacle, and whether
+    that is a zone (`_room`); corners: ends at sharp corners, and those that stay there (`_held`).
     """
     (here, state), (room, shared), (pinned, rests) = found, around, corners
     k, slope = np.array(state.density.intensities), edge_slopes(here, state)

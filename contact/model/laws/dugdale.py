@@ -1,5 +1,6 @@
-"""Maugis-Dugdale adhesion: a constant tension where the gap is below a reach, work of adhesion =
-stress times reach.
+"""Maugis-Dugdale adhesion: a constant tension where the gap is below a reach.
+
+The work of adhesion is stress times reach.
 
 D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T; in the
 plane J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997) 393-406, doi
@@ -20,18 +21,18 @@ from contact.model.registry import register_law
 @register_law("dugdale")
 @dataclass(frozen=True)
 class Dugdale(Law):
-    """Adhesion of a finite range: the surfaces pull with a constant stress up to a gap of
-    work/stress; see docs/adhesion.md.
+    """Adhesion of a finite range: a constant stress up to a gap of work/stress.
 
-    Large stresses are JKR's law, small ones a rigid body's. The contact may have several
-    equilibria; `contact.solve(scene, branch="advancing" | "receding")` says which is meant.
+    Large stresses approach JKR's law, small ones that of a rigid body. The contact may have several
+    equilibria; `contact.solve(scene, branch="advancing" | "receding")` says which one is meant
+    (docs/adhesion.md).
 
     Parameters
     ----------
     work : float
         Work of adhesion, > 0 [J/m^2].
     stress : float
-        Tension beside the contact, > 0 [Pa].
+        Tension next to the contact, > 0 [Pa].
 
     Examples
     --------
@@ -46,8 +47,10 @@ class Dugdale(Law):
     >>> a, c = solution.zones[0, 1], solution.cohesive[0, 1]
     >>> bool(np.isclose(np.pi * 1e9 * a**2 / 4e-3, 2 * 2e6 * np.sqrt(c**2 - a**2), rtol=1e-8))
     True
-    >>> round(float(solution.pressure(0.5 * (a + c))), 3), bool(np.isclose(solution.gap(c), 0.05 / 2e6))
-    (-2000000.0, True)
+    >>> round(float(solution.pressure(0.5 * (a + c))), 3)
+    -2000000.0
+    >>> bool(np.isclose(solution.gap(c), 0.05 / 2e6))
+    True
     """
 
     work: float
@@ -73,9 +76,7 @@ class Dugdale(Law):
         return JKR(share * self.work)
 
     def surface_energy(self, fields: Any, width: float) -> float:
-        """-w for each width in which the gap is below the reach, and what it takes there to open
-        it.
-        """
+        """-w for each width in which the gap is below the reach, plus the work that opens it."""
         cohesive = fields.cohesive
         if len(cohesive) == 0:  # full contact, or surfaces apart
             return -self.work * width

@@ -1,5 +1,6 @@
-"""JKR adhesion: contact is held together by a work of adhesion w, and zones end where p ~ -sqrt(E*
-w/pi) / sqrt(d).
+"""JKR adhesion: a work of adhesion w holds the contact together, without range.
+
+At the distance d from the end of a zone p ~ -sqrt(E* w/pi) / sqrt(d).
 
 K. L. Johnson, K. Kendall & A. D. Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313; in the plane M.
 Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464; of a wavy surface K. L.
@@ -20,10 +21,10 @@ from contact.model.registry import register_law
 @register_law("jkr")
 @dataclass(frozen=True)
 class JKR(Law):
-    """Adhesion without range by a work of adhesion; see docs/adhesion.md.
+    """Adhesion without range by a work of adhesion.
 
     The contact has several equilibria; `contact.solve(scene, branch="advancing" | "receding")` says
-    which is meant.
+    which one is meant (docs/adhesion.md).
 
     Parameters
     ----------
@@ -36,9 +37,11 @@ class JKR(Law):
 
     >>> import contact
     >>> import numpy as np
-    >>> scene = contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(), law=contact.JKR(0.05), load=0.0)
+    >>> law = contact.JKR(0.05)
+    >>> scene = contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(), law=law, load=0.0)
     >>> solution = contact.solve(scene)
-    >>> bool(np.isclose(solution.pull_off.load, -3 * (np.pi * 1e9 * 0.05**2 * 1e-3 / 16) ** (1 / 3), rtol=1e-9))
+    >>> pull_off = -3 * (np.pi * 1e9 * 0.05**2 * 1e-3 / 16) ** (1 / 3)
+    >>> bool(np.isclose(solution.pull_off.load, pull_off, rtol=1e-9))
     True
     >>> solution.certificate.stability > 0
     True
@@ -55,10 +58,13 @@ class JKR(Law):
         keep(self, positive, "work")
 
     def intensity(self, E_star: float) -> float:
-        """-sqrt(E* w/pi) [Pa m^(1/2)]: the energy released per width that opens, (pi/E*) K^2, is w."""
+        """-sqrt(E* w/pi) [Pa m^(1/2)]: opening releases the energy (pi/E*) K^2 = w per width."""
         return -sqrt(E_star * self.work / pi)
 
     def refuses(self, scene: Any) -> str | None:
         if scene.interaction.strip:
-            return f"goes with isolated and periodic bodies, not with the strip of {scene.interaction.name}, which is not all of the body"
+            return (
+                "goes with isolated and periodic bodies, not with the strip of "
+                f"{scene.interaction.name}, which is not all of the body"
+            )
         return None
