@@ -60,21 +60,25 @@ class CurvePoint:
     """An equilibrium on the curve, with its tangent.
 
     scales: units of the motions of the ends and of the control (2n + 1,). tangent: unit vector
-    (2n + 1,). leaves: coefficients of the square and the cube of the length, by which the curve
+    (2n + 1,). curvature: coefficients of the square and the cube of the length, by which the curve
     leaves the tangent (2, 2n + 1).
     """
 
     at: State
     scales: Array
     tangent: Array
-    leaves: Array
+    curvature: Array
 
     def ahead(self, length: float) -> Array:
         """Predictor: where the curve is after a length, in the units of the tangent."""
-        off = length**2 * self.leaves[0] + length**3 * self.leaves[1]
+        deviation = length**2 * self.curvature[0] + length**3 * self.curvature[1]
         return np.asarray(
             length * self.tangent
-            + (off if np.abs(off).max() <= ARC_OPTIONS.max_predictor_bend * abs(length) else 0.0)
+            + (
+                deviation
+                if np.abs(deviation).max() <= ARC_OPTIONS.max_predictor_bend * abs(length)
+                else 0.0
+            )
         )
 
     @property
@@ -139,7 +143,7 @@ class Step:
                 abs(node - one) for one in (0.0, self.length, *nodes)
             ) > ARC_OPTIONS.node_separation * abs(node - length):
                 nodes.append(node)
-        off = [
+        deviation = [
             (self.start.moved(self.known[node][0]) - self._cubic(node))
             / (node * (self.length - node)) ** 2
             for node in nodes
@@ -147,9 +151,11 @@ class Step:
         for level in range(1, len(nodes)):
             for i in range(len(nodes) - level):
                 here, there = nodes[i], nodes[i + level]
-                off[i] = ((length - there) * off[i] + (here - length) * off[i + 1]) / (here - there)
+                deviation[i] = (
+                    (length - there) * deviation[i] + (here - length) * deviation[i + 1]
+                ) / (here - there)
         return self._cubic(length) + (
-            off[0] * (length * (self.length - length)) ** 2 if nodes else 0.0
+            deviation[0] * (length * (self.length - length)) ** 2 if nodes else 0.0
         )
 
     def _cubic(self, length: float) -> Array:
@@ -196,9 +202,9 @@ class Step:
 
     def turning(self, tight: bool = True) -> float:
         """Length at which the control has its extreme."""
-        near = TOLERANCES.neutral if tight else ARC_OPTIONS.rough_turning
+        accuracy = TOLERANCES.neutral if tight else ARC_OPTIONS.rough_turning
         return self.where(
-            self._rising, self.start.rises, self._rising(self.end.at), None, near, tight
+            self._rising, self.start.rises, self._rising(self.end.at), None, accuracy, tight
         )
 
     def _rising(self, at: State) -> float:
@@ -212,13 +218,13 @@ class Step:
         first: float,
         last: float,
         length: float | None = None,
-        near: float = TOLERANCES.neutral,
+        accuracy: float = TOLERANCES.neutral,
         tight: bool = True,
     ) -> float:
         """Length at which a function of the equilibrium is zero.
 
         first, last: its values of opposite signs at the start and at the end (or at a length).
-        near: relative accuracy.
+        accuracy: relative accuracy.
         """
         end = self.length if length is None else length
         known = {
@@ -227,7 +233,7 @@ class Step:
             if 0.0 < part < end and tightly >= tight
         }
         values = {0.0: first, end: last} | known
-        return float(smooth_root(lambda part: function(self.at(part, tight)), values, near))
+        return float(smooth_root(lambda part: function(self.at(part, tight)), values, accuracy))
 
     def arriving(self, value: float) -> State | None:
         """The equilibrium in the step under a value of the control.
@@ -357,18 +363,18 @@ class SymmetryLost(NotConverged):
             if found is None:
                 break
             low, high, at = (middle, high, found) if found.growth < 0.0 else (low, middle, at)
-        units, told = (
+        units, place = (
             curve.problem.units,
             f", at load {at.load * curve.problem.units.load:.10g} N/m",
         )
         if curve.problem.operator.has_approach:
-            told += f", approach {-at.level * units.height:.10g} m"
-        lost = SymmetryLost(*self.within, told)
+            place += f", approach {-at.level * units.height:.10g} m"
+        lost = SymmetryLost(*self.within, place)
         lost.at = at
         return lost
 
 
-def beside(here: State) -> Array:
+def pushed_off(here: State) -> Array:
     """Intervals pushed off an equilibrium along its fastest growing motion."""
     growth, motions = here.motions(np.arange(len(here.residual)))
     motion = motions[:, int(np.argmax(growth))].real
@@ -484,7 +490,7 @@ def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
     moved = here.moved(before.at)
     # The curvature comes from the place before.
     return (
-        replace(here, leaves=_leaving(tangent, moved, before.tangent / carried))
+        replace(here, curvature=_leaving(tangent, moved, before.tangent / carried))
         if moved.any()
         else here
     )
@@ -498,11 +504,11 @@ def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
     length = float(tangent @ moved)
     if abs(length) < TOLERANCES.rough:
         return np.zeros((2, len(tangent)))
-    off, turned = (
+    deviation, turned = (
         (moved - length * tangent) / length**2,
         (there / float(tangent @ there) - tangent) / length,
     )
-    return np.array((3 * off - turned, (turned - 2 * off) / length))
+    return np.array((3 * deviation - turned, (turned - 2 * deviation) / length))
 
 
 def _alike(before: CurvePoint, ahead: CurvePoint) -> float:
@@ -525,8 +531,8 @@ def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
 
     Its width vanishes as a root does, so that the curve bends at once.
     """
-    alike = before.rises * ahead.rises > 0.0 and before.at.growth * ahead.at.growth > 0.0
-    return alike and len(ahead.at.contact) < len(before.at.contact)
+    cosine = before.rises * ahead.rises > 0.0 and before.at.growth * ahead.at.growth > 0.0
+    return cosine and len(ahead.at.contact) < len(before.at.contact)
 
 
 def _unit(curve: Curve, at: State) -> float:
@@ -594,9 +600,9 @@ def _newton(
         here.scales[:-1],
         float(here.scales[-1]),
     )
-    how: dict[str, Any] = {} if tight else {"tolerance": TOLERANCES.rough}
+    how_solved: dict[str, Any] = {} if tight else {"tolerance": TOLERANCES.rough}
     if at_start.corners is not None:
-        how["pinned"] = at_start.pinned
+        how_solved["pinned"] = at_start.pinned
     before = np.inf
     for k in range(TOLERANCES.max_newton_steps):
         table = at_start.moved(start[:-1] * widths)
@@ -606,7 +612,7 @@ def _newton(
         if np.any(np.diff(table.ravel()) <= 0) or curve.gaps(table)[-1] <= 0.0:
             return None, None
         try:
-            at = curve.at(table, at_start.value + start[-1] * unit, **how)
+            at = curve.at(table, at_start.value + start[-1] * unit, **how_solved)
         except (NoState, NotConverged):
             return None, start
         if formal and len(at.contact) != len(at_start.contact):
@@ -624,7 +630,7 @@ def _newton(
         rounded = 0.5 * before < size < TOLERANCES.resting_step
         if (
             size < TOLERANCES.neutral
-            and "tolerance" not in how
+            and "tolerance" not in how_solved
             or not tight
             and (size < TOLERANCES.rough or rounded)
         ):
@@ -633,9 +639,9 @@ def _newton(
         # The residual falls as the steps do, or faster. Between zones of very different widths
         # round-off leaves more: then it does not fall any more.
         if size * min(size / before if k else 1.0, 1.0) < TOLERANCES.newton_step or rounded:
-            how.pop("tolerance", None)
+            how_solved.pop("tolerance", None)
             return curve.at(
-                at_start.moved(start[:-1] * widths), at_start.value + start[-1] * unit, **how
+                at_start.moved(start[:-1] * widths), at_start.value + start[-1] * unit, **how_solved
             ), start
         before = size
     return None, start

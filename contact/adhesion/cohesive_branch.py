@@ -100,8 +100,8 @@ def followed_under_tension(context: SolveContext) -> Outcome:
     scene = context.scene
     work = scene.law.tension * scene.law.reach
     scaled = branch_scaling(context, math.sqrt(scene.E_star * work / math.pi))
-    problem, held = scaled.problem, context.control(scaled.problem)
-    curve, value = CohesiveCurve(problem, held), held.value
+    problem, control = scaled.problem, context.control(scaled.problem)
+    curve, value = CohesiveCurve(problem, control), control.value
     context.plan["branch"].detail = f"{context.branch}, {described_way(context)}"
     try:
         with context.plan.timed("zone ends"):
@@ -197,14 +197,14 @@ def _advanced_from_touch(
         _refuse_many(len(found.zones))
         _refuse_narrow(context, float(found.zone_widths.max()))
         zones = curve.within(placed(problem, found.zones))
-        fields, look = curve.contact_under(
+        fields, gap_samples = curve.contact_under(
             TractionLoaded.of(problem, 0.0, np.zeros((0, 2))), value, zones
         )
         zones, round_ = fields.density.zones.table, problem.round
-        look = _sampled_farther(curve, fields, look)
-        near = below(zones, look, curve.reach, round_, corners=problem.corners)
+        gap_samples = _sampled_farther(curve, fields, gap_samples)
+        intervals = below(zones, gap_samples, curve.reach, round_, corners=problem.corners)
         table = curve.within(
-            united_about(near, curve.within(_moved_outward(curve, fields)), round_)
+            united_about(intervals, curve.within(_moved_outward(curve, fields)), round_)
         )
         zones = curve.fitted(zones, table)
     return advanced(curve, table, value, guide_of(curve, len(zones), table), zones)
@@ -256,15 +256,15 @@ def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
 
 
 def _sampled_farther(
-    curve: CohesiveCurve, fields: ZoneFields, look: tuple[Array, Array]
+    curve: CohesiveCurve, fields: ZoneFields, gap_samples: tuple[Array, Array]
 ) -> tuple[Array, Array]:
     """Samples of the gap of a lone body, as far as it is below the reach.
 
     Under a light load that is far from the contact.
     """
-    problem, (x, gap) = curve.problem, look
+    problem, (x, gap) = curve.problem, gap_samples
     if problem.round is not None or np.isfinite(problem.corners[0]):
-        return look
+        return gap_samples
     for _ in range(LIMITS.max_bisections):
         lo, hi = (
             max(problem.borders[0], 2 * x[0] - x[-1]),
@@ -376,12 +376,12 @@ def _receded_from_all(context: SolveContext, curve: CohesiveCurve, value: float)
         zones = under_all(context, problem)
         if zones is None:
             raise Closed
-        fields, look = curve.contact_under(curve.everywhere, value, zones)
+        fields, gap_samples = curve.contact_under(curve.everywhere, value, zones)
     except ContactLost:
         return None
     zones = fields.density.zones.table
     try:
-        table = intervals_left(curve, value, zones, look)
+        table = intervals_left(curve, value, zones, gap_samples)
     except ContactLost:
         return None
     return receded(curve, table, value, guide_of(curve, len(zones), table))
@@ -437,7 +437,7 @@ def solved(context: SolveContext, curve: CohesiveCurve, here: State) -> SolvedZo
         1,
         control,
         context.tolerance,
-        beside=end_error(curve, here, fields),
+        cohesive_error=end_error(curve, here, fields),
     )
 
 
@@ -484,14 +484,21 @@ def _solved_at_corners(
             step = np.where(
                 free, 2 * np.array(state.density.intensities) / edge_slopes(pulled, state), 0.0
             )
-        off = np.abs(step).T / np.diff(zones, axis=1)
-        if not off.max() < 0.5 * before or before < 4 * EPS:
-            off += 4 * EPS * free.T
+        end_error_of_step = np.abs(step).T / np.diff(zones, axis=1)
+        if not end_error_of_step.max() < 0.5 * before or before < 4 * EPS:
+            end_error_of_step += 4 * EPS * free.T
             found = sie.Free(
-                state, True, off, off, (), None, stable=True, reason="the ends are at rest"
+                state,
+                True,
+                end_error_of_step,
+                end_error_of_step,
+                (),
+                None,
+                stable=True,
+                reason="the ends are at rest",
             )
             return CohesiveFields(pulled, state), found, control
-        zones, before = zones + np.column_stack((-step[0], step[1])), float(off.max())
+        zones, before = zones + np.column_stack((-step[0], step[1])), float(end_error_of_step.max())
 
 
 def all_zones(pulled: TractionLoaded, zones: Array) -> sie.Zones:
@@ -530,7 +537,7 @@ def everywhere(context: SolveContext, problem: Problem) -> Outcome:
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
     curve = CohesiveCurve(problem, Load(0.0))
     fields = replace(fields, law_problem=problem)
-    beside = 0.0 if context.scene.given_load is None else rounded_load(fields)
+    cohesive_error = 0.0 if context.scene.given_load is None else rounded_load(fields)
     return SolvedCohesive(
         free,
         fields,
@@ -538,5 +545,5 @@ def everywhere(context: SolveContext, problem: Problem) -> Outcome:
         1,
         control,
         context.tolerance,
-        beside=beside,
+        cohesive_error=cohesive_error,
     )

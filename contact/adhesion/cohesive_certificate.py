@@ -41,22 +41,22 @@ LIMITS = CohesiveLimits()
 class SolvedCohesive(SolvedZones):
     """Zones under a tension.
 
-    beside: what the ends of the tension add to the error.
+    cohesive_error: what the ends of the tension add to the error.
     """
 
-    beside: float = 0.0
+    cohesive_error: float = 0.0
 
     @cached_property
     def error(self) -> float:
-        return super().error + self.beside
+        return super().error + self.cohesive_error
 
     @property
     def main_cause(self) -> str:
-        if self.beside < 0.5 * self.error:
+        if self.cohesive_error < 0.5 * self.error:
             return ""
         return (
             "the gap at the ends of the tension, known no closer to its reach than heights are "
-            f"rounded, adds {self.beside:.1e}; "
+            f"rounded, adds {self.cohesive_error:.1e}; "
             "allow a larger tol, or give a law of less stress and longer reach"
         )
 
@@ -73,7 +73,7 @@ def certified(
     """
     stress = curve.stress * curve.problem.units.pressure
     least = plain.smallest_pressure - stress
-    held, name = plain.holds, curve.control.name
+    holds, name = plain.holds, curve.control.name
     if here is None:
         assert fields is not None
         _, gap = sampled_gap(fields)
@@ -85,10 +85,10 @@ def certified(
         return replace(
             plain,
             smallest_pressure=least,
-            holds=held and inside,
+            holds=holds and inside,
             note=note if inside else "the gap is above the reach",
         )
-    (x, gap), table, period = here.look, here.table, curve.problem.round
+    (x, gap), table, period = here.gap_samples, here.table, curve.problem.round
     place = wrapped(x, table[0, 0], period)
     i, within = located(table, place)
     next_one = gaps_between(table, period)[:, 1]
@@ -104,21 +104,21 @@ def certified(
     )
     reach_error = max(float(np.abs(here.residual).max()), float(-here.whole.residual.min()))
     stability = least_eigenvalue(scaled_second_variation(here))
-    if not held:
+    if not holds:
         note = plain.note or "a sign or the balance fails"
     elif reach_error > LIMITS.reach_error + 4 * rounding / curve.reach:
-        held, note = (
+        holds, note = (
             False,
             f"at an end of the tension the gap misses its reach by {reach_error:.1e}",
         )
     elif wrong_side.any():
         at = float(curve.problem.units.x(place[wrong_side])[0])
-        held, note = (
+        holds, note = (
             False,
             f"the gap is on the wrong side of the reach of the tension at x = {at:.6g} m",
         )
     elif not stability > 0.0:
-        held, note = (
+        holds, note = (
             False,
             f"not stable under a held {name}: the second variation of the energy is not positive",
         )
@@ -132,7 +132,7 @@ def certified(
     return replace(
         plain,
         smallest_pressure=least,
-        holds=bool(held),
+        holds=bool(holds),
         note=note,
         intensity=reach_error,
         stability=stability,

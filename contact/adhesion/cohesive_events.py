@@ -159,7 +159,7 @@ class CohesiveEvents(Events):
         """
         curve, period = self.curve, self.curve.problem.round
         assert isinstance(here, CohesiveState)
-        (x, gap), table, found = here.look, here.table, []
+        (x, gap), table, found = here.gap_samples, here.table, []
         x = wrapped(x, float(table[0, 0]), period)
         order = np.argsort(x)
         x, gap = x[order], gap[order]
@@ -288,7 +288,7 @@ class CohesiveEvents(Events):
                 step *= -least / (least - before)
         except (NotConverged, NoState, np.linalg.LinAlgError):
             return None
-        if abs(least) > touches or at.look[1].min() < -touches:
+        if abs(least) > touches or at.gap_samples[1].min() < -touches:
             return None
         return np.sort([condition(formal, at, one)[0] for one in each]), at
 
@@ -298,7 +298,7 @@ class CohesiveEvents(Events):
             assert isinstance(here, CohesiveState)
             return here
 
-        def beside(here: CohesiveState, ahead: bool, reach: float) -> Iterator[At]:
+        def states_from(here: CohesiveState, ahead: bool, reach: float) -> Iterator[At]:
             place = arc_length.onward(self.curve, step.start, here)
             if not ahead:
                 place = replace(place, tangent=-place.tangent)
@@ -317,7 +317,7 @@ class CohesiveEvents(Events):
 
         start = step.start.at
         assert isinstance(start, CohesiveState) and isinstance(last, CohesiveState)
-        yield from self._between(at, beside, (0.0, start), (length, last), _OPTIONS.max_parts)
+        yield from self._between(at, states_from, (0.0, start), (length, last), _OPTIONS.max_parts)
 
     def _formal(self, here: CohesiveState) -> CohesiveCurve:
         return replace(
@@ -329,14 +329,14 @@ class CohesiveEvents(Events):
     def _between(
         self,
         at: At,
-        beside: Callable[[CohesiveState, bool, float], Iterator[At]],
+        states_from: Callable[[CohesiveState, bool, float], Iterator[At]],
         low: tuple[float, CohesiveState],
         high: tuple[float, CohesiveState],
         parts: int,
     ) -> Iterator[Jump]:
         """Changes of the zones between two states.
 
-        beside: states from one state on, ahead or back, with the zones that it has.
+        states_from: states from one state on, ahead or back, with the zones that it has.
         """
         found = changes_between(low[1], high[1], self.curve.problem.round)
         if not found:
@@ -344,18 +344,18 @@ class CohesiveEvents(Events):
         if len(found) > 1 and parts:
             middle = 0.5 * (low[0] + high[0])
             state = middle, at(middle)
-            yield from self._between(at, beside, low, state, parts - 1)
-            yield from self._between(at, beside, state, high, parts - 1)
+            yield from self._between(at, states_from, low, state, parts - 1)
+            yield from self._between(at, states_from, state, high, parts - 1)
             return
         for change in found:
-            jump = self._located(change, beside, low, high)
+            jump = self._located(change, states_from, low, high)
             if jump is not None:
                 yield jump
 
     def _located(
         self,
         change: Change,
-        beside: Callable[[CohesiveState, bool, float], Iterator[At]],
+        states_from: Callable[[CohesiveState, bool, float], Iterator[At]],
         low: tuple[float, CohesiveState],
         high: tuple[float, CohesiveState],
     ) -> Jump | None:
@@ -363,7 +363,7 @@ class CohesiveEvents(Events):
         first = condition(self.curve, smooth, change)[1]
         if not first > 0.0:
             return None
-        for formally in beside(smooth, change.ahead, high[0] - low[0]):
+        for formally in states_from(smooth, change.ahead, high[0] - low[0]):
             try:
                 last = condition(self.curve, formally(1.0), change)[1]
             except (NotConverged, NoState):
@@ -412,7 +412,7 @@ class CohesiveEvents(Events):
         )
 
     def _last_gap(self, here: CohesiveState) -> float:
-        (x, gap) = here.look
+        (x, gap) = here.gap_samples
         return float(x[int(np.argmax(gap))])
 
     def off_curve(self, here: State, value: float) -> Iterator[Jump | PathState] | None:
@@ -469,27 +469,27 @@ class CohesiveEvents(Events):
     def _by_value(
         self, low: CohesiveState, high: CohesiveState
     ) -> Callable[[CohesiveState, bool, float], Iterator[At]]:
-        def beside(here: CohesiveState, ahead: bool, reach: float) -> Iterator[At]:
+        def states_from(here: CohesiveState, ahead: bool, reach: float) -> Iterator[At]:
             formal, move = self._formal(here), reach if ahead else -reach
             yield (
                 lambda u: here if u == 0.0 else formal.under_all(here.value + u * move, here.zones)
             )
 
-        return beside
+        return states_from
 
     def _let_go(self, here: CohesiveState, new: CohesiveState) -> Jump | None:
         """The jump where the gap somewhere exceeds the reach as the control falls; None without
         one.
         """
         curve, period = self.curve, self.curve.problem.round
-        (x, gap) = new.look
+        (x, gap) = new.gap_samples
         if not gap.max() > curve.reach:
             return None
         assert period is not None
 
         def most(value: float) -> tuple[CohesiveState, float, float]:
             at = curve.under_all(value, here.zones)
-            place, height = maximum(lambda y: curve.gap(at, np.asarray(y)), at.look[0])
+            place, height = maximum(lambda y: curve.gap(at, np.asarray(y)), at.gap_samples[0])
             return at, place, height - curve.reach
 
         value, first = here.value, most(here.value)[2]
@@ -512,7 +512,7 @@ class CohesiveEvents(Events):
     def _lost(self, here: CohesiveState) -> Jump:
         """The jump where the last contact under tension everywhere shrinks to a point."""
         pulled = self.curve.everywhere
-        looks = [np.sort(here.look[0]), *(np.linspace(a, b, 65) for a, b in here.zones)]
+        looks = [np.sort(here.gap_samples[0]), *(np.linspace(a, b, 65) for a, b in here.zones)]
         place, lowest = min((minimum(pulled.shape, x) for x in looks), key=lambda found: found[1])
         value = -pulled.pulling.total
         touch = CohesiveState.under_all(

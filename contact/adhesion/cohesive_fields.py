@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
 from contact.adhesion.curve import State
 from contact.adhesion.deformed_profile import TractionLoaded
-from contact.adhesion.separated_fields import SeparatedFields, beside, on_zones
+from contact.adhesion.separated_fields import SeparatedFields, integral_on_zones, integral_outside
 from contact.adhesion.uniform_tension import UniformTension
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.gaps import GapFields
@@ -115,12 +115,12 @@ class CohesiveFields(ZoneFields):
     @cached_property
     def borne_beside(self) -> float:  # type: ignore[override]
         stress, zones = self.tension.stress, self.density.zones.table
-        apart = beside(
+        apart = integral_outside(
             lambda x: self.standing_shape(x) - self.scaled_gap(x), self.pulled, zones, self.spacing
         )
         return -stress * (
             apart
-            + on_zones(self.standing_shape, self.pulled, zones, self.spacing)
+            + integral_on_zones(self.standing_shape, self.pulled, zones, self.spacing)
             - self._not_pulled
         )
 
@@ -138,7 +138,7 @@ class CohesiveFields(ZoneFields):
         """Integral of the gap over the intervals of tension [m^2]."""
         units = self.problem.units
         return (
-            beside(self.scaled_gap, self.pulled, self.density.zones.table, self.spacing)
+            integral_outside(self.scaled_gap, self.pulled, self.density.zones.table, self.spacing)
             * units.length
             * units.height
         )

@@ -113,14 +113,14 @@ def guide_of(curve: CohesiveCurve, zones: int, table: Array | None) -> GridGuide
 
     None without contact, or where a spring holds it. table: None for tension in all of a period.
     """
-    held = curve.control
+    control = curve.control
     if (
         zones == 0
         or curve.problem.profile.support is not None
-        or (held.load is None and held.approach is None)
+        or (control.load is None and control.approach is None)
     ):
         return None
-    return GridGuide.of(curve.problem, table, held.load is not None)
+    return GridGuide.of(curve.problem, table, control.load is not None)
 
 
 def guide_down(curve: CohesiveCurve, zones: int, table: Array) -> GridGuide | None:
@@ -276,14 +276,14 @@ def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) ->
 
 
 def intervals_left(
-    curve: CohesiveCurve, value: float, zones: Array, look: tuple[Array, Array]
+    curve: CohesiveCurve, value: float, zones: Array, gap_samples: tuple[Array, Array]
 ) -> Array:
     """What is left of a tension on all of a period once the gap somewhere exceeds the reach.
 
     Raises ContactLost where no contact is left.
     """
     return uncovered(
-        curve, below(zones, look, curve.reach, curve.problem.period, wide=True), value, zones
+        curve, below(zones, gap_samples, curve.reach, curve.problem.period, wide=True), value, zones
     )
 
 
@@ -387,7 +387,7 @@ def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
 
     None if nothing changed.
     """
-    (x, gap), table, period = here.look, here.table, curve.problem.round
+    (x, gap), table, period = here.gap_samples, here.table, curve.problem.round
     closed = gradient_flow.closing(curve, here)
     if closed is not None:
         return closed
@@ -422,7 +422,7 @@ def _intervals_cut(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
 
     A part that begins at an end is left to the motion of that end. None if nothing changed.
     """
-    (x, gap), table, period = here.look, here.table, curve.problem.round
+    (x, gap), table, period = here.gap_samples, here.table, curve.problem.round
     out: list[tuple[float, float]] = []
     changed = False
     for a, b in table:

@@ -47,14 +47,14 @@ def pull_off(curve: CohesiveCurve, here: State) -> State:
         assert isinstance(under, CohesiveCurve)
         return receded(under, table, value, guide_down(under, len(under.known[-1].zones), table))
 
-    def near(under: Curve, at: State) -> State:
+    def lead_to_load(under: Curve, at: State) -> State:
         assert isinstance(under, CohesiveCurve)
         return apart.near_the_last(under, _near_pull_off(under, at), recede)
 
     try:
         if curve.control.load is not None:
             here = _near_pull_off(curve, here)
-        here = apart.lowered_by_load(curve, here, near)
+        here = apart.lowered_by_load(curve, here, lead_to_load)
         here = curve.again(here, here.value)
         return apart.pull_off(
             curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0
@@ -76,7 +76,7 @@ def pull_off(curve: CohesiveCurve, here: State) -> State:
 def _highest_within(curve: CohesiveCurve, here: State) -> float:
     """The largest gap inside the intervals, away from their ends."""
     assert isinstance(here, CohesiveState)
-    (x, gap), period, highest = here.look, curve.problem.round, 0.0
+    (x, gap), period, highest = here.gap_samples, curve.problem.round, 0.0
     for a, b in here.table:
         inner, place = within(x, a, b, period)
         value = gap[inner]

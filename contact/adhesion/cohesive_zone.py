@@ -109,7 +109,7 @@ class CohesiveState(State):
         )
 
     @cached_property
-    def look(self) -> tuple[Array, Array]:
+    def gap_samples(self) -> tuple[Array, Array]:
         """(sample points without contact, ascending; the gap there)."""
         if self.seen is not None:
             return self.seen
@@ -167,7 +167,7 @@ class CohesiveCurve(Curve):
     """The curve of equilibria of a cohesive law; tension and reach are scaled.
 
     known: earlier states for warm starts; recent: the last state with its curve and tolerance;
-    loose: whether states without contact are allowed (if the load is not controlled); formal:
+    may_separate: whether states without contact are allowed (if the load is not controlled); formal:
     whether the number of zones is kept and the signs of q and of the gap are not checked.
     """
 
@@ -177,7 +177,7 @@ class CohesiveCurve(Curve):
     recent: "list[tuple[CohesiveCurve, CohesiveState, float]]" = field(
         default_factory=list, compare=False, repr=False
     )
-    loose: bool = False
+    may_separate: bool = False
     formal: bool = False
 
     @cached_property
@@ -207,18 +207,20 @@ class CohesiveCurve(Curve):
         value: float,
         tolerance: float = TIGHT,
         pinned: Mask | None = None,
-        alike: CohesiveState | None = None,
+        same_rates: CohesiveState | None = None,
     ) -> CohesiveState:
         """The state with tension on given intervals, cut at sharp corners.
 
         The zones start from those of the nearest known state. pinned: ends pinned at corners; None:
-        all ends at corners that are not driven inward. alike: a state whose rates may be reused.
+        all ends at corners that are not driven inward. same_rates: a state whose rates may be reused.
         """
         table = self.within(table)
-        near = self.nearest(table, value) if self.known else None
-        zones = np.zeros((0, 2)) if near is None else self._followed(near, table, value)
+        known_state = self.nearest(table, value) if self.known else None
+        zones = (
+            np.zeros((0, 2)) if known_state is None else self._followed(known_state, table, value)
+        )
         try:
-            here = self.from_zones(table, value, zones, tolerance, alike)
+            here = self.from_zones(table, value, zones, tolerance, same_rates)
         except EndsCovered:
             # The nearest state may have lost zones, and the others grow without end. The known
             # state with the most zones is tried.
@@ -227,7 +229,7 @@ class CohesiveCurve(Curve):
                 key=lambda one: len(one.zones),
                 default=None,
             )
-            if near is None or more is None or len(more.zones) <= len(near.zones):
+            if known_state is None or more is None or len(more.zones) <= len(known_state.zones):
                 raise
             here = self.from_zones(table, value, self._followed(more, table, value), tolerance)
         if pinned is None or here.corners is None or np.array_equal(pinned, here.pinned):
@@ -235,7 +237,9 @@ class CohesiveCurve(Curve):
         return here.with_pinned(pinned)
 
     def under(self, control: Control) -> "CohesiveCurve":
-        return CohesiveCurve(self.problem, control, loose=self.loose, formal=self.formal)
+        return CohesiveCurve(
+            self.problem, control, may_separate=self.may_separate, formal=self.formal
+        )
 
     def again(self, here: State, value: float) -> CohesiveState:
         return self.from_zones(here.table, value, here.contact)
@@ -276,8 +280,8 @@ class CohesiveCurve(Curve):
             return float(np.abs(one.table - table).max()), abs(one.value - value)
 
         known = self.known
-        alike = [one for one in known if one.table.shape == table.shape]
-        return min(reversed(alike), key=away) if alike else known[-1]
+        same_rates = [one for one in known if one.table.shape == table.shape]
+        return min(reversed(same_rates), key=away) if same_rates else known[-1]
 
     def from_zones(
         self,
@@ -285,19 +289,19 @@ class CohesiveCurve(Curve):
         value: float,
         zones: Array,
         tolerance: float = TIGHT,
-        alike: CohesiveState | None = None,
+        same_rates: CohesiveState | None = None,
     ) -> CohesiveState:
         """The state with tension on given intervals, from a first guess of the zones."""
         table = self.within(table)
         narrow = self.strip / float(np.diff(zones, axis=1).max(initial=0.0) or np.inf)
-        asked, of_rates = tolerance, TOLERANCES.rough_rates
+        wanted, of_rates = tolerance, TOLERANCES.rough_rates
         if tolerance <= TIGHT:
             of_rates = TOLERANCES.rates
         if 0.0 < narrow < _OPTIONS.narrow_strip:
             tolerance, of_rates = TIGHT, max(TOLERANCES.rates, of_rates * narrow)
         for curve, last, tightly in self.recent:
             if (
-                tightly <= asked
+                tightly <= wanted
                 and curve == self
                 and last.value == value
                 and np.array_equal(last.table, table)
@@ -315,37 +319,37 @@ class CohesiveCurve(Curve):
             else None
         )
         overlap = -TOLERANCES.neutral * self.reach
-        if point is None or (not self.formal and point.look[1].min() < overlap):
+        if point is None or (not self.formal and point.gap_samples[1].min() < overlap):
             try:
                 tolerances = (
-                    Tolerances(tolerance) if asked <= TIGHT else Tolerances.intermediate(tolerance)
+                    Tolerances(tolerance) if wanted <= TIGHT else Tolerances.intermediate(tolerance)
                 )
                 point = self._point(
                     table,
                     value,
                     *self._contact_under(pulled, value, zones, tolerances),
                     of_rates,
-                    alike,
+                    same_rates,
                 )
             except ContactLost:
                 if not self._may_be_loose:
                     raise
                 point = self._without_contact(table, value, pulled)
-        self.recent[:] = [(self, point, asked)]
+        self.recent[:] = [(self, point, wanted)]
         self.known.append(PastState(table, value, point.zones, point.by_ends))
         del self.known[: -_OPTIONS.max_known]
         return point
 
     @property
     def _may_be_loose(self) -> bool:
-        return self.loose and self.control.load is None
+        return self.may_separate and self.control.load is None
 
     def contact_under(
         self, pulled: TractionLoaded, value: float, zones: Array
     ) -> tuple[ZoneFields, tuple[Array, Array]]:
         """The fields of q under a tension at a value of the control, and the sampled gap."""
-        fields, look = self._contact_under(pulled, value, zones, Tolerances())
-        return fields, sampled_gap(fields) if look is None else look
+        fields, gap_samples = self._contact_under(pulled, value, zones, Tolerances())
+        return fields, sampled_gap(fields) if gap_samples is None else gap_samples
 
     def _contact_under(
         self, pulled: TractionLoaded, value: float, zones: Array, tolerances: Tolerances
@@ -358,10 +362,10 @@ class CohesiveCurve(Curve):
         """The state under tension on the whole period; it is stable like frictionless contact."""
         pulled, none = self.everywhere, np.zeros((0, 2))
         pull = pulled.pulling.total
-        loose: CohesiveState | None = None
+        may_separate: CohesiveState | None = None
         if self._may_be_loose:
             level, x = -value - self.yields * pull, sample_places(pulled, none)
-            loose = CohesiveState.under_all(
+            may_separate = CohesiveState.under_all(
                 value,
                 -pull,
                 level,
@@ -369,18 +373,18 @@ class CohesiveCurve(Curve):
                 None,
                 samples_with_extremes(lambda y: pulled.shape(y) + level, x),
             )
-            apart = loose.look[1].min() >= -TOLERANCES.neutral * self.reach
+            apart = may_separate.gap_samples[1].min() >= -TOLERANCES.neutral * self.reach
             if len(zones) == 0 and (self.formal or apart):
-                return loose
+                return may_separate
         try:
-            fields, look = self.contact_under(pulled, value, zones)
+            fields, gap_samples = self.contact_under(pulled, value, zones)
         except ContactLost:
-            if loose is None:
+            if may_separate is None:
                 raise
-            return loose
+            return may_separate
         found = fields.density
         return CohesiveState.under_all(
-            value, found.total - pull, float(fields.level), found.zones.table, fields, look
+            value, found.total - pull, float(fields.level), found.zones.table, fields, gap_samples
         )
 
     def inner_control(self, pulled: TractionLoaded, value: float) -> Control:
@@ -425,8 +429,8 @@ class CohesiveCurve(Curve):
     def has_right_zones(self, here: State) -> bool:
         assert isinstance(here, CohesiveState)
         if here.q is None:
-            return bool(here.look[1].min() >= -TOLERANCES.neutral * self.reach)
-        return signs_hold(here.q, here.look)
+            return bool(here.gap_samples[1].min() >= -TOLERANCES.neutral * self.reach)
+        return signs_hold(here.q, here.gap_samples)
 
     def vanishes(self, here: State, motion: Array) -> float:
         """The part of a motion at which the first zone vanishes.
@@ -456,8 +460,8 @@ class CohesiveCurve(Curve):
             if size > TOLERANCES.other_equilibrium or converged:
                 break
             before = size if tight else np.inf
-            alike = here if tight and size < TOLERANCES.rough else None
-            here = self.at(here.moved(here.newton), here.value, alike=alike)
+            same_rates = here if tight and size < TOLERANCES.rough else None
+            here = self.at(here.moved(here.newton), here.value, same_rates=same_rates)
         return self.at(here.table, here.value)
 
     def _point(
@@ -465,13 +469,13 @@ class CohesiveCurve(Curve):
         table: Array,
         value: float,
         fields: ZoneFields,
-        look: tuple[Array, Array] | None,
+        gap_samples: tuple[Array, Array] | None,
         of_rates: float,
-        alike: CohesiveState | None,
+        same_rates: CohesiveState | None,
     ) -> CohesiveState:
         """The state made of given fields, with residual and rates.
 
-        alike: a state so close that its rates are reused, if it has as many zones.
+        same_rates: a state so close that its rates are reused, if it has as many zones.
         """
         pulled, state = fields.problem, fields.state.whole
         assert isinstance(pulled, TractionLoaded)
@@ -482,10 +486,10 @@ class CohesiveCurve(Curve):
         )
         # An end covered by a zone is pinned at a corner: its residual is 1 and its rates are 0.
         at = table.T.ravel()
-        beside, residual = ~np.isin(at, zones), np.ones(len(at))
-        residual[beside] -= fields.formal_gap(at[beside]) / self.reach
-        if alike is not None and len(zones) == len(alike.zones):
-            whole = alike.whole
+        is_open, residual = ~np.isin(at, zones), np.ones(len(at))
+        residual[is_open] -= fields.formal_gap(at[is_open]) / self.reach
+        if same_rates is not None and len(zones) == len(same_rates.zones):
+            whole = same_rates.whole
             return self._at_corners(
                 CohesiveState(
                     table,
@@ -497,9 +501,9 @@ class CohesiveCurve(Curve):
                     level,
                     zones,
                     fields,
-                    alike.by_ends,
-                    alike.level_rates,
-                    look,
+                    same_rates.by_ends,
+                    same_rates.level_rates,
+                    gap_samples,
                 )
             )
         if state.iteration is not None:
@@ -511,7 +515,7 @@ class CohesiveCurve(Curve):
                 direct=True,
             )
         density, count = state.density, len(table)
-        free, open_ = at[beside], np.flatnonzero(beside)
+        free, open_ = at[is_open], np.flatnonzero(is_open)
         strengths = np.hstack((self.stress * np.eye(len(free)), np.zeros((len(free), 1))))
         values = np.zeros((len(state.condition_scale), len(free) + 1))
         first = state.condition_index[0]
@@ -530,9 +534,9 @@ class CohesiveCurve(Curve):
         )
         change = of_level - answers.potentials
         transform = np.zeros(2 * count)
-        transform[beside] = density.transform(free)
+        transform[is_open] = density.transform(free)
         matrix, by_value = np.zeros((2 * count, 2 * count)), np.zeros(2 * count)
-        matrix[np.ix_(open_, open_)], by_value[beside] = change[:, :-1], change[:, -1]
+        matrix[np.ix_(open_, open_)], by_value[is_open] = change[:, :-1], change[:, -1]
         by_all = np.append(open_, 2 * count)
         levels, moved = np.zeros(2 * count + 1), np.zeros((2 * len(density.zones), 2 * count + 1))
         levels[by_all] = of_level
@@ -541,7 +545,7 @@ class CohesiveCurve(Curve):
         moves[(zones == np.array(pulled.corners)).T] = 0.0
         moved[:, by_all] = moves.reshape(-1, len(by_all))
         rates = -(matrix + self.explicit(pulled, at, transform)) / self.reach
-        rates[~beside], rates[:, ~beside] = 0.0, 0.0
+        rates[~is_open], rates[:, ~is_open] = 0.0, 0.0
         by_value = -by_value / self.reach
         return self._at_corners(
             CohesiveState(
@@ -556,7 +560,7 @@ class CohesiveCurve(Curve):
                 fields,
                 moved,
                 levels,
-                look,
+                gap_samples,
             )
         )
 
@@ -575,7 +579,7 @@ class CohesiveCurve(Curve):
         at = np.concatenate((table[:, 0], table[:, 1]))
         level = -value - self.yields * pull
         gap = pulled.shape(at) + level
-        look = samples_with_extremes(
+        gap_samples = samples_with_extremes(
             lambda x: pulled.shape(x) + level, sample_places(pulled, np.zeros((0, 2)))
         )
         rates = self.explicit(pulled, at, np.zeros(2 * count)) - self.yields * self.stress
@@ -594,7 +598,7 @@ class CohesiveCurve(Curve):
                 None,
                 by_ends,
                 of_level,
-                look,
+                gap_samples,
             )
         )
 

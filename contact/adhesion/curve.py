@@ -361,10 +361,10 @@ class Curve:
             and here.solved[1] > TOLERANCES.density
             and here.growth < -TOLERANCES.other_equilibrium
         )
-        near = (
+        is_near = (
             rough and float(np.abs(here.newton / here.widths).max()) < TOLERANCES.other_equilibrium
         )
-        here = self.at(here.moved(here.newton) if near else here.table, here.value)
+        here = self.at(here.moved(here.newton) if is_near else here.table, here.value)
         here.refuse_neutral()
         for _ in range(TOLERANCES.max_newton_steps):
             size = float(np.abs(here.newton / here.widths).max())

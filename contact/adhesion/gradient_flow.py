@@ -203,8 +203,8 @@ def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
     inward, outward = inward_and_outward(curve, here)
     if here.corners is not None:
         # An end rests at a sharp corner; a pinned end needs no step.
-        beside = np.maximum(curve.to_corners(here.table), TOLERANCES.resting_step * here.widths)
-        outward = np.where(here.pinned, outward, np.minimum(outward, beside))
+        adjacent = np.maximum(curve.to_corners(here.table), TOLERANCES.resting_step * here.widths)
+        outward = np.where(here.pinned, outward, np.minimum(outward, adjacent))
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
     return onward, np.minimum(back, FLOW.max_back * here.widths)
 
@@ -234,14 +234,14 @@ def closing(curve: Curve, here: State, predicted: Predictor | None = None) -> Ar
     left, right = np.split(here.residual, 2)
     widths = np.diff(table, axis=1)[:, 0]
     gap = curve.gaps(table)
-    beside = np.minimum(widths, np.roll(widths, -1))
+    adjacent = np.minimum(widths, np.roll(widths, -1))
     closes = (
-        (gap < FLOW.closed_gap * beside)
+        (gap < FLOW.closed_gap * adjacent)
         & (right > FLOW.hard_drive)
         & (np.roll(left, -1) > FLOW.hard_drive)
     )
     if predicted is not None:
-        closes |= predicted.closes(gap, beside)
+        closes |= predicted.closes(gap, adjacent)
     if not closes.any():
         return None
     if closes.all():

@@ -140,7 +140,7 @@ class GridGuide(sie.Kept):
         value: float,
         sign: float,
         reach: float,
-        near: GridState | None = None,
+        warm_start: GridState | None = None,
     ) -> GridRest:
         """Where intervals come to rest that grow (sign 1) or shrink (-1).
 
@@ -149,7 +149,7 @@ class GridGuide(sie.Kept):
         """
         limit = reach * self.problem.law.reach
         share = np.ones(self.points) if table is None else self._shares(table)
-        start = None if near is None else near.pressure
+        start = None if warm_start is None else warm_start.pressure
         for _ in range(LIMITS.max_steps):
             state = self._contact(share, value, start)
             new = shares_below(state.gap - limit)
@@ -166,16 +166,16 @@ class GridGuide(sie.Kept):
     def least_value(self, table: Array | None, value: float) -> float:
         """About the lowest value of the control at which shrinking intervals come to rest."""
         high, low = value, self._lost(value)
-        near: GridRest | None = None
+        warm_start: GridRest | None = None
         for _ in range(GRID.max_halvings):
             middle = 0.5 * (high + low)
             try:
-                near = self.resting(
-                    table if near is None else near.table,
+                warm_start = self.resting(
+                    table if warm_start is None else warm_start.table,
                     middle,
                     -1.0,
                     1.0,
-                    None if near is None else near.state,
+                    None if warm_start is None else warm_start.state,
                 )
                 high = middle
             except Closed:

@@ -108,10 +108,10 @@ def contact_under(
         fields = ZoneFields(*_with_ends(pulled, control, zones, tolerances, done == 0))
         if formal:
             return fields, None
-        look = sampled_gap(fields)
-        found = _corrected(fields, look)
+        gap_samples = sampled_gap(fields)
+        found = _corrected(fields, gap_samples)
         if found is None:
-            return fields, look
+            return fields, gap_samples
         zones = fitted(
             found, pulled.pulling.table, pulled.round, pulled.pulling.everywhere, pulled.corners
         )
@@ -314,13 +314,13 @@ def _reaches(
     lo, hi = pulled.corners
     if not np.isfinite(lo) or len(zones) == 0:
         return np.zeros(k.shape, dtype=bool)
-    out, table, beside = (
+    out, table, to_obstacle = (
         np.zeros(k.shape, dtype=bool),
         pulled.pulling.table,
         _beside_corners(pulled, zones),
     )
     for side, i, corner in ((0, 0, lo), (1, -1, hi)):
-        if zones[i, side] != corner and not shared[side, i] and beside[side, i]:
+        if zones[i, side] != corner and not shared[side, i] and to_obstacle[side, i]:
             narrow = room[side, i] < TOLERANCES.max_inward * (zones[i, 1] - zones[i, 0])
             part = 2 / np.pi * pulled.pulling.stress * np.sqrt(room[side, i]) if len(table) else 0.0
             out[side, i] = (
@@ -365,9 +365,9 @@ def _room(pulled: TractionLoaded, zones: Array) -> tuple[Array, Mask]:
     The other obstacle is the end of its interval.
     """
     right = np.diff(gaps_between(zones, pulled.round))[:, 0]
-    beside, own = np.array([np.roll(right, 1), right]), _own(pulled, zones)
+    to_obstacle, own = np.array([np.roll(right, 1), right]), _own(pulled, zones)
     away = np.array([zones[:, 0] - own[:, 0], own[:, 1] - zones[:, 1]])
-    return np.minimum(beside, away), beside <= away
+    return np.minimum(to_obstacle, away), to_obstacle <= away
 
 
 def _own(pulled: TractionLoaded, zones: Array) -> Array:
@@ -488,18 +488,18 @@ def _by_zone(values: Array, counts: Index) -> list[Array]:
     return np.split(values, np.cumsum(counts)[:-1])
 
 
-def signs_hold(fields: ZoneFields, look: tuple[Array, Array]) -> bool:
+def signs_hold(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> bool:
     """Whether q is positive on all zones and the surfaces do not overlap within the tension."""
-    return _corrected(fields, look) is None
+    return _corrected(fields, gap_samples) is None
 
 
-def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
+def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | None:
     """Zones without the parts where q is negative, and with new ones where the surfaces overlap.
 
     None if there are no such places.
     """
     assert isinstance(fields.problem, TractionLoaded)
-    density, (x, gap) = fields.density, look
+    density, (x, gap) = fields.density, gap_samples
     zones, out, changed = density.zones, [], False
     varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
     # Near the ends q varies fast because of the tension, but does not change its sign.

@@ -59,7 +59,7 @@ def fitted(
 
 def below(
     zones: Array,
-    look: tuple[Array, Array],
+    gap_samples: tuple[Array, Array],
     reach: float,
     period: float | None,
     wide: bool = False,
@@ -67,12 +67,15 @@ def below(
 ) -> Array:
     """Intervals around the zones in which the sampled gap is below the reach.
 
-    look: sample points without contact and the gap there. Each interval ends half-way between the
+    gap_samples: sample points without contact and the gap there. Each interval ends half-way between the
     last sample below the reach and the interpolated crossing (wide: half-way beyond it), or at a
     sharp corner. Raises Closed if the gap is below the reach everywhere.
     """
     ends = zones.ravel() if period is None else np.append(zones.ravel(), zones[0] + period)
-    x, gap = np.concatenate((look[0], ends)), np.concatenate((look[1], np.zeros(len(ends))))
+    x, gap = (
+        np.concatenate((gap_samples[0], ends)),
+        np.concatenate((gap_samples[1], np.zeros(len(ends)))),
+    )
     order = np.lexsort((gap, x))
     x, gap = x[order], gap[order]
     runs = runs_of(gap < reach)

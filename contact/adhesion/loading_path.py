@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from contact.adhesion.arc_length import Step, SymmetryLost, beside, beyond, let_go, steps
+from contact.adhesion.arc_length import Step, SymmetryLost, beyond, let_go, pushed_off, steps
 from contact.adhesion.curve import TOLERANCES, State
 from contact.adhesion.events import Events, Jump, PathState
 from contact.adhesion.limits import LIMITS
@@ -58,19 +58,19 @@ class LoadingPath:
             return replace(here, value=value) if jump is None else jump
         if here.value == value:
             return PathState(value, here.point)
-        beside = law.off_curve(here.point, value)
+        events = law.off_curve(here.point, value)
         return (
             yield from self._along(here.point, value, sense)
-            if beside is None
-            else self._recorded(beside)
+            if events is None
+            else self._recorded(events)
         )
 
     def _recorded(
-        self, beside: Iterator[Jump | PathState]
+        self, events: Iterator[Jump | PathState]
     ) -> Generator[Jump | PathState, None, Jump | PathState]:
         """Events of an equilibrium that is not on the curve."""
         last: Jump | PathState | None = None
-        for found in beside:
+        for found in events:
             if last is not None:
                 yield last
             last = found
@@ -144,7 +144,7 @@ class LoadingPath:
     def _aside(self, lost: SymmetryLost) -> Jump:
         """The jump where a symmetry is lost, to one side: the other one is its mirror image."""
         try:
-            after = self.law.shrunk(beside(lost.at), lost.at.value)
+            after = self.law.shrunk(pushed_off(lost.at), lost.at.value)
         except NotConverged:
             raise lost from None
         return self.law.jump(lost.at, float(lost.at.contact.mean()), after, False)

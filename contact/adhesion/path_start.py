@@ -88,7 +88,7 @@ def _by_cohesive_zone(context: SolveContext) -> PathRoute:
     scene, law = context.scene, context.scene.law
     scaled = branch_scaling(context, math.sqrt(scene.E_star * law.tension * law.reach / math.pi))
     problem = scaled.problem
-    curve = CohesiveCurve(problem, context.control(problem), loose=True)
+    curve = CohesiveCurve(problem, context.control(problem), may_separate=True)
     events = _CohesivePath(context, scaled, curve).events
 
     def started(scene: Scene, value: float) -> PathState:
@@ -117,7 +117,7 @@ def _by_cohesive_zone(context: SolveContext) -> PathRoute:
     def separation(here: State) -> State | None:
         held = replace(context, scene=scene.under("approach", 0.0), spring_compliance=None)
         return _CohesivePath(
-            held, scaled, CohesiveCurve(problem, Approach(-here.level), loose=True)
+            held, scaled, CohesiveCurve(problem, Approach(-here.level), may_separate=True)
         ).separation(here)
 
     return PathRoute(events, started, lambda here: fields_of(curve, here), outcome, separation)

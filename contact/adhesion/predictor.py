@@ -157,15 +157,15 @@ class Predictor(Kept):
             | (driven > most + _OPTIONS.high_error * self.size)
         )
 
-    def closes(self, gap: Array, beside: Array) -> Mask:
+    def closes(self, gap: Array, adjacent: Array) -> Mask:
         """Mask of the gaps, right of each zone, that will close.
 
-        beside: width of the narrower one of its two zones.
+        adjacent: width of the narrower one of its two zones.
         """
         left, right = np.split(self.driven.min(axis=1) + self.held_back > _OPTIONS.closing_drive, 2)
         far_left, far_right = np.split(self.farthest, 2)
         known = (far_right >= 0.5 * gap) & (np.roll(far_left, -1) >= 0.5 * gap)
-        return np.asarray((gap < _OPTIONS.max_part * beside) & known & right & np.roll(left, -1))
+        return np.asarray((gap < _OPTIONS.max_part * adjacent) & known & right & np.roll(left, -1))
 
 
 def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) -> Array:

@@ -38,11 +38,11 @@ def pull_off(
     curve: Curve,
     here: State,
     recede: Recede = receded,
-    torn: Callable[[State], float] = lambda at: -1.0,
+    past_cut: Callable[[State], float] = lambda at: -1.0,
 ) -> State:
     """The last equilibrium as the control falls.
 
-    recede: brings ends that are driven inward to rest. torn: positive for a state past the cut of
+    recede: brings ends that are driven inward to rest. past_cut: positive for a state past the cut of
     one of its intervals.
     """
     with suppress(NotConverged):
@@ -51,14 +51,14 @@ def pull_off(
                 break
             # One zone is followed to the end of its curve at once, usually the last one. That
             # takes fewer states than to learn where there is none.
-            end = _end(curve, here, torn)
+            end = _end(curve, here, past_cut)
             rest = recede(curve, end.table, end.about.value)
             if rest is None:
                 return end.exactly()
             here = rest
     here = near_the_last(curve, here, recede)
     for _ in range(LIMITS.max_tries):
-        end = _end(curve, here, torn)
+        end = _end(curve, here, past_cut)
         rest = recede(curve, end.table, end.about.value)
         if rest is None:
             return end.exactly()
@@ -66,18 +66,20 @@ def pull_off(
     raise NotConverged("ever more zones come apart as the control falls")
 
 
-def lowered_by_load(curve: Curve, here: State, near: Callable[[Curve, State], State]) -> State:
+def lowered_by_load(
+    curve: Curve, here: State, lead_to_load: Callable[[Curve, State], State]
+) -> State:
     """The equilibrium under a held approach near the least load, with few zones left.
 
     Under a load what is left does not depend on the way, and ends move one way; under an approach
     each lost zone drives others on. The state itself is returned for one zone, under a held load,
-    and where this does not lead down. near: leads to that load.
+    and where this does not lead down. lead_to_load: leads to that load.
     """
     if curve.control.load is not None or len(here.contact) < 2:
         return here
     loaded = curve.under(Load(here.load))
     try:
-        rest = near(loaded, loaded.again(here, here.load))
+        rest = lead_to_load(loaded, loaded.again(here, here.load))
         found = curve.again(rest, -rest.level)
     except (Closed, NoState, NotConverged):
         return here
@@ -93,30 +95,32 @@ class _End:
     exactly: Callable[[], State]
 
 
-def _end(curve: Curve, here: State, torn: Callable[[State], float]) -> _End:
+def _end(curve: Curve, here: State, past_cut: Callable[[State], float]) -> _End:
     """The end of the curve as the control falls: a turn, a released corner, or a cut interval."""
     for step in steps(curve, curve.settled(here), -1.0, False):
         # The ends before the last one need not be located exactly.
         length = step.turning(False) if step.turns else step.length
         last = step.at(length, False) if step.turns else step.end.at
-        if step.turns or step.lets_go or torn(step.start.at) < 0.0 < torn(last):
-            return _end_in(curve, step, length, last, torn)
+        if step.turns or step.lets_go or past_cut(step.start.at) < 0.0 < past_cut(last):
+            return _end_in(curve, step, length, last, past_cut)
     raise NotConverged("the curve of equilibria ended")
 
 
 def _end_in(
-    curve: Curve, step: Step, length: float, last: State, torn: Callable[[State], float]
+    curve: Curve, step: Step, length: float, last: State, past_cut: Callable[[State], float]
 ) -> _End:
     """The end inside a step; last: the equilibrium at the length."""
     if step.lets_go and not step.turns:
         return _End(last, let_go(step), lambda: last)
-    first = torn(step.start.at)
-    if not first < 0.0 < torn(last):
+    first = past_cut(step.start.at)
+    if not first < 0.0 < past_cut(last):
         return _End(last, beyond(curve, last, -1.0), lambda: step.at(step.turning()))
-    until = step.where(torn, first, torn(last), length, ARC_OPTIONS.rough_turning, False)
+    until = step.where(past_cut, first, past_cut(last), length, ARC_OPTIONS.rough_turning, False)
     length = min(until + 2 * ARC_OPTIONS.rough_turning * length, length)
     about = step.at(length, False)
-    return _End(about, about.table, lambda: step.at(step.where(torn, first, torn(about), length)))
+    return _End(
+        about, about.table, lambda: step.at(step.where(past_cut, first, past_cut(about), length))
+    )
 
 
 def controls_above(least: float, value: float) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ from contact.formulation.quadrature import cuts_between, panels
 from sie import Array, record, wrapped
 
 
-def beside(
+def integral_outside(
     function: Callable[[Array], Array], pulled: TractionLoaded, zones: Array, spacing: float
 ) -> float:
     """Scaled integral of a function over the intervals of tension without the zones.
@@ -25,7 +25,7 @@ def beside(
     return sum(_integral(function, pulled, a, b, spacing) for a, b in _parts_beside(pulled, zones))
 
 
-def on_zones(
+def integral_on_zones(
     function: Callable[[Array], Array], pulled: TractionLoaded, zones: Array, spacing: float
 ) -> float:
     """Scaled integral of a function over the zones."""
@@ -126,7 +126,7 @@ class SeparatedFields(NoZones):
     @cached_property
     def borne_beside(self) -> float:  # type: ignore[override]
         """Scaled int p (F - gap) dx."""
-        return -self.tension.stress * beside(
+        return -self.tension.stress * integral_outside(
             lambda x: self.pulled.own_shape(x) - self.scaled_gap(x),
             self.pulled,
             np.zeros((0, 2)),
@@ -138,7 +138,7 @@ class SeparatedFields(NoZones):
         """Integral of the gap over the intervals of tension [m^2]."""
         units = self.problem.units
         return (
-            beside(self.scaled_gap, self.pulled, np.zeros((0, 2)), self._spacing)
+            integral_outside(self.scaled_gap, self.pulled, np.zeros((0, 2)), self._spacing)
             * units.length
             * units.height
         )

@@ -23,7 +23,7 @@ def separated_solution(
     """The certified solution at an equilibrium without contact."""
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces pull without touching"
-    ends, least = len(here.table) > 0, float(here.look[1].min())
+    ends, least = len(here.table) > 0, float(here.gap_samples[1].min())
     residual = float(np.abs(here.residual).max(initial=0.0))
     stability = least_eigenvalue(scaled_second_variation(here)) if ends else None
     stable = stability is None or stability > 0.0
@@ -31,7 +31,7 @@ def separated_solution(
     certificate = Certificate(
         smallest_pressure=-scene.law.tension,
         smallest_gap=least * fields.problem.units.height,
-        points=len(here.look[0]),
+        points=len(here.gap_samples[0]),
         holds=holds,
         note="the surfaces pull at each other without touching",
         intensity=residual,
