@@ -167,8 +167,8 @@ class CohesiveCurve(Curve):
     """The curve of equilibria of a cohesive law; tension and reach are scaled.
 
     known: earlier states for warm starts; recent: the last state with its curve and tolerance;
-    may_separate: whether states without contact are allowed (if the load is not controlled); formal:
-    whether the number of zones is kept and the signs of q and of the gap are not checked.
+    may_separate: whether states without contact are allowed (if the load is not controlled);
+    formal: whether the number of zones is kept and the signs of q and of the gap are not checked.
     """
 
     problem: Problem
@@ -212,7 +212,8 @@ class CohesiveCurve(Curve):
         """The state with tension on given intervals, cut at sharp corners.
 
         The zones start from those of the nearest known state. pinned: ends pinned at corners; None:
-        all ends at corners that are not driven inward. same_rates: a state whose rates may be reused.
+        all ends at corners that are not driven inward. same_rates: a state whose rates may be
+        reused.
         """
         table = self.within(table)
         known_state = self.nearest(table, value) if self.known else None
@@ -274,7 +275,7 @@ class CohesiveCurve(Curve):
         return np.asarray(new)
 
     def nearest(self, table: Array, value: float) -> PastState:
-        """The known state with as many intervals and the nearest ends, then value; else the last."""
+        """The known state of as many intervals with the nearest ends; else the last one."""
 
         def away(one: PastState) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)

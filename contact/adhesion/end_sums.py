@@ -130,7 +130,7 @@ class EndSum:
         return out
 
     def _of_cells(self, cells: Index) -> Array:
-        """The series of all cells (terms, cells); those of the given cells are computed if needed."""
+        """The series of all cells (terms, cells), computed for the given ones if needed."""
         edges, terms = self._cells.edges, _OPTIONS.terms
         if self._series is None:
             self._series = np.zeros((terms, len(edges) - 1))
@@ -173,5 +173,5 @@ def _nodes() -> tuple[Array, Array]:
 
 
 def _paired(values: Array) -> Array:
-    """Sums over the last axis; the two ends of an interval, which nearly cancel, are added first."""
+    """Sums over the last axis; the nearly opposite ends of an interval are added first."""
     return np.asarray((values[..., ::2] + values[..., 1::2]).sum(axis=-1))

@@ -35,7 +35,7 @@ _OUTER_PARTS = np.array([0.25, 1.0, 4.0, 16.0, 64.0])
 
 @dataclass(frozen=True)
 class InnerContactOptions:
-    """Newton's method for the zones within the intervals of tension, and the correction of signs."""
+    """Newton's method for zones inside intervals of tension, and the correction of signs."""
 
     # Part of the distance to the end of its interval that a step leaves.
     left_of_room: float = 0.25

@@ -67,9 +67,9 @@ def below(
 ) -> Array:
     """Intervals around the zones in which the sampled gap is below the reach.
 
-    gap_samples: sample points without contact and the gap there. Each interval ends half-way between the
-    last sample below the reach and the interpolated crossing (wide: half-way beyond it), or at a
-    sharp corner. Raises Closed if the gap is below the reach everywhere.
+    gap_samples: sample points without contact and the gap there. Each interval ends half-way
+    between the last sample below the reach and the interpolated crossing (wide: half-way beyond
+    it), or at a sharp corner. Raises Closed if the gap is below the reach everywhere.
     """
     ends = zones.ravel() if period is None else np.append(zones.ravel(), zones[0] + period)
     x, gap = (

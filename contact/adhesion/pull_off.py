@@ -42,8 +42,8 @@ def pull_off(
 ) -> State:
     """The last equilibrium as the control falls.
 
-    recede: brings ends that are driven inward to rest. past_cut: positive for a state past the cut of
-    one of its intervals.
+    recede: brings ends that are driven inward to rest. past_cut: positive for a state past the cut
+    of one of its intervals.
     """
     with suppress(NotConverged):
         for _ in range(OPTIONS.max_direct):
