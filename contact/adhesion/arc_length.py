@@ -363,13 +363,13 @@ class SymmetryLost(NotConverged):
             if found is None:
                 break
             low, high, at = (middle, high, found) if found.growth < 0.0 else (low, middle, at)
-        units, place = (
+        units, where = (
             curve.problem.units,
             f", at load {at.load * curve.problem.units.load:.10g} N/m",
         )
         if curve.problem.operator.has_approach:
-            place += f", approach {-at.level * units.height:.10g} m"
-        lost = SymmetryLost(*self.within, place)
+            where += f", approach {-at.level * units.height:.10g} m"
+        lost = SymmetryLost(*self.within, where)
         lost.at = at
         return lost
 
