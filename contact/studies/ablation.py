@@ -7,8 +7,8 @@ traces, and the extreme ones of `contact.studies.bench.extremes` that take no mo
 second. A mechanism is switched off by replacing a function, a class attribute or a field of
 options, in a process of its own. The table has for each mechanism the scenes that are lost, those
 whose answer changes by more than both stated errors, and the processor time over that of the run
-with everything on. A target that does not exist is an error. `--ordinary` leaves out the extreme scenes,
-which take most of the time. `python -m contact.studies.pages DIR` sets DIR/ablation.md in
+with everything on. A target that does not exist is an error. `--ordinary` leaves out the extreme
+scenes, which take most of the time. `python -m contact.studies.pages DIR` sets DIR/ablation.md in
 docs/ablation.md.
 """
 
