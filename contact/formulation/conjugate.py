@@ -217,28 +217,11 @@ def _series(profile: Profile, length: float) -> Transform:
         EPS * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum()) / 12
     )
     rounding += EPS * points.size
-    # Too few samples for the resolution of the profile would alias.
-    n = int(
-        np.clip(
-            2 ** np.ceil(np.log2(8 * length / (profile.resolution or length))),
-            OPTIONS.min_samples,
-            OPTIONS.max_samples,
-        )
-    )
-    while True:
-        x = profile.x0 + length * (np.arange(n) + 0.5) / n
-        slope = np.asarray(profile.slope(x))
-        coefficients = np.asarray(fft.rfft(slope - closed(x))) / n
-        size = np.abs(coefficients)
-        scale = max(float(size.max()), float(np.abs(slope).max()))
-        noise = max(rounding, _noise(size, scale))
-        settled = bool(size[-n // 16 :].max() <= max(1e-15 * scale, noise))
-        if settled or n >= OPTIONS.max_samples:
-            break
-        n *= 2
-    used = np.flatnonzero(size > max(1e-17 * scale, noise))
+    series = _sampled_series(profile, length, closed, rounding)
+    coefficients, size, scale = series.coefficients, np.abs(series.coefficients), series.scale
+    used = np.flatnonzero(size > max(1e-17 * scale, series.noise))
     k = np.arange(int(used[-1]) + 1 if len(used) else 1)
-    c = (2 * coefficients[: len(k)] * np.exp(-1j * pi * k / n))[1:]
+    c = (2 * coefficients[: len(k)] * np.exp(-1j * pi * k / len(series.x)))[1:]
     # Im of the sum, as H takes cos to sin and sin to -cos; that is Re of -i times it.
     left = Sum.of(-1j * c) if len(c) else None
 
@@ -256,9 +239,48 @@ def _series(profile: Profile, length: float) -> Transform:
         )
 
     error = _series_error(coefficients, len(k), rounding)
-    return Transform(
-        smooth, error, _limit_of_series(x, slope - closed(x), size, settled), settled, scale
-    )
+    limit = _limit_of_series(series.x, series.residual, size, series.settled)
+    return Transform(smooth, error, limit, series.settled, scale)
+
+
+@record
+class _SampledSeries:
+    """Fourier series of a slope without its declared jumps.
+
+    x: even places. residual: that slope there. noise: size of terms that are noise. scale: the
+    largest slope or term. settled: whether the series has converged.
+    """
+
+    x: Array
+    residual: Array
+    coefficients: Complex
+    noise: float
+    scale: float
+    settled: bool
+
+
+def _sampled_series(
+    profile: Profile, length: float, closed: Callable[[Array], Array], rounding: float
+) -> _SampledSeries:
+    """The series at ever more places until it converges.
+
+    closed: the part of the slope that is subtracted. rounding: of that part.
+    """
+    # Too few samples for the resolution of the profile would alias.
+    least = 2 ** np.ceil(np.log2(8 * length / (profile.resolution or length)))
+    n = int(np.clip(least, OPTIONS.min_samples, OPTIONS.max_samples))
+    while True:
+        x = profile.x0 + length * (np.arange(n) + 0.5) / n
+        slope = np.asarray(profile.slope(x))
+        residual = slope - closed(x)
+        coefficients = np.asarray(fft.rfft(residual)) / n
+        size = np.abs(coefficients)
+        scale = max(float(size.max()), float(np.abs(slope).max()))
+        noise = max(rounding, _noise(size, scale))
+        settled = bool(size[-n // 16 :].max() <= max(1e-15 * scale, noise))
+        if settled or n >= OPTIONS.max_samples:
+            return _SampledSeries(x, residual, coefficients, noise, scale, settled)
+        n *= 2
 
 
 def _series_error(coefficients: Array, used: int, rounding: float) -> float:

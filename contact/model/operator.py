@@ -204,10 +204,9 @@ class Operator(sie.Kept):
         )
         if smooth.is_zero:
             return plain
-        potential = partial(
-            _lines, smooth.potential, plain.poles, unit, 1.0, self._datum_constant(datum)
-        )
-        value = partial(_lines, smooth.value, plain.poles, unit, unit, 0.0)
+        raised = partial(_plus_constant, smooth.potential, self._datum_constant(datum))
+        potential = partial(_lines, raised, plain.poles, unit, 1.0)
+        value = partial(_lines, smooth.value, plain.poles, unit, unit)
         return plain + sie.Smooth(value, potential, of_lag=True, length=smooth.length / unit)
 
     def _datum_constant(self, datum: float | None) -> float:
@@ -328,14 +327,18 @@ def _lines(
     poles: tuple[float, ...],
     unit: float,
     factor: float,
-    raised: float,
     x: Array,
     xi: Array,
 ) -> Array:
-    """factor * sum of a function at x - xi - s [m] over poles s, plus a constant for each pole."""
+    """factor * sum of a function at x - xi - s [m] over poles s."""
     lag = x - xi
     total = sum((of((lag - pole) * unit) for pole in poles), np.zeros(np.shape(lag)))
-    return np.asarray(factor * total + len(poles) * raised)
+    return np.asarray(factor * total)
+
+
+def _plus_constant(of: Callable[[Array], Array], constant: float, r: Array) -> Array:
+    """A function of the distance plus a constant."""
+    return np.asarray(of(r) + constant)
 
 
 def _cells(

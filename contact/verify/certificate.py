@@ -499,8 +499,8 @@ class Solved:
     """Intervals that a search has found, with their certificate.
 
     free: the result of Newton's method. fields: under the load of these intervals. rounds:
-    corrections of the number of intervals. tolerance: of the ends. control_error: possible error of the
-    control, of all intervals or of each end (n, 2), in units of the subclass.
+    corrections of the number of intervals. tolerance: of the ends. control_error: possible error of
+    the control, of all intervals or of each end (n, 2), in units of the subclass.
     """
 
     free: sie.Free

@@ -30,8 +30,8 @@ from sie import Array, record, wrapped
 class SolvedZones(Solved):
     """Zones that passed the certificate.
 
-    control_error: possible error of the control, as errors of the ends over the width of their zones.
-    rounded: whether rounding keeps that from being smaller.
+    control_error: possible error of the control, as errors of the ends over the width of their
+    zones. rounded: whether rounding keeps that from being smaller.
     """
 
     fields: ZoneFields
