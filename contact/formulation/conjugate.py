@@ -247,13 +247,13 @@ def _series(profile: Profile, length: float) -> Transform:
 class _SampledSeries:
     """Fourier series of a slope without its declared jumps.
 
-    x: even places. residual: that slope there. noise: size of terms that are noise. scale: the
-    largest slope or term. settled: whether the series has converged.
+    x: even places. residual: that slope there. coefficients: complex terms. noise: size of terms
+    that are noise. scale: the largest slope or term. settled: whether the series has converged.
     """
 
     x: Array
     residual: Array
-    coefficients: Complex
+    coefficients: Array
     noise: float
     scale: float
     settled: bool
