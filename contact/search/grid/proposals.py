@@ -50,8 +50,8 @@ def proposed(
 ) -> Proposal:
     """Zones from a grid.
 
-    points: None: as many as the profile's resolution asks for. fixed_centre: a strip keeps its centre.
-    start: a contact under another load, to begin with.
+    points: None: as many as the profile's resolution asks for. fixed_centre: a strip keeps its
+    centre. start: a contact under another load, to begin with.
     """
     problem = scaled.problem
     units, profile, by_load = problem.units, problem.profile, control.load is not None

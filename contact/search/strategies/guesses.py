@@ -221,8 +221,8 @@ def from_grid(
 ) -> Outcome:
     """The contact from the zones of a coarse grid, refined until they pass the certificate.
 
-    fixed_centre: a strip keeps its centre. points: of the first grid; None: as many as the profile needs.
-    allow_loss: see `NewtonSettings`.
+    fixed_centre: a strip keeps its centre. points: of the first grid; None: as many as the profile
+    needs. allow_loss: see `NewtonSettings`.
     """
     return _GridSearch(context, scaled, fixed_centre, allow_loss).run(points)
 

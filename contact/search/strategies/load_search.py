@@ -224,16 +224,18 @@ def by_quantity(
         else warm_start.load
     )
     best: Solution | None = None
+    sides: set[bool] = set()  # whether the quantity was above the goal, or not, under some load
     goal, limits = sign * control.value, KnownLoads(bounded=True)
     for here, load_error in nearer(under, quantity, goal, first, limits):
         value, rate = quantity(here)
+        sides.add(value > goal)
         own = 3 * here.error * abs(value / (rate * here.load)) if rate else math.inf
         error = here.error + (load_error + own) * _rate_of_error(here, pairs[here.load])
         best = replace(here, scene=scene, error=float(error))
         if best.error <= tol:
             best.plan.decide("control", "a load search", f"{control.name} is a control of its own")
             return best
-    if best is None or not math.isfinite(best.error):
+    if best is None or not math.isfinite(best.error) or len(sides) < 2:
         raise OutOfRange(f"no load has the {control.name} {control.value:.15g}")
     raise NotConverged(
         f"not converged: the load of the {control.name} {control.value:.15g} is known too roughly",
