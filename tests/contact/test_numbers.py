@@ -174,7 +174,7 @@ def test_numbers_of_a_localized_strip_are_those_of_its_pressure(closure):
     ("profile", "share"), [(WAVES, 0.6), (ROUGH, 0.6), (contact.Parabola(1.0, 1.0), 0.2)], ids=names
 )
 def test_zones_and_gaps_hand_out_the_same_numbers(profile, share, monkeypatch):
-    monkeypatch.setattr("contact.solver.directly", lambda scene, tol: None)
+    monkeypatch.setattr("contact.solver.solve_closed", lambda scene, tol: None)
     by_gaps = solved(profile, share)
     monkeypatch.setattr("contact.search.strategies.gaps.OPTIONS", GapOptions(wide_contact=2.0))
     by_zones = solved(profile, share)
