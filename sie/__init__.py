@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from sie.density.density import Density
     from sie.ends.motions import EndRates, end_motions, end_rates
     from sie.ends.newton import Free, find_ends
+    from sie.ends.options import NewtonOptions, WarmStart
     from sie.ends.sources import Answers, answers
     from sie.equation.conditions import (
         Amplitude,
@@ -61,6 +62,7 @@ __all__ = [
     "Kernel",
     "Level",
     "Mask",
+    "NewtonOptions",
     "NotConverged",
     "PiecewiseTransform",
     "Resolution",
@@ -73,6 +75,7 @@ __all__ = [
     "State",
     "Total",
     "TotalWidth",
+    "WarmStart",
     "Weighted",
     "ZoneMoments",
     "ZoneTotals",
@@ -112,6 +115,7 @@ _HOMES = {
     "sie.trees.piecewise": "PiecewiseTransform",
     "sie.ends.motions": "EndRates end_motions end_rates",
     "sie.ends.newton": "Free find_ends",
+    "sie.ends.options": "NewtonOptions WarmStart",
     "sie.ends.sources": "Answers answers",
     "sie.jumps.poles": "AlgebraicPoints",
     "sie.slits.density": "SlitDensity",

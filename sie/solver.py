@@ -14,6 +14,7 @@ from sie.basis.data import EPS, Array
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.ends.newton import Free, find_ends
+from sie.ends.options import NewtonOptions, WarmStart
 from sie.equation.equation import Equation
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 from sie.states.solve import SingularSystem
@@ -259,12 +260,13 @@ def _free(
     max_steps: int,
 ) -> Iterator[Solution]:
     """Solutions with free ends, with ever smaller tolerances of the ends."""
+    options, start = NewtonOptions(max_steps=max_steps, signs=signs), WarmStart(value=value)
     for part in OPTIONS.parts:
-        free = find_ends(equation, zones, max(part * tol, EPS), max_steps, value=value, signs=signs)
+        free = find_ends(equation, zones, max(part * tol, EPS), options, start)
         yield _with_errors(free.state, free)
         if not free.converged:
             break
-        zones, value = free.density.zones, free.value or 0.0
+        zones, start = free.density.zones, WarmStart(value=free.value or 0.0)
 
 
 def _with_errors(state: AnyState, search: Free | None = None) -> Solution:

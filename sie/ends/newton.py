@@ -1,82 +1,46 @@
-"""Zone ends found by Newton on the edge intensities.
+"""Newton's method on the ends of zones.
 
-For given zones the density is solved with singular ends allowed: near an end, K / sqrt(d) + A
-sqrt(d). At the solution K is the prescribed one. Moving ends outward by delta changes K_i by -(A_i
-/ 2) delta_i only, where the prescribed intensities are zero: the first-order change of a bounded
-density with the ends has no singular homogeneous part. So delta = 2 K / A is a Newton step with one
-linear solve. A condition on the ends alone (their total width) borders this diagonal by the
-response of K to the unknown value it fixes. Where an intensity is prescribed, the density's own
-change with the end is d^(-3/2)-singular and couples all ends (`motions`).
+For given zones the equation is solved with singular ends, K / sqrt(d) + A sqrt(d) at distance d
+from an end. At the solution K is the prescribed intensity. Where the prescribed intensities are
+zero, an outward motion delta_i of end i changes K_i by -(A_i / 2) delta_i and no other K, because
+to first order the motion of an end adds nothing singular to a bounded density. So
+delta = 2 K / A is a Newton step that costs one linear solve. A condition on the ends alone (their
+total width) borders this diagonal Jacobian. Where an intensity is prescribed, the change of the
+density is d^(-3/2)-singular and couples all ends (see `motions`).
 """
 
-import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
-from sie.basis.data import Array, Index, Mask, record
-from sie.basis.zones import FREE, SINGULAR, End, Zones
+from sie.basis.data import Array, Index
+from sie.basis.zones import Zones
 from sie.dense import modes
+from sie.ends.limits import DomainLimit, domain_limit, pinned_at_limits, released
 from sie.ends.motions import STEP, DirectMotions, IteratedMotions, motions_of
-from sie.ends.near_steps import bent_steps, corner_distances, gap_steps, tips_between
-from sie.ends.progress import Motion, Progress, Rest, Step, Turn
+from sie.ends.options import NewtonOptions, WarmStart
+from sie.ends.progress import Convergence, Progress, Step
+from sie.ends.steps import NewtonStep, corners_of, damped, growth_of, newton_step, place_rounding
 from sie.equation.equation import Equation
-from sie.fast.iteration import Iterative
 from sie.slits.system import AnyDensity, AnyState, solve_zones
-from sie.states.rounding import density_changes
+from sie.states.rounding import RANDOM_SAMPLES, density_changes
 from sie.states.sizes import Sizes, first_sizes, sizes_like
 from sie.states.solve import SingularSystem
 from sie.states.state import State
+from sie.trees.far import ROUGH
 
-# A step moves an end by at most these parts of its zone's width and of the gap beside it.
-INWARD = 0.3
-OUTWARD = 0.5
-INTO_GAP = 0.4
-# A step goes at most this part of the distance to where the right side is no longer defined: so an
-# end comes as near to that place as the root asks for, and no step leaves the domain.
-INTO_LIMIT = 0.7
-# An end so near to that place, over its zone's width, that would still go beyond it is held to have
-# no root before it. The right side is singular there as a rule, and a nearer end would take more
-# nodes than a zone may have.
-_AT_LIMIT = 1e-6
-# So many zones on either side are felt in a gap that is about to close.
-_FELT = 15
-# Over what the mean slope of the right side's smooth part makes of A.
-_SMOOTH = 4.0
-# A slight zone, over the wider one beside it.
-_SLIGHT = 0.01
-# How often it is looked which ends move as far as they may.
-_BORDERINGS = 12
-# While all ends together have moved by no more than this part of all widths, the response to the
-# open condition's value is about as it was: what that leaves of a step is this part of it.
-_SAME_RESPONSE = 0.01
+# An amplification of errors beyond this, in the motions of all ends, is that of a singular system.
+_MAX_AMPLIFICATION = 1e10
 
-# Of a solution by iteration that is wanted no better than this, sums are rough; the last one, if no
-# better than that.
-_ROUGHLY = 1e-7
-_ROUGH_ENOUGH = 5e-7
-# From this number of zones on: what series fall to at least before the last step.
-_MANY = 60
-_LONGEST_FALL = 1e-4
-# What zones said to be near are expected to move by, over their widths: what a rougher solution
-# would add does not fall as steps do.
-_STEP_NEAR = 1e-4
-
-# Samples of what random errors of all ends do to the density; its size varies little from one to
-# the next.
-_SAMPLES = 4
-# The same, found by iteration: motions over what they are of each zone by itself.
-_AMPLIFIED = 1e10
-_FOUND = "the ends are at rest"
+_CONVERGED = "the ends are at rest"
 _UNSTABLE = (
     "the ends are at rest, but unstably: pushed off they go on, and another root may be near"
 )
 _UNRESOLVED = "a column or the kernel's regular part varies more than the modes of a zone show"
-_NEUTRAL = (
-    "some motion of the ends, as of all of them together, leaves the intensities as they are, or changes them by less than 1e-10 of what "
-    "each end does by itself: these do not tell the ends"
+_UNDETERMINED = (
+    "some motion of the ends, as of all of them together, leaves the intensities as they are, or "
+    "changes them by less than 1e-10 of what each end does by itself: these do not tell the ends"
 )
 
 
@@ -84,39 +48,39 @@ _NEUTRAL = (
 class Free:
     """Result of the search for the ends.
 
-    An end is driven outward while s (K - K*) > 0, s the sign of the density beside it (`signs`) and
-    K* the intensity prescribed: adhesive contact grows while K is above K*, a crack while it is
-    above in size. There may be several roots, and the search finds one near its start. A root is
-    stable if ends that are pushed off it come back: all eigenvalues of s dK/d(outward motions) have
-    negative real parts, for motions that meet the condition on the ends, if any, and are symmetric,
-    if the zones are. Where the intensities wanted are zero, s dK/d(end) = -s A / 2, and what is
-    found is stable.
+    An end is driven outward while s (K - K*) > 0, with s the sign of the density next to it
+    (`NewtonOptions.signs`) and K* the prescribed intensity: adhesive contact grows while K is
+    above K*, a crack while |K| is. There may be several roots, and the search finds one near its
+    start. A root is stable if ends that are pushed off it come back: the real parts of all
+    eigenvalues of s dK/d(outward motions) are negative, over motions that meet the condition on
+    the ends, and that are symmetric if the zones are. Where the prescribed intensities are zero,
+    s dK/d(end) = -s A / 2, and the root is stable.
 
     Attributes
     ----------
     state : State
         The equation solved on the last zones; `density` is its density.
     converged : bool
-        Whether the ends have come to rest.
+        Whether the ends have converged.
     end_error : ndarray
-        Each end's remaining move over its zone's width (Z, 2), with roundoff but without
+        Remaining move of each end over its zone's width (Z, 2), with round-off but without
         `end_truncation`.
     rounding : ndarray
-        That part of it alone (Z, 2).
+        The round-off in it (Z, 2).
     trace : tuple of Step
         The steps.
     value, value_error : float
-        Value of the open condition, None without one, and how far it moved last.
+        Value of the open condition, None without one, and its last change.
     lost : ndarray
-        Zones that shrank away.
+        Zones that vanished.
     met : ndarray
-        Gaps, by the zone left of them, that closed.
+        Gaps that closed, each by the zone on its left.
     stable : bool or None
-        See above; None: nothing was found.
+        See above; None: no root was found.
     reason : str
         Why the search stopped.
     left : ndarray
-        The remaining outward moves (2, Z) where the ends have come to rest.
+        The remaining outward moves (2, Z) if the ends have converged.
 
     Examples
     --------
@@ -142,36 +106,35 @@ class Free:
 
     @property
     def next_zones(self) -> Zones:
-        """The zones after the remaining moves too."""
+        """The zones after the remaining moves."""
         zones = self.density.zones
         return zones.moved(self.left) if self.left.shape[1] else zones
 
     @property
     def density(self) -> AnyDensity:
+        """The density on the last zones."""
         return self.state.density
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Shift of each end by truncated coefficients, over its zone's width (Z, 2)."""
+        """Error of each end by truncated coefficients, over its zone's width (Z, 2)."""
         if not self.density.zones.follow_ends:
             return self.state.end_truncation
-        return np.asarray(
-            (self._motions.local(self.state.whole.intensity_truncation) / self._width).T
-        )
+        by_intensities = self._motions.local(self.state.whole.intensity_truncation)
+        return np.asarray((by_intensities / self._width).T)
 
     @cached_property
     def followed(self) -> Array:
-        """Error of the density on each zone (Z,) by what the ends of all zones are off, at places
-        that stay.
+        """Error of the density on each zone (Z,), at fixed places, by the errors of all ends.
 
-        Where intensities are prescribed, the motion of an end changes the density of all zones;
-        else it changes none.
+        It is zero unless intensities are prescribed: only then does the motion of an end change
+        the density of all zones to first order.
         """
         if not self.density.zones.follow_ends:
             return np.zeros(len(self.density.zones))
-        off = self._motions.of((self.end_error + self.end_truncation).T * self._width)
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(off), _SAMPLES))
-        return density_changes(self.state.whole, self._motions.responses(off[:, None] * signs))
+        errors = self._motions.of((self.end_error + self.end_truncation).T * self._width)
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(errors), RANDOM_SAMPLES))
+        return density_changes(self.state.whole, self._motions.responses(errors[:, None] * signs))
 
     @cached_property
     def _motions(self) -> DirectMotions | IteratedMotions:
@@ -183,8 +146,9 @@ class Free:
 
     @property
     def unresolved(self) -> bool:
-        """Whether the search was given up since a zone's modes do not show the equation: other
-        zones near these fare no better.
+        """Whether the modes of a zone do not resolve the equation.
+
+        Other zones near these fare no better.
         """
         return not self.converged and self.reason == _UNRESOLVED
 
@@ -193,69 +157,28 @@ def find_ends(
     equation: Equation,
     zones: Zones,
     tolerance: float = 1e-12,
-    max_steps: int = 40,
-    value: float = 0.0,
-    limits: tuple[float, float] = (-np.inf, np.inf),
-    signs: tuple[float, float] = (1.0, 1.0),
-    near: bool = False,
-    decay: float | None = None,
-    bounded_ends: bool = True,
-    off: float = 1.0,
-    like: AnyState | Sizes | None = None,
-    limited: End = FREE,
-    few: float = 0.0,
-    patient: int = 0,
-    drops: bool = False,
+    options: NewtonOptions | None = None,
+    start: WarmStart | None = None,
 ) -> Free:
-    """Move the free ends of `zones` until every one has its prescribed intensity.
+    """Find the free ends of zones, where the density has the prescribed intensities.
 
     Parameters
     ----------
     equation : Equation
-        Kernel, right side, side conditions.
+        Kernel, right side, side conditions; one condition on the ends may have an open value.
     zones : Zones
-        A first guess of the ends, with their kinds.
+        First guess of the ends, with their kinds.
     tolerance : float
-        Largest remaining end error over its zone's width.
-    max_steps : int
-        Newton steps after which the search is given up.
-    value : float
-        First guess for the value of an open condition.
-    limits : (float, float)
-        Free ends do not pass these; one that reaches one stays there as a singular end, until its
-        intensity falls below that of `limited`.
-    signs : (float, float)
-        Of the wanted density next to left and to right ends (the slope of a gap falls at its right
-        end).
-    near : bool
-        The zones are a guess worth no more than the few steps in which Newton's method ends beside
-        a solution: as soon as a step shows that they are not so near, the search is given up,
-        unconverged.
-    decay : float or None
-        Asked of the coefficients over the largest of them; None: a tenth of the tolerance.
-    bounded_ends : bool
-        Whether 1/sqrt(d) is taken out of the last density: the rest is right at equal normalised
-        position to first order in what the ends are off, and the whole of it, farther from them, at
-        equal places to second order.
-    off : float
-        What the ends are off by over their zones' widths, as far as that is known: the better they
-        are, the tighter is the first solution by iteration.
-    like : State, Sizes or None
-        A solution on about the same zones, with as many modes to begin with; or what it has left to
-        the next one, its unknowns too.
-    limited : End
-        The kind of an end that leaves a limit.
-    few, patient : float, int
-        Part of all ends that need not have come to rest after so many steps: of very many, a first
-        look at what they are the ends of.
-    drops : bool
-        Zones that shrink away are left out, those that meet are joined, and the search goes on;
-        else that is where it ends.
+        Largest remaining error of an end, relative to its zone's width.
+    options : NewtonOptions or None
+        Options of Newton's method.
+    start : WarmStart or None
+        What is known beyond the zones: the open value, the error of the ends, numbers of modes.
 
     Returns
     -------
     Free
-        Whether the ends were found, where, and how well they are known.
+        Whether the ends were found, where they are, and their errors.
 
     Raises
     ------
@@ -269,414 +192,231 @@ def find_ends(
     >>> sie.find_ends(hertz, sie.Zones.of([[-0.5, 2.0]])).density.zones.table.round(12).tolist()
     [[-1.0, 1.0]]
     """
-    decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
-    opened = equation.open_condition
-    keeps = equation.forcing.cornered or equation.forcing.resolution.exact_places
-    off = min(off, _STEP_NEAR) if near else off
-    progress = Progress(
-        tolerance,
-        zones.b - zones.a,
-        modes.gaps(zones, equation.kernel)[1],
-        off,
-        few,
-        patient,
-        drops,
-    )
-    left, unit = like if like is None or isinstance(like, Sizes) else like.sizes, None
-    sizes = (
-        first_sizes(equation, zones)
-        if left is None
-        else sizes_like(left, equation, zones, left is like)
-    )
-    while True:
-        # Where that saves a solution of its own, the value at hand is in the right side.
-        sizes.linear, sizes.value = progress.linear, value
-        sizes.rough = sizes.linear > max(_ROUGHLY, min(progress.tightest, _ROUGH_ENOUGH))
-        # Series of many zones are no longer than the next move asks for.
-        fall = (
-            max(decay, min(_LONGEST_FALL, progress.left_to_solve)) if len(zones) >= _MANY else decay
-        )
-        state = _state(equation, zones, fall, sizes, value)
-        loose = fall > decay or (state.iterated and sizes.linear > progress.tightest)
-        zones, let_go = _let_go(zones, limits, state.density, limited)
-        if let_go and zones.follow_ends:
-            # The rates are those of the ends that move now.
-            state = _state(equation, zones, fall, sizes, value)
-        if opened is not None and (unit is None or _moved(state, unit) > _SAME_RESPONSE):
-            # An error of it is one of a step: as good as the square of the next is enough.
-            unit = state.response(state.values(opened), np.sqrt(sizes.linear))
-        motion = _newton(state, zones, signs, unit)
-        progress.turns += [motion.turn] if motion.turn is not None else []
-        if not np.isfinite(motion.delta).all():
-            if motion.turn is None:
-                raise SingularSystem("no motion of the ends meets the condition on them")
-            return _neutral(state, progress, value)
-        corners = _corners(state)
-        motion = replace(
-            motion, noise=motion.noise + np.where(motion.moves, _of_places(state, corners), 0.0)
-        )
-        rest = progress.after(zones, motion, corners, value, opened is not None)
-        if rest.reached and not let_go and not loose:
-            if motion.turn is not None and state.whole.iteration is not None:
-                told = _by_iteration(state.whole, state.whole.iteration, signs, unit, motion, rest)
-                if told is None:
-                    return _neutral(state, progress, value)
-                motion, rest = told
-            return _found(state, progress, rest, motion, value, bounded_ends)
-        beyond, found = (
-            _beyond_domain(zones, equation, motion.delta),
-            value if opened is not None else None,
-        )
-        hopeless = (
-            progress.is_hopeless(motion.certain)
-            or (equation.grows and state.unresolved)
-            or (near and not progress.is_near())
-        )
-        if hopeless or beyond.at_limit or len(progress.trace) > max_steps:
-            reason = _why_not(state, progress, motion, beyond)
-            return Free(
-                state,
-                False,
-                rest.error,
-                rest.rounding,
-                tuple(progress.trace),
-                found,
-                abs(motion.change),
-                reason=reason,
-            )
-        value += motion.change
-        closes, vanishes = _closes(zones, equation, motion.delta), _vanishes(zones, motion, drops)
-        outward = _limit(zones, state.equation, motion.delta)
-        zones = _held_at(zones.moved(outward, keeps), limits)
-        lost, met = progress.vanished(
-            zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes
-        )
-        changes = len(lost) + len(met)
-        if drops and 0 < changes < len(zones) and not zones.symmetric:
-            # What is lost bore little: the search goes on from the others.
-            (zones, kept), unit = zones.changed(lost, met, equation.kernel.period), None
-            sizes = sizes.of(kept)
-            progress.goes_on(zones, modes.gaps(zones, equation.kernel)[1], kept)
-        elif changes:
-            reason = "; ".join(
-                filter(
-                    None,
-                    [
-                        "a zone has shrunk away" if len(lost) else "a gap has closed",
-                        progress.past_fold,
-                    ],
-                )
-            )
-            return Free(
-                state,
-                False,
-                rest.error,
-                rest.rounding,
-                tuple(progress.trace),
-                value,
-                abs(motion.change),
-                lost,
-                met,
-                reason=reason,
-            )
-        # Of many zones its sums take as much memory as those of the next one.
-        del state
+    search = _Search(equation, zones, tolerance, options or NewtonOptions(), start or WarmStart())
+    while (found := search.step()) is None:
+        pass
+    return found
 
 
-def _state(equation: Equation, zones: Zones, decay: float, sizes: Sizes, value: float) -> AnyState:
-    """The density on these zones, at the open condition's value, if there is one."""
-    state, opened = solve_zones(equation, zones, decay, sizes), equation.open_condition
-    return (
-        state
-        if opened is None or value == 0.0 or state.iterated
-        else state.with_value(opened, value)
-    )
+class _Search:
+    """One search for the ends: the zones, the open value, and what the steps have shown so far."""
 
+    def __init__(
+        self,
+        equation: Equation,
+        zones: Zones,
+        tolerance: float,
+        options: NewtonOptions,
+        start: WarmStart,
+    ) -> None:
+        self.equation, self.zones, self.options, self.start = equation, zones, options, start
+        self.decay = max(0.1 * tolerance, 3e-16) if options.decay is None else options.decay
+        self.value = start.value
+        gaps = modes.gaps(zones, equation.kernel)[1]
+        self.progress = Progress(options, tolerance, zones.b - zones.a, gaps, start.initial_error)
+        self.sizes = _sizes_at_first(equation, zones, start.modes_like)
+        # The density caused by a unit of the open condition's value; None: to be found.
+        self.value_response: AnyDensity | None = None
 
-def _neutral(state: AnyState, progress: Progress, value: float) -> Free:
-    """Intensities that do not tell the ends."""
-    nowhere = np.full((len(state.density.zones), 2), np.inf)
-    return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
+    def step(self) -> Free | None:
+        """Solve on the zones and move their ends; the result once there is one."""
+        state, loose, is_released = self._solved()
+        motion = self._newton_step(state)
+        if motion is None:
+            return self._undetermined(state)
+        corners = corners_of(state)
+        by_places = np.where(motion.moves, place_rounding(state, corners), 0.0)
+        motion = replace(motion, noise=motion.noise + by_places)
+        opened = self.equation.open_condition is not None
+        rest = self.progress.after(self.zones, motion, corners, self.value, opened)
+        if rest.reached and not is_released and not loose:
+            return self._converged(state, motion, rest)
+        border = domain_limit(self.zones, self.equation, motion.delta, self.options)
+        if self._is_given_up(state, motion, border):
+            reason = self._reason(state, motion, border)
+            return self._failed(state, motion, rest, reason)
+        self.value += motion.change
+        return self._moved(state, motion, rest)
 
+    # one step
+    # ----------------------------------------------------------------------------------------
+    def _solved(self) -> tuple[AnyState, bool, bool]:
+        """(state on the zones, whether it is looser than the last one has to be, whether an end was
+        released from a limit).
+        """
+        sizes, progress = self.sizes, self.progress
+        # An iteration has the value in its right side: that saves a solve of its own.
+        sizes.linear, sizes.value = progress.linear, self.value
+        sizes.rough = sizes.linear > ROUGH
+        decay = self.decay
+        if sizes.carried is not None:
+            # Series of many zones need be no longer than the next step asks for.
+            decay = max(decay, min(self.options.first_solution, progress.left_to_solve))
+        state = self._state(decay)
+        loose = decay > self.decay or (state.iterated and sizes.linear > progress.tightest)
+        self.zones, is_released = released(self.zones, state.density, self.options)
+        if is_released and self.zones.follow_ends:
+            # The rates depend on which ends move.
+            state = self._state(decay)
+        return state, loose, is_released
 
-def _by_iteration(
-    state: State,
-    iteration: Iterative,
-    signs: tuple[float, float],
-    unit: AnyDensity | None,
-    motion: Motion,
-    rest: Rest,
-) -> tuple[Motion, Rest] | None:
-    """A step to rest and what it tells, with what iteration tells of them; None where the
-    intensities do not tell the ends.
-    """
-    motions, zones, side = (
-        IteratedMotions(state, iteration),
-        state.density.zones,
-        np.array(signs, dtype=float)[:, None],
-    )
-    more = motions.amplification()
-    if more > _AMPLIFIED or motion.turn is None:
+    def _state(self, decay: float) -> AnyState:
+        """The solution on the zones, at the value of the open condition."""
+        state = solve_zones(self.equation, self.zones, decay, self.sizes)
+        opened = self.equation.open_condition
+        if opened is None or self.value == 0.0 or state.iterated:
+            return state
+        return state.with_value(opened, self.value)
+
+    def _newton_step(self, state: AnyState) -> NewtonStep | None:
+        """The next Newton step; None if the intensities do not determine the ends."""
+        opened, response = self.equation.open_condition, self.value_response
+        if opened is not None and (
+            response is None or _moved_part(state, response) > self.options.max_response_move
+        ):
+            # Its error is one of the step, so the square root of the solution's is small enough.
+            tolerance = float(np.sqrt(self.sizes.linear))
+            self.value_response = state.response(state.values(opened), tolerance)
+        motion = newton_step(state, self.zones, self.options, self.value_response)
+        if motion.branch is not None:
+            self.progress.branches.append(motion.branch)
+        if np.isfinite(motion.delta).all():
+            return motion
+        if motion.branch is None:
+            raise SingularSystem("no motion of the ends meets the condition on them")
         return None
-    uncertain = (more * (motion.noise + STEP * np.abs(motion.delta)) / (zones.b - zones.a)).T
-    motion = replace(motion, turn=replace(motion.turn, growth=_growth(motions, side, unit)))
-    return motion, replace(rest, error=rest.error + uncertain, rounding=rest.rounding + uncertain)
 
-
-def _found(
-    state: AnyState,
-    progress: Progress,
-    rest: Rest,
-    motion: Motion,
-    value: float,
-    bounded_ends: bool,
-) -> Free:
-    """The ends that have come to rest."""
-    opened = state.equation.open_condition
-    if opened is not None and not state.iterated:
-        # The ends are at rest, and so is the value after its own last step. By iteration that would
-        # be another solution.
-        state, value = state.with_value(opened, motion.change), value + motion.change
-    state = state.with_bounded_ends() if bounded_ends else state
-    found = value if opened is not None else None
-    stable = motion.turn is None or motion.turn.growth < 0.0
-    reason = _FOUND if stable else _UNSTABLE
-    return Free(
-        state,
-        True,
-        rest.error,
-        rest.rounding,
-        tuple(progress.trace),
-        found,
-        abs(motion.change),
-        stable=stable,
-        reason=reason,
-        left=_limit(state.density.zones, state.equation, motion.delta),
-    )
-
-
-@record
-class Beyond:
-    """at_limit: whether an end is as near to the border of the right side's domain as it goes, and
-    would pass it; reason: in words, which ends would pass it; empty if none.
-    """
-
-    at_limit: bool
-    reason: str
-
-
-def _beyond_domain(zones: Zones, equation: Equation, delta: Array) -> Beyond:
-    """What outward steps (2, Z) ask for beyond the domain of the right side."""
-    names, near = [], False
-    last = len(zones) - 1
-    for side, zone, name in ((0, 0, "left end of zone 0"), (1, last, f"right end of zone {last}")):
-        room = float(_room(zones, equation)[side, zone])
-        if delta[side, zone] >= room:
-            names.append(f"the {name} (counted from 0)")
-            near |= room <= _AT_LIMIT * float(zones.b[zone] - zones.a[zone])
-    if not names:
-        return Beyond(False, "")
-    low, high = equation.within
-    where = (
-        f": the root lies at or beyond it, or nearer to it than {_AT_LIMIT:g} of the zone"
-        if near
-        else ", and may come back"
-    )
-    return Beyond(
-        near, f"{' and '.join(names)} would pass the limit within=({low:.6g}, {high:.6g}){where}"
-    )
-
-
-def _room(zones: Zones, equation: Equation) -> Array:
-    """Distances (2, Z) of ends from the border of the right side's domain; infinite of all but the
-    outermost ends.
-    """
-    room = np.full((2, len(zones)), np.inf)
-    low, high = equation.within
-    room[0, 0], room[1, -1] = zones.a[0] - low, high - zones.b[-1]
-    return room
-
-
-def _why_not(state: AnyState, progress: Progress, motion: Motion, beyond: Beyond) -> str:
-    """Why the search is given up."""
-    if state.equation.grows and state.unresolved:
-        return _UNRESOLVED
-    if beyond.at_limit:
-        return beyond.reason
-    told = progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
-    told = f"{told}; {beyond.reason}" if beyond.reason else told
-    if motion.certain:
-        return told
-    zone = int(np.flatnonzero(motion.weak)[0])
-    return (
-        f"{told}; beside an end of zone {zone} (counted from 0) the density has not the sign given by `signs`: it takes other zones, other "
-        "signs or more steps, or there is no such density"
-    )
-
-
-def _closes(zones: Zones, equation: Equation, delta: Array) -> Mask:
-    """Whether the steps of both ends at the gap right of each zone would leave nothing of it."""
-    gap = modes.gaps(zones, equation.kernel)[1]
-    return np.asarray(delta[1] + np.roll(delta[0], -1) >= (1 - 1e-9) * gap)
-
-
-def _vanishes(zones: Zones, motion: Motion, drops: bool) -> Mask:
-    """Whether the steps of both ends of a zone would leave nothing of it; or, where it may be
-    dropped, whether it is so much narrower than one beside it that others hardly feel it, and does
-    not push outward: all would wait for it to go, and signs tell if it is there.
-    """
-    width = np.pad(zones.b - zones.a, 1)
-    slight = drops & (width[1:-1] < _SLIGHT * np.maximum(width[:-2], width[2:]))
-    return np.asarray((motion.delta.sum(axis=0) <= zones.a - zones.b) | (motion.weak & slight))
-
-
-def _safe_slopes(
-    density: AnyDensity, natural: Array, signs: tuple[float, float]
-) -> tuple[Array, Mask]:
-    """(A to divide by, where it is no guide). The bounded solution's slope at an end has the sign
-    of the density; where the guess is far off, only K tells. natural: size of the coefficients
-    beyond the first.
-    """
-    a, root = np.array(density.edge_slopes), np.sqrt(density.zones.half)
-    side = np.array(signs)[:, None]
-    weak = side * a <= 1e-8 * natural / root
-    return np.where(weak, side * (natural / root + 1e-300), a), weak
-
-
-def _corners(state: AnyState) -> Array:
-    """Distance of a corner from each end (2, Z), within the zone or beyond: over it the density
-    changes; infinite without one.
-    """
-    equation, zones = state.equation, state.density.zones
-    if state.density.slit_count or len(equation.forcing.kinks[0]) == 0:
-        return np.full((2, len(zones)), np.inf)
-    return corner_distances(equation.forcing, zones, equation.kernel.period)
-
-
-def _of_places(state: AnyState, corners: Array) -> Array:
-    """What ends (2, Z) are off by since the right side is known at places rounded to a unit in
-    their last digit, e: K by about sqrt(w / 2) g' e, where A is sqrt(2 w) g' if it comes from the
-    smooth part of g alone. What comes from corners within a zone does not count, since the ends'
-    distances from these are known.
-    """
-    zones = state.density.zones
-    if state.equation.forcing.resolution.exact_places:
-        return np.zeros((2, len(zones)))
-    rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
-    if state.density.slit_count or not np.isfinite(corners).any():
-        return rounding
-    # An end at a corner, as far as positions tell, is known by its distance from there.
-    rounding = np.where(corners < 4 * rounding, 0.0, rounding)
-    cornered, g = state.whole.density.jumps.kinked, state.whole.system.g
-    smooth = _SMOOTH * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
-    known = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
-    rounding[:, cornered] *= known[:, cornered]
-    return np.asarray(rounding)
-
-
-def _held_at(zones: Zones, limits: tuple[float, float]) -> Zones:
-    """Ends that went past a limit are put there and held, singular."""
-    low, high = zones.a[0] <= limits[0], zones.b[-1] >= limits[1]
-    if not (low or high):
-        return zones
-    a, b, rest = zones.a.copy(), zones.b.copy(), zones.rest.copy()
-    left, right = list(zones.left), list(zones.right)
-    if low:
-        a[0], rest[0, 0], left[0] = limits[0], 0.0, SINGULAR
-    if high:
-        b[-1], rest[1, -1], right[-1] = limits[1], 0.0, SINGULAR
-    return replace(zones, a=a, b=b, rest=rest, left=left, right=right)
-
-
-def _let_go(
-    zones: Zones, limits: tuple[float, float], density: AnyDensity, limited: End
-) -> tuple[Zones, bool]:
-    """Ends held at a limit where the intensity is below that of free ones (negative, the density
-    pulls) become free; whether any did.
-    """
-    if not np.isfinite(limits).any():
-        return zones, False
-    k_left, k_right = density.intensities
-    least = limited.intensity if limited.moves and limited.intensity is not None else 0.0
-    low = zones.left[0] == SINGULAR and zones.a[0] == limits[0] and k_left[0] < least
-    high = zones.right[-1] == SINGULAR and zones.b[-1] == limits[1] and k_right[-1] < least
-    if not (low or high):
-        return zones, False
-    left, right = (
-        [limited, *zones.left[1:]] if low else zones.left,
-        [*zones.right[:-1], limited] if high else zones.right,
-    )
-    return replace(zones, left=left, right=right), True
-
-
-def _newton(
-    state: AnyState, zones: Zones, signs: tuple[float, float], unit: AnyDensity | None
-) -> Motion:
-    """The next step of ends of these kinds. unit: what a unit of the open condition's value makes,
-    if there is one.
-    """
-    moves = zones.moves
-    equation = state.equation
-    density = state.density
-    k = np.array(density.intensities)
-    a = np.array(density.edge_slopes)
-    w = density.zones.half
-    side = np.array(signs)[:, None]
-    natural = state.natural
-    noise_k = state.intensity_noise
-    residual = np.where(moves, k - zones.intensities, 0.0)
-    if zones.follow_ends:
-        whole = state.whole  # no slits where intensities are prescribed
-        delta, noise, change, growth = _full_newton(equation, whole, residual, noise_k, unit, side)
-        return Motion(
-            moves,
-            delta,
-            noise,
-            change,
-            np.zeros(len(zones), dtype=bool),
-            Turn(float(np.abs(residual).max()), growth),
+    def _moved(self, state: AnyState, motion: NewtonStep, rest: Convergence) -> Free | None:
+        """Move the ends; the result if zones vanish or merge and that ends the search."""
+        equation, options = self.equation, self.options
+        keeps_places = equation.forcing.cornered or equation.forcing.resolution.exact_places
+        gaps = modes.gaps(self.zones, equation.kernel)[1]
+        closes = motion.closes(gaps)
+        vanishes = motion.vanishes(self.zones, options)
+        moves = damped(self.zones, equation, motion.delta, options)
+        self.zones = zones = pinned_at_limits(self.zones.moved(moves, keeps_places), options.limits)
+        gaps = modes.gaps(zones, equation.kernel)[1]
+        lost, met = self.progress.vanished(zones, gaps, vanishes, closes)
+        changes = len(lost) + len(met)
+        if changes == 0:
+            return None
+        if options.allow_loss and changes < len(zones) and not zones.symmetric:
+            # Vanishing zones bear little: the search continues with the others.
+            self.zones, kept = zones.changed(lost, met, equation.kernel.period)
+            self.value_response, self.sizes = None, self.sizes.of(kept)
+            self.progress.continue_with(
+                self.zones, modes.gaps(self.zones, equation.kernel)[1], kept
+            )
+            return None
+        change = "a zone has shrunk away" if len(lost) else "a gap has closed"
+        reason = "; ".join(filter(None, [change, self.progress.past_fold]))
+        return replace(
+            self._failed(state, motion, rest, reason), value=self.value, lost=lost, met=met
         )
-    safe, weak = _safe_slopes(density, natural, signs)
-    delta = np.where(moves, 2 * residual / safe, 0.0)
-    noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
-    change = 0.0
-    if unit is not None:
-        k_unit = np.array(unit.intensities)
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            slope = np.where(moves, 2 * k_unit / safe, 0.0)
-        delta, change = _bordered(equation, density.zones, delta, slope, INWARD, OUTWARD)
-        residual = np.where(moves, residual + change * k_unit, 0.0)
-        a = a + change * np.array(unit.edge_slopes)
-    gaps = np.array(modes.gaps(density.zones, equation.kernel))
-    jumps = equation.forcing.density_jumps
-    tips = tips_between(equation.forcing, density.zones, equation.kernel.period) if jumps else 0.0
-    across, holds = gap_steps(
-        gaps, 2 * w, moves, side * residual, side * a, signs[0] == signs[1], tips
-    )
-    delta, weak = np.where(holds, across, delta), weak & ~holds
-    noise = np.where(holds, 2 * noise_k / np.abs(np.where(holds, a, 1.0)), noise)
-    if len(equation.forcing.jumps):
-        toward, slopes = side * residual, np.where(weak, 0.0, side * a)
-        bent = bent_steps(
-            equation.forcing,
-            density.zones,
-            equation.kernel.period,
-            toward,
-            slopes,
-            delta,
-            INWARD,
-            OUTWARD,
+
+    # results
+    # ----------------------------------------------------------------------------------------
+    def _converged(self, state: AnyState, motion: NewtonStep, rest: Convergence) -> Free:
+        """The result for ends that have converged."""
+        if motion.branch is not None and state.whole.iteration is not None:
+            checked = self._with_iterated_errors(state.whole, motion, rest)
+            if checked is None:
+                return self._undetermined(state)
+            motion, rest = checked
+        opened = self.equation.open_condition
+        if opened is not None and not state.iterated:
+            # The last change of the value costs a matrix nothing; an iteration, another solution.
+            state, self.value = (
+                state.with_value(opened, motion.change),
+                self.value + motion.change,
+            )
+        state = state.with_bounded_ends() if self.options.bounded_ends else state
+        stable = motion.branch is None or motion.branch.growth < 0.0
+        return replace(
+            self._failed(state, motion, rest, _CONVERGED if stable else _UNSTABLE),
+            converged=True,
+            value=self.value if opened is not None else None,
+            stable=stable,
+            left=damped(state.density.zones, self.equation, motion.delta, self.options),
         )
-        bent = np.where(moves & ~(holds & jumps), bent, delta)
-        # A corner that shortens the step shortens what rounding of K does.
-        noise = noise * np.minimum(np.abs(bent) / np.maximum(np.abs(delta), 1e-300), 1.0)
-        delta = bent
-    return Motion(moves, delta, noise, change, np.asarray((weak & moves).any(axis=0)))
+
+    def _failed(self, state: AnyState, motion: NewtonStep, rest: Convergence, reason: str) -> Free:
+        """The result for ends that have not converged."""
+        return Free(
+            state,
+            False,
+            rest.error,
+            rest.rounding,
+            tuple(self.progress.trace),
+            self.value if self.equation.open_condition is not None else None,
+            abs(motion.change),
+            reason=reason,
+        )
+
+    def _undetermined(self, state: AnyState) -> Free:
+        """The result where the intensities do not determine the ends."""
+        unknown = np.full((len(state.density.zones), 2), np.inf)
+        trace = tuple(self.progress.trace)
+        return Free(state, False, unknown, unknown, trace, self.value, reason=_UNDETERMINED)
+
+    def _with_iterated_errors(
+        self, state: State, motion: NewtonStep, rest: Convergence
+    ) -> tuple[NewtonStep, Convergence] | None:
+        """The last step and its errors with what iterative motions add; None if undetermined."""
+        assert state.iteration is not None and motion.branch is not None
+        motions, zones = IteratedMotions(state, state.iteration), state.density.zones
+        amplification = motions.amplification()
+        if amplification > _MAX_AMPLIFICATION:
+            return None
+        errors = motion.noise + STEP * np.abs(motion.delta)
+        error = (amplification * errors / (zones.b - zones.a)).T
+        growth = growth_of(motions, self.options.signs, self.value_response)
+        motion = replace(motion, branch=replace(motion.branch, growth=growth))
+        return motion, replace(rest, error=rest.error + error, rounding=rest.rounding + error)
+
+    def _is_given_up(self, state: AnyState, motion: NewtonStep, border: DomainLimit) -> bool:
+        """Whether further steps are useless or not allowed."""
+        progress = self.progress
+        return (
+            progress.is_hopeless(motion.certain)
+            or (self.equation.grows and state.unresolved)
+            or (self.start.abandon_if_far and not progress.is_close())
+            or border.reached
+            or len(progress.trace) > self.options.max_steps
+        )
+
+    def _reason(self, state: AnyState, motion: NewtonStep, border: DomainLimit) -> str:
+        """Why the search is given up, in words."""
+        if self.equation.grows and state.unresolved:
+            return _UNRESOLVED
+        if border.reached:
+            return border.reason
+        steps = len(self.progress.trace)
+        reason = self.progress.past_fold or f"the ends did not come to rest in {steps} steps"
+        reason = f"{reason}; {border.reason}" if border.reason else reason
+        if motion.certain:
+            return reason
+        zone = int(np.flatnonzero(motion.weak)[0])
+        return (
+            f"{reason}; beside an end of zone {zone} (counted from 0) the density has not the sign "
+            "given by `signs`: it takes other zones, other signs or more steps, or there is no "
+            "such density"
+        )
 
 
-def _moved(state: AnyState, response: AnyDensity) -> float:
-    """By what part of all widths the ends have moved from where a response was found, or those of
-    wide zones; infinite where other gaps are slits.
+def _sizes_at_first(equation: Equation, zones: Zones, modes_like: AnyState | Sizes | None) -> Sizes:
+    """Numbers of modes to start with; what another search has left is continued."""
+    if modes_like is None:
+        return first_sizes(equation, zones)
+    if isinstance(modes_like, Sizes):
+        return sizes_like(modes_like, equation, zones, True)
+    return sizes_like(modes_like.sizes, equation, zones, False)
+
+
+def _moved_part(state: AnyState, response: AnyDensity) -> float:
+    """Part of all widths by which the ends have moved since a response was found.
+
+    It is infinite if the zones, or the gaps that are treated as slits, are not the same.
     """
     tables = [
         (one.zones.table, other.zones.table)
@@ -685,90 +425,3 @@ def _moved(state: AnyState, response: AnyDensity) -> float:
     if any(len(now) != len(then) for now, then in tables):
         return np.inf
     return max(float(np.abs(now - then).sum() / np.diff(then).sum()) for now, then in tables)
-
-
-def _bordered(
-    equation: Equation,
-    zones: Zones,
-    delta: Array,
-    slope: Array,
-    inward: float = np.inf,
-    outward: float = np.inf,
-) -> tuple[Array, float]:
-    """(moves, change of the unknown value) that meet the condition on the ends; slope: moves by a
-    unit change; inward, outward: parts of its zone's width that an end moves by at most.
-
-    Moves count for the condition as far as they will be made: else an end beside which the
-    density's slope all but vanishes, as one of a zone about to be lost, would tell the value on its
-    own.
-    """
-    miss, by_left, by_right = equation.end_conditions[0].residual(zones)
-    gradient = np.array([by_left, by_right])
-    width = zones.b - zones.a
-    free = np.ones(delta.shape, dtype=bool)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        change = -(miss + np.sum(gradient * delta)) / np.sum(gradient * slope)
-        for _ in range(_BORDERINGS):
-            wanted = delta + change * slope
-            made = np.clip(wanted, -inward * width, outward * width)
-            cut, free = free, made == wanted
-            by_change = np.sum((gradient * slope)[free])
-            if np.array_equal(cut, free) or by_change == 0.0:
-                break
-            change = -(miss + np.sum(np.where(free, gradient * delta, gradient * made))) / by_change
-        return delta + change * slope, float(change)
-
-
-def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
-    """Moves cut to what widths and gaps allow. An end that would close its gap waits until the
-    others about it have come to rest within that gap: their remaining errors, squared, are what
-    pushes it.
-    """
-    width = zones.b - zones.a
-    room = np.minimum(
-        INTO_GAP * np.array(modes.gaps(zones, equation.kernel)), INTO_LIMIT * _room(zones, equation)
-    )
-    cut = delta > room
-    others = np.pad(np.abs(np.where(cut, 0.0, delta)).max(axis=0), _FELT, mode="edge")
-    largest = sliding_window_view(others, 2 * _FELT + 1).max(axis=1)
-    limited = np.clip(delta, -INWARD * width, np.minimum(OUTWARD * width, room))
-    return np.where(cut & (largest > room), 0.0, limited)
-
-
-def _full_newton(
-    equation: Equation,
-    state: State,
-    residual: Array,
-    noise_k: Array,
-    unit: AnyDensity | None,
-    signs: Array,
-) -> tuple[Array, Array, float, float]:
-    """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth
-    of a push (`Free.stable`; not a number by iteration, where it is left open) by Newton with the
-    full Jacobian dK_i/d(end_j), for prescribed intensities.
-
-    The rates are those of `end_rates`; of a mirrored pair of ends, the right one stands for both.
-    """
-    motions = motions_of(state)
-    delta, noise, change = (
-        motions.spread(motions.meeting(-motions.of(residual))),
-        motions.local(noise_k),
-        0.0,
-    )
-    if unit is not None:
-        slope = motions.spread(motions.meeting(-motions.of(np.array(unit.intensities))))
-        delta, change = _bordered(equation, state.density.zones, delta, slope)
-    return delta, noise, change, math.nan if state.iterated else _growth(motions, signs, unit)
-
-
-def _growth(
-    motions: DirectMotions | IteratedMotions, signs: Array, unit: AnyDensity | None
-) -> float:
-    """How a push of the ends grows; with a condition on the ends, which the unknown value keeps: of
-    motions along it.
-    """
-    if unit is None:
-        return motions.growth(signs[:, 0])
-    _, by_left, by_right = motions.state.equation.end_conditions[0].residual(motions.zones)
-    by_value = motions.of(signs * np.array(unit.intensities))
-    return motions.growth(signs[:, 0], motions.of(np.array([by_left, by_right])), by_value)

@@ -1,6 +1,4 @@
-"""What the steps of a search for ends tell: whether the ends have come to rest and to what they are
-known, or why they will not.
-"""
+"""What the steps of a search for ends show: convergence with an error, or why there will be none."""
 
 from dataclasses import dataclass, field
 
@@ -8,59 +6,13 @@ import numpy as np
 
 from sie.basis.data import Array, Index, Mask, record
 from sie.basis.zones import Zones
-
-# A zone alone that has shrunk to this part of its first width has vanished; one of several is then
-# reported as lost, or a gap as closed, at this part of its first size.
-_VANISHED = 1e-12
-_COLLAPSED = 1e-3
-# A gap below this part of the zones beside it, which has asked so many steps on end to be closed
-# altogether, has closed. So many steps on end have asked for nothing to be left of a zone that is
-# lost.
-_CLOSING = 0.05
-_INSISTS = 3
-# Steps, and moves over the widths, from which on a search that may drop zones is not in doubt about
-# those that do not push outward.
-_DOUBTED = 4
-_SLOW = 0.1
-# While it is in doubt, no solution is tighter and no series are longer than such a move asks for:
-# it will be solved anew with other zones.
-_DOUBT = 0.05
-# Steps after which ends that still want to move by more than half of their zones may be given up.
-_WANDERING = 20
-# Of zones said to be near: the first move over the width, and what is left of a move in the next
-# one. Moves below the last are about rounding, which need not fall.
-_NEAR = 0.3
-_FALLING = 0.25
-_AT_REST = 1e-6
-# Tolerances of solutions by iteration: at first, and at last over that of the ends.
-_LOOSE = 1e-6
-_TIGHT = 1e-3
-# Of more zones than these the last is tighter as they are more.
-_VERY_MANY = 6000
-# Rounding of ends is told as a root mean square; of more zones than these the largest is so many
-# times as large, and moves below the last that do not fall by half from one step to the next are
-# its: Newton's own would fall to their square.
-_HUNDREDS = 600
-_LARGEST = 4.0
-_ROUNDED = 1e-8
-# The first of these where it is open which zones there are, and where a few of the ends need not
-# come to rest.
-_LOOSER = 1e-5
-_LOOSEST = 1e-4
-# What a solution leaves, over the cube of the move before; moves over the widths down to which
-# loose ones tell the next, while they fall to less than this part of themselves; what the next
-# solution leaves at the least, over what the last one did.
-_OF_CUBE = 1e-3
-_TOLD_LOOSELY = 1e-2
-_FALLS = 0.5
-_CLOSER = 2e-5
-# The remaining motion of an end is the next step but for its square.
-MARGIN = 1.5
+from sie.ends.options import NewtonOptions
+from sie.ends.steps import Branch, NewtonStep
 
 
 @record
 class Step:
-    """One Newton step: ends before it, largest move over zone width, unknown value if any."""
+    """One Newton step: the ends before it, its largest move over a width, the open value if any."""
 
     zones: Array
     move: float
@@ -68,40 +20,11 @@ class Step:
 
 
 @record
-class Turn:
-    """missed: largest difference from the intensities prescribed; growth: largest real part of the
-    eigenvalues that tell stable ends.
-    """
+class Convergence:
+    """Whether the ends have converged, as far as a step shows, and their errors.
 
-    missed: float
-    growth: float
-
-
-@record
-class Motion:
-    """What a Newton step asks for. delta: outward moves (2, Z), of the ends that move; noise: their
-    roundoff; change: of the open condition's value; weak: zones with an end beside which the
-    density does not push outward; turn: what is seen of other roots where intensities are
-    prescribed.
-    """
-
-    moves: Mask
-    delta: Array
-    noise: Array
-    change: float
-    weak: Mask
-    turn: Turn | None = None
-
-    @property
-    def certain(self) -> bool:
-        """Whether it can be trusted."""
-        return not self.weak.any()
-
-
-@record
-class Rest:
-    """reached: whether the ends rest as far as the step tells; error: what they are known to over
-    their zones' widths (Z, 2); rounding: that part of it alone.
+    reached: whether they have; error: of each end over its zone's width (Z, 2); rounding: the
+    round-off in it.
     """
 
     reached: bool
@@ -111,212 +34,178 @@ class Rest:
 
 @dataclass(eq=False)
 class Progress:
-    """The steps so far of a search for ends from zones of these widths and gaps. off: what they are
-    off by at first over these widths, but for some; few: part of all ends that need not come to
-    rest, after so many `patient` steps; drops: see `find_ends`; most: the largest move of the last
-    step but for the few, over the width; doubted: whether some zones did not push outward, and may
-    be dropped; solved: tolerance of the last solution by iteration.
+    """The steps of one search for ends so far.
+
+    first_width, first_gap: of the zones at the start; initial_error: see `WarmStart`; trace: the
+    steps; branches: where they were among several roots; most: largest move of the last step
+    without the unresolved fraction of the ends; best: smallest move so far; stalled: steps that
+    have not halved it; closing, leaving: for how many steps in a row each gap, each zone was to
+    vanish.
     """
 
+    options: NewtonOptions
     tolerance: float
     first_width: Array
     first_gap: Array
-    off: float = 1.0
-    few: float = 0.0
-    patient: int = 0
-    drops: bool = False
+    initial_error: float = 1.0
     trace: list[Step] = field(default_factory=list)
-    turns: list[Turn] = field(default_factory=list)
+    branches: list[Branch] = field(default_factory=list)
     most: float = 1.0
-    doubted: bool = False
-    solved: float = 0.0
     best: float = np.inf
     stalled: int = 0
     closing: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     leaving: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
-    def goes_on(self, zones: Zones, gap: Array, kept: Index) -> None:
-        """Other zones, with these gaps right of them, of which some were there before."""
-        width = zones.b - zones.a
-        self.first_width, self.first_gap = (
-            np.maximum(self.first_width[kept], width),
-            np.maximum(self.first_gap[kept], gap),
-        )
+    def continue_with(self, zones: Zones, gaps: Array, kept: Index) -> None:
+        """Continue with other zones and their gaps; kept: which of the former ones they are."""
+        self.first_width = np.maximum(self.first_width[kept], zones.b - zones.a)
+        self.first_gap = np.maximum(self.first_gap[kept], gaps)
         self.closing, self.leaving = self.closing[kept], self.leaving[kept]
         self.stalled, self.best = 0, np.inf
 
-    @property
-    def last(self) -> float:
-        """The largest move of the last step over its zone's width; in doubt about a zone no less
-        than some. At most what the ends were said to be off by: where nearly all are known so well,
-        the others may be those of zones that bear no more.
-        """
-        return min(
-            max(self.trace[-1].move, _DOUBT if self.doubted else 0.0) if self.trace else 1.0,
-            self.off,
-        )
-
+    # tolerances of the next solution
+    # ----------------------------------------------------------------------------------------
     @property
     def linear(self) -> float:
-        """Tolerance of a solution by iteration: the next move is about the square of the last one
-        and the one after it about the fourth power, which what this solution leaves must not
-        outweigh: another solution takes longer than a few digits more of this one.
+        """Tolerance of the next iterative solution.
+
+        The next step is about the square of the last one, and the step after it the fourth power.
+        The error of the solution is to be smaller than that: a few more digits cost less than
+        another solution.
         """
-        cube, first = (
-            (_OF_CUBE * self.most**3, _LOOSEST)
-            if self.few
-            else (self.left_to_solve, _LOOSER if self.drops else _LOOSE)
-        )
-        return min(first, max(cube, self.tightest))
+        return min(self.options.first_solution, max(self.left_to_solve, self.tightest))
 
     @property
     def left_to_solve(self) -> float:
-        """What the next solution may leave, for all but the square of the next move; where zones
-        may be dropped, of very many, solutions stay loose for as long as they tell the moves, and
-        then are tighter by no more than what the next ones tell of them.
-        """
-        cube = _OF_CUBE * self.last**3
-        if not self.drops or len(self.trace) < 2:
-            return cube
-        falls = self.last > _TOLD_LOOSELY and self.trace[-1].move < _FALLS * self.trace[-2].move
-        return 1.0 if falls else max(cube, _CLOSER * self.solved)
+        """Error of the next solution that does not outweigh the next two Newton steps."""
+        last = self.trace[-1].move if self.trace else 1.0
+        # Where nearly all ends are known well, the others may be those of zones that are lost.
+        last = self.most if self.options.unresolved_fraction else min(last, self.initial_error)
+        return self.options.forcing * last**3
 
     @property
     def tightest(self) -> float:
-        # The more zones there are, the less the lightest bear beside the next ones, of which they
-        # feel what is left.
-        return (
-            _TIGHT
-            * self.tolerance
-            / (1.0 if self.few else max(len(self.first_width) / _VERY_MANY, 1.0))
-        )
+        """Tolerance of the last iterative solution."""
+        return self.options.last_solution * self.tolerance
 
+    # convergence
+    # ----------------------------------------------------------------------------------------
     def after(
-        self, zones: Zones, motion: Motion, corners: Array, value: float, opened: bool
-    ) -> Rest:
-        """Enters a step. corners: distance of a corner from each end (2, Z), over which the density
-        changes; value: of the open condition, if one is opened.
+        self, zones: Zones, motion: NewtonStep, corners: Array, value: float, opened: bool
+    ) -> Convergence:
+        """Record a step, and decide whether the ends have converged.
+
+        corners: distance of a kink from each end (2, Z), over which the density changes; value: of
+        the open condition, if there is one.
         """
-        width, delta, self.solved = zones.b - zones.a, np.abs(motion.delta), self.linear
-        move = float((delta / width).max(initial=0.0))
+        width, delta, options = zones.b - zones.a, np.abs(motion.delta), self.options
+        relative = delta / width
+        move = float(relative.max(initial=0.0))
         self.trace.append(Step(zones.table, move, value if opened else None))
-        self.doubted = self.drops and not motion.certain
-        if self.few:
-            self.most = min(float(np.quantile((delta / width).max(axis=0), 1.0 - self.few)), 1.0)
-        hundreds = len(width) > _HUNDREDS
-        largest_noise = (_LARGEST if hundreds else 1.0) * motion.noise
+        fraction = options.unresolved_fraction
+        if fraction:
+            self.most = min(float(np.quantile(relative.max(axis=0), 1.0 - fraction)), 1.0)
+        # The noise is a root mean square: the largest of n normal errors is sqrt(2 log n) times it.
+        largest_noise = np.sqrt(2 * np.log(2 + delta.size)) * motion.noise
         at_rest = delta <= np.maximum(self.tolerance * np.minimum(width, corners), largest_noise)
-        rests = bool(np.all(at_rest)) or (
-            len(self.trace) > self.patient and bool(np.mean(at_rest) >= 1.0 - self.few)
-        )
+        few_move = bool(np.mean(at_rest) >= 1.0 - fraction)
+        rests = bool(np.all(at_rest)) or (len(self.trace) > options.patience and few_move)
         self.stalled = self.stalled + 1 if move > 0.5 * self.best else 0
         self.best = min(self.best, move)
-        quiet = bool(np.all(delta < np.clip(100 * motion.noise, 1e-6 * width, 1e-2 * width)))
-        stuck = (self.stalled >= 2 and move < 1e-9) or (self.stalled >= 5 and quiet)
-        stuck = stuck or (self.stalled > 0 and hundreds and move < _ROUNDED)
-        # Where rounding keeps the ends moving, the largest of the moves since the least one is what
-        # they are known to.
-        largest = (
-            max(step.move for step in self.trace[-min(self.stalled + 1, 4) :]) / max(move, 1e-300)
-            if stuck
-            else 1.0
-        )
-        # The value cannot be at rest where rounding keeps the ends moving.
-        least = max(self.tolerance, 1e-14, largest * move if stuck else 0.0)
+        growth = self._moves_by_rounding(delta, width, motion.noise)
+        # The value cannot converge where rounding keeps the ends moving.
+        least = max(self.tolerance, 1e-14, growth * move if growth else 0.0)
         known = abs(motion.change) <= least * abs(value + motion.change)
         rounding = (motion.noise / width).T
-        certain = motion.certain or self.few > 0.0
-        return Rest(
-            certain and (rests or stuck) and known,
-            rounding + MARGIN * largest * (delta / width).T,
-            rounding,
-        )
+        certain = motion.certain or fraction > 0.0
+        error = rounding + options.step_margin * max(growth, 1.0) * relative.T
+        return Convergence(certain and (rests or growth > 0) and known, error, rounding)
 
+    def _moves_by_rounding(self, delta: Array, width: Array, noise: Array) -> float:
+        """Largest of the last stalled moves over the last one, if rounding causes them; else 0."""
+        move, rounding_step = self.trace[-1].move, self.options.rounding_step
+        quiet = delta < np.clip(100 * noise, rounding_step * width, 1e-2 * width)
+        by_rounding = (self.stalled >= 2 and move < 1e-3 * rounding_step) or (
+            self.stalled >= self.options.stalled_steps and bool(np.all(quiet))
+        )
+        if not by_rounding:
+            return 0.0
+        recent = self.trace[-min(self.stalled + 1, 4) :]
+        return max(step.move for step in recent) / max(move, 1e-300)
+
+    # failure
+    # ----------------------------------------------------------------------------------------
     def is_hopeless(self, certain: bool) -> bool:
-        """At rest, or about, where the density does not push outward; or far from rest for long: it
-        takes other zones.
+        """Whether these zones will not converge, so that it takes others.
+
+        certain: whether the density has the right sign next to all ends. Where it has not, the
+        ends have settled or stalled; otherwise they have wandered for long.
         """
-        if (
-            self.drops
-            and not certain
-            and len(self.trace) > _DOUBTED
-            and self.trace[-1].move < _SLOW
-        ):
-            return True
-        if (
-            self.stalled >= 5
-            and not certain
-            and (self.trace[-1].move < 1e-6 or (self.stalled >= 15 and self._stays()))
-        ):
-            return True
+        options, move = self.options, self.trace[-1].move
+        if not certain:
+            settled = len(self.trace) > options.doubtful_steps and move < options.settled_step
+            if options.allow_loss and settled:
+                return True
+            stays = self.stalled >= 3 * options.stalled_steps and self._stays()
+            stalled = self.stalled >= options.stalled_steps
+            if stalled and (move < options.rounding_step or stays):
+                return True
         return (
-            len(self.trace) > _WANDERING
+            len(self.trace) > options.wandering_steps
             and min(step.move for step in self.trace[-10:]) > 0.5
             and self._stays()
         )
 
-    def is_near(self) -> bool:
-        """Whether the last step is one of Newton's method beside a solution."""
-        largest = _NEAR if len(self.trace) == 1 else max(_FALLING * self.trace[-2].move, _AT_REST)
-        return self.trace[-1].move <= largest
-
     def _stays(self) -> bool:
-        """Whether the zones have neither grown nor shrunk in the last steps, nor their ends come to
-        rest.
-        """
+        """Whether in the last steps the zones neither changed much nor came closer to converging."""
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
         if len(now) != len(before):
             return False
-        return (
-            bool(np.all((before / 3 < now) & (now < 3 * before)))
-            and self.trace[-1].move > 0.7 * self.trace[-5].move
+        same = bool(np.all((before / 3 < now) & (now < 3 * before)))
+        return same and self.trace[-1].move > 0.7 * self.trace[-5].move
+
+    def is_close(self) -> bool:
+        """Whether the last step is one of Newton's method close to a solution."""
+        before = 1.0 if len(self.trace) == 1 else self.trace[-2].move
+        return self.trace[-1].move <= max(
+            self.options.close_step * before, self.options.rounding_step
         )
 
     def vanished(
-        self, zones: Zones, gap: Array, vanishes: Mask, closes: Mask
+        self, zones: Zones, gaps: Array, vanishes: Mask, closes: Mask
     ) -> tuple[Index, Index]:
-        """Zones that have shrunk away, and gaps, by the zone left of them, that have closed.
-        vanishes, closes: whether the last step asked for nothing to be left of them.
+        """(zones that have vanished, gaps that have closed, each by the zone on its left).
+
+        vanishes, closes: whether the last undamped step left nothing of them.
         """
+        options, width = self.options, zones.b - zones.a
         self.closing = np.where(closes, (self.closing if len(self.closing) else 0) + 1, 0)
         self.leaving = np.where(vanishes, (self.leaving if len(self.leaving) else 0) + 1, 0)
-        # The last zone keeps what total is given, however narrow it becomes; without one it may
-        # vanish.
-        least = (_COLLAPSED if len(zones) > 1 else _VANISHED) * self.first_width
-        gone = zones.b - zones.a < np.maximum(least, 8 * np.spacing(np.abs(zones.a)))
-        # A step leaves of a zone that is too wide at least half: one that asks for nothing, again
-        # and again, would be a sum of such steps.
-        insists = self.leaving >= _INSISTS
-        # Since the search begins anew without them, those that have asked for it more than once go
-        # with them.
-        insists = (
-            self.leaving >= 2
-            if insists.any() and len(zones) > 1
-            else np.zeros(len(gone), dtype=bool)
-        )
-        lost = np.flatnonzero(gone | insists)
-        narrowest = np.minimum(zones.b - zones.a, self.first_width)
-        closed = (
-            self.closing >= 2
-            if self.drops
-            else (self.closing >= _INSISTS) & (gap < _CLOSING * narrowest)
-        )
-        return lost, np.flatnonzero(
-            (gap < _COLLAPSED * np.minimum(self.first_gap, narrowest)) | closed
-        )
+        # One zone keeps the given total however narrow it is; without a total it may vanish.
+        part = options.vanished_part if len(zones) > 1 else options.last_zone_vanished
+        gone = width < np.maximum(part * self.first_width, 8 * np.spacing(np.abs(zones.a)))
+        # A damped step leaves most of a zone, so a zone that is to vanish again and again has.
+        insists = np.zeros(len(gone), dtype=bool)
+        if len(zones) > 1 and (self.leaving >= options.insistent_steps).any():
+            # The search restarts without it, and at once without others that are to vanish.
+            insists = self.leaving >= 2
+        narrowest = np.minimum(width, self.first_width)
+        closed = self.closing >= 2
+        if not options.allow_loss:
+            closed = (self.closing >= options.insistent_steps) & (
+                gaps < options.closing_gap * narrowest
+            )
+        closed |= gaps < options.vanished_part * np.minimum(self.first_gap, narrowest)
+        return np.flatnonzero(gone | insists), np.flatnonzero(closed)
 
     @property
     def past_fold(self) -> str:
-        """That the search has gone to and fro between stable and unstable ends, in words; empty
-        where it has not.
-        """
-        if not (
-            any(turn.growth < 0.0 for turn in self.turns)
-            and any(turn.growth >= 0.0 for turn in self.turns)
-        ):
+        """That the search went back and forth between stable and unstable ends, in words, or ''."""
+        growth = np.array([branch.growth for branch in self.branches])
+        if not ((growth < 0.0).any() and (growth >= 0.0).any()):
             return ""
-        missed = min(turn.missed for turn in self.turns)
+        residual = min(branch.residual for branch in self.branches)
         return (
-            f"the intensities asked for may lie past a fold: nearer to them than {missed:.3g} the search did not come, on both sides of "
-            f"where ends turn from stable to unstable"
+            f"the intensities asked for may lie past a fold: nearer to them than {residual:.3g} the "
+            "search did not come, on both sides of where ends turn from stable to unstable"
         )

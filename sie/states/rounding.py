@@ -25,7 +25,7 @@ EPS = 2.2e-16
 SAFETY = 4.0
 # To what the answer to a truncation is found by iteration, relative.
 _LOOSE = 1e-2
-_ITERATED_SAMPLES = 4
+RANDOM_SAMPLES = 4
 # How often rows are shaken, and angles of each zone at which the density is looked at.
 _SHAKEN = 12
 _ANGLES = 24
@@ -174,7 +174,7 @@ def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array)
 
 
 def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
-    """Unknowns that answer errors of the rows at random, `_ITERATED_SAMPLES` of them, by iteration.
+    """Unknowns that answer errors of the rows at random, `RANDOM_SAMPLES` of them, by iteration.
 
     The errors of the rows are those of `_row_truncation`, the rounding of their terms, and what the
     iteration has left of the totals. Each row has a random sign of its own: with one for each
@@ -185,7 +185,7 @@ def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
     chance, last, stated = np.random.default_rng(0), state.system.last_unknowns, iteration.error
     solved = state.density.zones.solved
     changes = []
-    for _ in range(_ITERATED_SAMPLES):
+    for _ in range(RANDOM_SAMPLES):
         wrong = EPS * state.folded_unknowns * chance.standard_normal(symmetry.size)
         lacking = np.where(state.system.layout.m[solved] > 0, missing[solved], 0.0)
         wrong[last] += lacking * chance.choice([-1.0, 1.0], len(last))

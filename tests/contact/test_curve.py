@@ -235,18 +235,18 @@ def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from
     monkeypatch,
 ):
     count = {"points": 0, "solves": 0}
-    grid, state = contact.search.grid.nested_grids.solve_grid, sie.ends.newton._state
+    grid, state = contact.search.grid.nested_grids.solve_grid, sie.ends.newton.solve_zones
 
     def gridded(f, *arguments, **options):
         count["points"] += len(f)
         return grid(f, *arguments, **options)
 
-    def solved(*arguments):
+    def solved(*arguments, **options):
         count["solves"] += 1
-        return state(*arguments)
+        return state(*arguments, **options)
 
     monkeypatch.setattr(contact.search.grid.nested_grids, "solve_grid", gridded)
-    monkeypatch.setattr(sie.ends.newton, "_state", solved)
+    monkeypatch.setattr(sie.ends.newton, "solve_zones", solved)
     loads = np.geomspace(0.02, 0.04, 6) * full_load(TRACE)
     contact.solve_many(scene(TRACE), loads)
     together, count = dict(count), count
@@ -261,15 +261,15 @@ def test_a_few_loads_far_apart_take_no_more_than_twice_the_solutions_of_searches
     monkeypatch,
 ):
     """Where a grid takes no time, zones that are carried far are not put right again and again."""
-    count, state = [0], sie.ends.newton._state
+    count, state = [0], sie.ends.newton.solve_zones
 
-    def solved(*arguments):
+    def solved(*arguments, **options):
         count[0] += 1
-        return state(*arguments)
+        return state(*arguments, **options)
 
     profile = drawn(np.random.default_rng(3), "honed", 300)
     loads = np.geomspace(1e-3, 0.7, 12) * full_load(profile)
-    monkeypatch.setattr(sie.ends.newton, "_state", solved)
+    monkeypatch.setattr(sie.ends.newton, "solve_zones", solved)
     contact.solve_many(scene(profile), loads)
     together, count[0] = count[0], 0
     for load in loads:

@@ -238,7 +238,9 @@ def test_an_end_at_a_limit_is_let_go_where_its_intensity_is_below_that_of_free_o
         sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR),
         sie.Zones.of([[-0.9, 0.95]], end, end),
     ):
-        free = sie.find_ends(equation, start, limits=(-1.0, 1.0), limited=end)
+        free = sie.find_ends(
+            equation, start, options=sie.NewtonOptions(limits=(-1.0, 1.0), released_end=end)
+        )
         c = free.density.zones.b[0]
         assert free.converged and (c == 1.0 if above > 0 else c < 1.0)
         if above < 0:

@@ -182,7 +182,7 @@ def test_by_iteration_a_total_width_takes_hardly_more_than_a_total(monkeypatch):
     ):
         counts.append(0)
         problem = sie.Equation(sie.hilbert(1.0), forcing, (total, sie.EqualPotential()), (), ends)
-        found = sie.find_ends(problem, start, 1e-9, value=0.9 * solution.load)
+        found = sie.find_ends(problem, start, 1e-9, start=sie.WarmStart(value=0.9 * solution.load))
         assert found.converged and found.state.iterated
     assert found.value == pytest.approx(solution.load, rel=1e-8)
     assert counts[1] < 3 * counts[0], counts
@@ -218,7 +218,10 @@ def test_ends_that_are_known_well_are_solved_for_tightly_at_once(monkeypatch):
     monkeypatch.setattr(engine, "MANY_UNKNOWNS", 10)
     solution, equation = solved_with_its_equation(1e-10)
     start = sie.Zones.of(solution.zones + 1e-6 * np.diff(solution.zones) * np.array([0.4, -0.7]))
-    plain, told = (sie.find_ends(equation, start, 1e-7, off=off) for off in (1.0, 1e-6))
+    plain, told = (
+        sie.find_ends(equation, start, 1e-7, start=sie.WarmStart(initial_error=error))
+        for error in (1.0, 1e-6)
+    )
     assert plain.converged and told.converged and len(told.trace) < len(plain.trace)
     width = np.diff(plain.density.zones.table, axis=1)
     assert np.all(
@@ -338,7 +341,9 @@ def test_a_search_goes_on_from_what_the_last_one_has_left(monkeypatch):
     beside = sie.Zones.of(solution.zones + 1e-5 * np.diff(solution.zones) * np.array([0.4, -0.7]))
     left = sie.find_ends(equation, sie.Zones.of(solution.zones), 1e-7).state.sizes
     fresh, after = (
-        sie.find_ends(equation, beside, 1e-7, max_steps=0, like=like).state.sizes
+        sie.find_ends(
+            equation, beside, 1e-7, sie.NewtonOptions(max_steps=0), sie.WarmStart(modes_like=like)
+        ).state.sizes
         for like in (None, left)
     )
     assert after.iterations < 0.6 * fresh.iterations

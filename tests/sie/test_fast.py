@@ -12,7 +12,7 @@ import sie
 from sie.dense import modes
 from sie.dense.system import MirrorSymmetry, System
 from sie.density.treecode import Treecode
-from sie.ends import newton
+from sie.ends.steps import damped
 from sie.fast.system import IterativeSystem
 from sie.fast.zone_sums import Nested, ZoneSums
 from sie.jumps.forcing import ForcingJumps
@@ -324,4 +324,6 @@ def test_an_end_does_not_wait_for_zones_far_from_it():
     for other, waits in ((0, False), (21, True)):
         moves = delta.copy()
         moves[0, other] = -0.25
-        assert (newton._limit(zones, equation(sie.cauchy()), moves)[1, 20] == 0.0) == waits
+        assert (
+            damped(zones, equation(sie.cauchy()), moves, sie.NewtonOptions())[1, 20] == 0.0
+        ) == waits

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import sie
-from sie.ends.newton import INWARD, OUTWARD, _bordered
 from sie.ends.progress import Progress
+from sie.ends.steps import bordered
 from tests.sie import exact
 
 T = np.cos(np.pi * np.arange(1, 39) / 39)
@@ -333,7 +333,9 @@ def test_zones_that_should_be_one_meet():
 
 def test_few_steps_are_not_convergence():
     equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(math.pi / 2),))
-    found = sie.find_ends(equation, sie.Zones.of([[-0.3, 0.2]]), 1e-13, max_steps=2)
+    found = sie.find_ends(
+        equation, sie.Zones.of([[-0.3, 0.2]]), 1e-13, sie.NewtonOptions(max_steps=2)
+    )
     assert not found.converged
     assert found.end_error.max() > 1e-3
 
@@ -346,7 +348,9 @@ def adhesive(total, start, intensity=-0.2, **options):
     """
     end = sie.free_with_intensity(intensity)
     equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(total),))
-    return sie.find_ends(equation, sie.Zones.of([start], end, end), 1e-10, **options)
+    return sie.find_ends(
+        equation, sie.Zones.of([start], end, end), 1e-10, sie.NewtonOptions(**options)
+    )
 
 
 @pytest.mark.parametrize(
@@ -387,7 +391,10 @@ def test_a_crack_is_stable_where_its_intensity_falls_as_it_grows(load, start, st
     left, right = sie.free_with_intensity(-0.3), sie.free_with_intensity(0.3)
     equation = sie.Equation(sie.cauchy(), sie.Forcing(load), (sie.ZoneTotals(),))
     found = sie.find_ends(
-        equation, sie.Zones.of([[-start, start]], left, right), 1e-10, signs=(-1.0, 1.0)
+        equation,
+        sie.Zones.of([[-start, start]], left, right),
+        1e-10,
+        sie.NewtonOptions(signs=(-1.0, 1.0)),
     )
     assert found.converged and found.stable == stable
 
@@ -398,7 +405,10 @@ def test_a_crack_that_may_be_anywhere_is_told_so():
         sie.cauchy(), sie.Forcing(lambda x: -np.ones_like(x)), (sie.ZoneTotals(),)
     )
     found = sie.find_ends(
-        equation, sie.Zones.of([[-0.4, 0.5]], left, right), 1e-10, signs=(-1.0, 1.0)
+        equation,
+        sie.Zones.of([[-0.4, 0.5]], left, right),
+        1e-10,
+        sie.NewtonOptions(signs=(-1.0, 1.0)),
     )
     assert not found.converged
     assert (
@@ -414,7 +424,7 @@ def test_every_search_says_why_it_stopped():
     few = sie.find_ends(
         sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(1.0),)),
         sie.Zones.of([[-0.3, 0.2]]),
-        max_steps=2,
+        options=sie.NewtonOptions(max_steps=2),
     )
     assert "3 steps" in few.reason and few.stable is None
     equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(-1.0),))
@@ -427,14 +437,14 @@ def test_an_end_beside_which_the_density_has_hardly_a_slope_does_not_tell_the_un
     zones = sie.Zones.of([[0.0, 1.0], [2.0, 2.01]])
     held = SimpleNamespace(end_conditions=(sie.TotalWidth(1.11),))
     slope = np.array([[1.0, 1e6], [1.0, 1e6]])
-    delta, change = _bordered(held, zones, np.zeros((2, 2)), slope, INWARD, OUTWARD)
+    delta, change = bordered(held, zones, np.zeros((2, 2)), slope, (0.3, 0.5))
     assert change == pytest.approx(0.5 * (0.1 - 0.01))
     np.testing.assert_allclose(delta, change * slope)
 
 
 def test_a_zone_that_step_by_step_asks_for_nothing_to_be_left_of_it_is_lost():
     zones = sie.Zones.of([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
-    progress = Progress(1e-12, np.ones(3), np.ones(3))
+    progress = Progress(sie.NewtonOptions(), 1e-12, np.ones(3), np.ones(3))
     asked = [[False, True, False], [False, True, True], [False, True, True]]
     lost = [
         progress.vanished(zones, np.ones(3), np.array(one), np.zeros(3, dtype=bool))[0].tolist()

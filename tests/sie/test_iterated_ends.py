@@ -70,7 +70,9 @@ def test_the_ends_found_are_those_found_with_all_rates(monkeypatch, name):
     zones = sie.Zones.of(table, ADHERING, ADHERING)
     direct, iterated = both(
         monkeypatch,
-        lambda: sie.find_ends(equation, zones, 1e-9, value=0.1 if name == "width" else 0.0),
+        lambda: sie.find_ends(
+            equation, zones, 1e-9, start=sie.WarmStart(value=0.1 if name == "width" else 0.0)
+        ),
     )
     assert direct.converged and iterated.converged and direct.stable and iterated.stable
     away = np.abs(direct.density.zones.table - iterated.density.zones.table) / np.diff(
@@ -102,7 +104,7 @@ def test_ends_that_the_intensities_do_not_tell_are_not_called_known(monkeypatch)
         sie.free_with_intensity(1.2),
     )
     monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 1)
-    found = sie.find_ends(even, zones, 1e-9, signs=(-1.0, 1.0))
+    found = sie.find_ends(even, zones, 1e-9, sie.NewtonOptions(signs=(-1.0, 1.0)))
     width = np.diff(found.density.zones.table, axis=1)
     assert not found.converged or found.end_error.max() > 1e-8 * width.max()
 

@@ -159,7 +159,9 @@ def test_zones_in_doubt_are_dropped_or_joined_on_the_way_and_the_rest_is_as_with
     right = sie.find_ends(equation, sie.Zones.of(table), 1e-11)
     doubtful = np.sort(np.concatenate((table.ravel(), [0.49, 0.51], [1.0, 1.001]))).reshape(-1, 2)
     assert not sie.find_ends(equation, sie.Zones.of(doubtful), 1e-11).converged
-    found = sie.find_ends(equation, sie.Zones.of(doubtful), 1e-11, drops=True)
+    found = sie.find_ends(
+        equation, sie.Zones.of(doubtful), 1e-11, sie.NewtonOptions(allow_loss=True)
+    )
     assert found.converged and found.density.zones.table == pytest.approx(
         right.density.zones.table, abs=1e-10
     )
@@ -176,7 +178,7 @@ def test_a_slight_zone_that_does_not_push_outward_is_not_waited_for(monkeypatch)
     right = sie.find_ends(
         row, sie.Zones.of(np.arange(-3.0, 4.0)[:, None] + [-0.2, 0.2]), 1e-11
     ).density.zones.table
-    original = free_boundary._newton
+    original = free_boundary.newton_step
 
     def in_doubt(state, zones, *given):
         motion = original(state, zones, *given)
@@ -186,9 +188,9 @@ def test_a_slight_zone_that_does_not_push_outward_is_not_waited_for(monkeypatch)
             else motion
         )
 
-    monkeypatch.setattr(free_boundary, "_newton", in_doubt)
+    monkeypatch.setattr(free_boundary, "newton_step", in_doubt)
     doubtful = sie.Zones.of(np.insert(right, 4, right[3, 1] + np.array([1e-3, 1.4e-3]), axis=0))
-    found = sie.find_ends(row, doubtful, 1e-11, drops=True)
+    found = sie.find_ends(row, doubtful, 1e-11, sie.NewtonOptions(allow_loss=True))
     assert found.converged and found.density.zones.table == pytest.approx(right, abs=1e-10)
 
 

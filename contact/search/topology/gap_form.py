@@ -66,6 +66,7 @@ class GapForm:
 
     def moved(self, control: Control, zones: sie.Zones, newton: NewtonSettings) -> sie.Free:
         """The gaps with their ends found by Newton's method."""
+        newton = replace(newton, modes_like=None)
         return newton.ends(self.equation(control), zones, self.most_steps, signs=(1.0, -1.0))
 
     def formal(
@@ -73,17 +74,16 @@ class GapForm:
     ) -> GapFields:
         """Fields with this number of gaps under a load, whatever the signs.
 
-        decay: see `sie.find_ends`.
+        decay: see `sie.NewtonOptions`.
         """
         equation = self.equation(Load(load))
         free = sie.find_ends(
             equation,
             sie.Zones.of(table),
             tolerance,
-            self.most_steps,
-            signs=(1.0, -1.0),
-            decay=decay,
-            bounded_ends=False,
+            sie.NewtonOptions(
+                max_steps=self.most_steps, signs=(1.0, -1.0), decay=decay, bounded_ends=False
+            ),
         )
         if not free.converged:
             raise WrongTopology("the ends of the gaps did not settle", free)

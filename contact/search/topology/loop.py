@@ -131,19 +131,24 @@ class NewtonSettings:
     def ends(
         self, equation: sie.Equation, zones: sie.Zones, max_steps: int, **options: Any
     ) -> sie.Free:
-        """The ends of the intervals of an equation. options: further ones of `sie.find_ends`."""
+        """The ends of the intervals of an equation. options: further ones of `sie.NewtonOptions`."""
         return sie.find_ends(
             equation,
             zones,
             self.tolerance,
-            self.max_steps or max_steps,
-            value=self.load_guess,
-            near=self.abandon_if_far,
-            off=self.initial_error,
-            few=self.unresolved_fraction,
-            patient=self.patience,
-            drops=self.allow_loss,
-            **options,
+            sie.NewtonOptions(
+                max_steps=self.max_steps or max_steps,
+                unresolved_fraction=self.unresolved_fraction,
+                patience=self.patience,
+                allow_loss=self.allow_loss,
+                **options,
+            ),
+            sie.WarmStart(
+                value=self.load_guess,
+                initial_error=self.initial_error,
+                modes_like=self.modes_like,
+                abandon_if_far=self.abandon_if_far,
+            ),
         )
 
 

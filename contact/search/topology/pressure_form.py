@@ -78,9 +78,8 @@ class PressureForm:
             zones,
             self.most_steps,
             limits=problem.corners,
-            limited=problem.end,
+            released_end=problem.end,
             decay=newton.decay,
-            like=newton.modes_like,
         )
 
     def formal(
@@ -88,7 +87,7 @@ class PressureForm:
     ) -> ZoneFields:
         """Fields with this number of zones under a load, whatever the signs.
 
-        decay: see `sie.find_ends`.
+        decay: see `sie.NewtonOptions`.
         """
         control = Load(load)
         zones, equation = kinds(self.problem, control, table), self.problem.equation(control)
@@ -97,10 +96,12 @@ class PressureForm:
                 equation,
                 zones,
                 tolerance,
-                limits=self.problem.corners,
-                decay=decay,
-                bounded_ends=False,
-                limited=self.problem.end,
+                sie.NewtonOptions(
+                    limits=self.problem.corners,
+                    released_end=self.problem.end,
+                    decay=decay,
+                    bounded_ends=False,
+                ),
             )
         except sie.SingularSystem as failure:
             raise WrongTopology(

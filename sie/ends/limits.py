@@ -1,0 +1,87 @@
+"""Limits of free ends: an interval that they do not leave, and the domain of the right side."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sie.basis.data import Array, record
+from sie.basis.zones import SINGULAR, Zones
+from sie.ends.options import NewtonOptions
+from sie.equation.equation import Equation
+from sie.slits.system import AnyDensity
+
+
+@record
+class DomainLimit:
+    """What a step asks for beyond the domain of the right side.
+
+    reached: whether an end that would pass the border is already as close to it as it may come;
+    reason: which ends would pass it, in words, or empty.
+    """
+
+    reached: bool
+    reason: str
+
+
+def domain_limit(
+    zones: Zones, equation: Equation, delta: Array, options: NewtonOptions
+) -> DomainLimit:
+    """Compare outward steps (2, Z) with the distances from the border of the domain."""
+    names, is_close = [], False
+    distances, last = border_distances(zones, equation), len(zones) - 1
+    for side, zone, name in ((0, 0, "left end of zone 0"), (1, last, f"right end of zone {last}")):
+        distance = float(distances[side, zone])
+        if delta[side, zone] >= distance:
+            names.append(f"the {name} (counted from 0)")
+            width = float(zones.b[zone] - zones.a[zone])
+            is_close |= distance <= options.border_distance * width
+    if not names:
+        return DomainLimit(False, "")
+    low, high = equation.within
+    where = ", and may come back"
+    if is_close:
+        part = f"{options.border_distance:g} of the zone"
+        where = f": the root lies at or beyond it, or nearer to it than {part}"
+    limit = f"within=({low:.6g}, {high:.6g}){where}"
+    return DomainLimit(is_close, f"{' and '.join(names)} would pass the limit {limit}")
+
+
+def border_distances(zones: Zones, equation: Equation) -> Array:
+    """Distances (2, Z) of the outermost ends from the border of the domain; infinite of others."""
+    distances = np.full((2, len(zones)), np.inf)
+    low, high = equation.within
+    distances[0, 0], distances[1, -1] = zones.a[0] - low, high - zones.b[-1]
+    return distances
+
+
+def pinned_at_limits(zones: Zones, limits: tuple[float, float]) -> Zones:
+    """The zones with ends beyond a limit put on it, as fixed singular ends."""
+    low, high = zones.a[0] <= limits[0], zones.b[-1] >= limits[1]
+    if not (low or high):
+        return zones
+    a, b, rest = zones.a.copy(), zones.b.copy(), zones.rest.copy()
+    left, right = list(zones.left), list(zones.right)
+    if low:
+        a[0], rest[0, 0], left[0] = limits[0], 0.0, SINGULAR
+    if high:
+        b[-1], rest[1, -1], right[-1] = limits[1], 0.0, SINGULAR
+    return replace(zones, a=a, b=b, rest=rest, left=left, right=right)
+
+
+def released(zones: Zones, density: AnyDensity, options: NewtonOptions) -> tuple[Zones, bool]:
+    """The zones with ends free again that are pulled off their limit, and whether there are any.
+
+    An end is pulled off where its intensity is below the prescribed one of a free end.
+    """
+    limits, end = options.limits, options.released_end
+    if not np.isfinite(limits).any():
+        return zones, False
+    k_left, k_right = density.intensities
+    least = end.intensity if end.moves and end.intensity is not None else 0.0
+    low = zones.left[0] == SINGULAR and zones.a[0] == limits[0] and k_left[0] < least
+    high = zones.right[-1] == SINGULAR and zones.b[-1] == limits[1] and k_right[-1] < least
+    if not (low or high):
+        return zones, False
+    left = [end, *zones.left[1:]] if low else zones.left
+    right = [*zones.right[:-1], end] if high else zones.right
+    return replace(zones, left=left, right=right), True

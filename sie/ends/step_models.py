@@ -1,0 +1,247 @@
+"""Newton's step of a free end where K is not linear in its motion: at a jump, or at a narrow gap.
+
+A jump J > 0 of the right side at distance r inside an end adds C / sqrt(r) to the edge slope A,
+C = (J/pi) sqrt(2 l), where l is the distance of the jump from the other end over the half width. On
+the scale of r, K is not linear in the motion of the end. Its nonlinear part is known, and the step
+delta solves
+
+    K - (A - C / sqrt(r)) delta / 2 - C (sqrt(r + delta) - sqrt(r)) = 0.
+
+An end that moves inward past the jump loses the square root; one that moves outward past a jump
+gains it.
+
+A logarithm (J/pi) ln|x - s| of the right side, J > 0, at distance y outside an end is the mirror
+image (`jumps.exterior`): it adds 2 J / (pi sqrt(y)) to A and 2 J sqrt(y) / pi to K, until the end
+moves outward past it. An end never moves inward past one with J < 0, because the density around it
+would have the wrong sign.
+
+On the scale of a gap |x| < c the intensities of its two ends are not linear in their motions, and
+K enters the slope A that Newton's method divides by. There the density is that of a crack under
+the traction P_0 + P_1 x + P_2 x^2/2 that the merged zones would bear. Outside the gap
+
+    phi = |x| / sqrt(x^2 - c^2) (P_0 + P_2 (x^2 - c^2/2)/2)
+          + sgn(x) P_1 (x^2 - c^2/2) / sqrt(x^2 - c^2).
+
+The two K and the two A determine P_0, P_1 and P_2, and these the gap for which both K vanish: its
+middle moves by -P_1/P_2, and its new half width is sqrt(-4 P_0/P_2). With rho = K / (c S), where S
+is A without the part of K,
+
+    middle / c = -(rho_right - rho_left),
+    (new half gap / c)^2 = 1 - 2 (rho_right + rho_left) + 2 (rho_right - rho_left)^2.
+
+If the density changes sign across the gap, the last square is absent. With a jump J of the density
+in the gap (a logarithm of the right side: `jumps.density`) a part of S is that of a kink,
+(J/pi) sqrt(2/c), whose integral grows with c and not with c^2. Then the sum of both integrals
+changes by -K sqrt(2 c). For small K all of this is the plain step 2 K / A.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.data import Array, Mask, record, wrapped
+from sie.basis.zones import Zones
+from sie.equation.forcing import Forcing
+
+# A jump more than 20 plain steps away changes the plain step by less than 2 %: the next step finds
+# that. A root search would lose the digits of small steps.
+_FARTHEST_JUMP = 20.0
+# Halvings that exhaust the digits of a number.
+_HALVINGS = 60
+# An end stops at this part of its way to a logarithm with J < 0, which it must not pass.
+_STOP_BEFORE = 0.9
+
+
+def facing(of_ends: NDArray[Any]) -> NDArray[Any]:
+    """Values of the ends on the other side of the gaps, (2, Z).
+
+    The left end of a zone faces the right end of the zone before.
+    """
+    left, right = of_ends
+    return np.array([np.roll(right, 1), np.roll(left, -1)])
+
+
+def gap_steps(
+    gaps: Array,
+    widths: Array,
+    moves: Mask,
+    k: Array,
+    slopes: Array,
+    alike: bool,
+    tips: Array | float = 0.0,
+) -> tuple[Array, Mask]:
+    """(outward steps (2, Z), mask where they hold) at gaps narrower than both zones.
+
+    gaps, moves, k, slopes: (2, Z) of both ends of all zones; k is K less its target and slopes is
+    A, both positive where a density of the right sign drives outward. alike: whether the density
+    has the same sign on both sides of a gap. tips: heights J of the logarithms in the gaps (2, Z),
+    if it has not.
+    """
+    of_both = np.array([widths, widths])
+    pairs = moves & facing(moves) & (gaps < np.minimum(of_both, facing(of_both)))
+    if not np.any(pairs):
+        return np.zeros_like(k), pairs
+    c = np.where(pairs, 0.5 * gaps, 1.0)
+    other = facing(k)
+    by_k = 0.75 * k + 1.5 * (k - other) if alike else -0.25 * k + 0.5 * (k - other)
+    straight = slopes - by_k / c
+    across = facing(straight)
+    holds = pairs & (straight > 0) & (across > 0)
+    rho = k / np.where(holds, c * straight, 1.0)
+    rho_other = other / np.where(holds, c * across, 1.0)
+    shift = rho - rho_other
+    less = 2 * (rho + rho_other) - (2 * shift**2 if alike else 0.0)
+    # 1 - sqrt(1 - less) without cancellation; a gap that is to close moves by its half width.
+    closing = np.where(less < 1, less / (1 + np.sqrt(np.maximum(1 - less, 0.0))), 1.0)
+    # Share of S that is a kink's. What closes is the load (1 - e)^2 (1 - share) / 2 + (1 - e) share
+    # of the new half gap.
+    mean = np.where(holds, 0.5 * (straight + across), 1.0)
+    share = np.clip(np.asarray(tips) / np.pi * np.sqrt(2 / c) / mean, 0.0, 1.0)
+    left = np.maximum(0.5 * (1 + share) - (rho + rho_other), 0.0)
+    wedged = 1 - 2 * left / np.maximum(share + np.sqrt(share**2 + 2 * (1 - share) * left), 1e-300)
+    closing = np.where(share > 0, np.where(left > 0, wedged, 1.0), closing)
+    return np.where(holds, c * (shift + closing), 0.0), holds
+
+
+@record
+class StepAtJumps:
+    """Steps of ends that have a jump of the right side, or one of its logarithms, close by.
+
+    largest: parts of its zone's width by which an end moves inward and outward at most.
+    """
+
+    forcing: Forcing
+    zones: Zones
+    period: float | None
+    largest: tuple[float, float]
+
+    def steps(self, k: Array, slopes: Array, plain: Array) -> Array:
+        """Outward steps (2, Z): `plain` = 2 K / A, but where a jump is close.
+
+        k, slopes: K less its target, and A, positive where they drive outward; A is 0 where it is
+        not reliable.
+        """
+        zones, of_density = self.zones, self.forcing.density_jumps
+        at, heights = self.forcing.logarithms if of_density else self.forcing.kinks
+        width, steps = zones.b - zones.a, plain.copy()
+        rises = heights > 0
+        inside, outside = _nearest(zones, at[rises], heights[rises], self.period)
+        # Where A is not reliable, a jump outside decides: the end stops soon after it.
+        guided = (slopes > 0) | ((not of_density) & (k > 0) & (outside[0] < width))
+        closest = np.minimum(inside[0], outside[0])
+        bent = (closest < np.minimum(width, _FARTHEST_JUMP * np.abs(plain))) & guided
+        if np.any(bent):
+            steps[bent] = self._bent(np.nonzero(bent), k, slopes, inside, outside)
+        if not of_density:
+            return steps
+        falls = heights < 0
+        negative = _nearest(zones, at[falls], heights[falls], self.period)[0][0]
+        return np.maximum(steps, -_STOP_BEFORE * negative)
+
+    def _bent(
+        self,
+        side: tuple[Any, ...],
+        k: Array,
+        slopes: Array,
+        inside: tuple[Array, Array],
+        outside: tuple[Array, Array],
+    ) -> Array:
+        """Steps of some ends by the equation for delta in the head of this file.
+
+        side: indices of these ends; inside, outside: (distance, height) of the nearest jumps.
+        """
+        of_density = self.forcing.density_jumps
+        width = (self.zones.b - self.zones.a)[side[1]]
+        (r, j_in), (y, j_out) = ((d[side], j[side]) for d, j in (inside, outside))
+        c_in = np.where(r < width, 2 * j_in / np.pi, 0.0)
+        c_out = np.where(y < width, 2 * j_out / np.pi, 0.0)
+        if not of_density:
+            c_in = c_in * np.sqrt(np.clip(1 - r / width, 0.0, 1.0))
+        r, y = np.clip(r, 1e-300, width), np.clip(y, 1e-300, width)
+        # The jump that is part of A, and the one that the end meets if it moves the other way.
+        (c, here), (c_other, there), sign = (
+            ((c_out, y), (c_in, r), -1.0) if of_density else ((c_in, r), (c_out, y), 1.0)
+        )
+        # On a jump A is infinite, and K has no linear part.
+        with np.errstate(invalid="ignore"):
+            rest = np.maximum(slopes[side] - c / np.sqrt(here), 0.0)
+        straight = np.where(np.isinf(slopes[side]), 0.0, rest)
+
+        def intensity(delta: Array) -> Array:
+            moved = sign * delta
+            bend = c * (np.sqrt(np.maximum(here + moved, 0)) - np.sqrt(here))
+            bend = bend + c_other * np.sqrt(np.maximum(moved - there, 0))
+            return np.asarray(k[side] - 0.5 * straight * delta - sign * bend)
+
+        inward, outward = self.largest
+        return _root(intensity, -inward * width, outward * width, np.where(r < y, -r, y))
+
+
+def logarithms_in_gaps(forcing: Forcing, zones: Zones, period: float | None) -> Array:
+    """Sum of the heights J > 0 of the logarithms of the right side in the gaps at each end (2, Z)."""
+    at, heights = forcing.logarithms
+    at, heights = wrapped(at[heights > 0], zones.a[0], period), heights[heights > 0]
+    i = np.searchsorted(zones.a, at, side="right") - 1
+    between = (i >= 0) & (at > zones.b[i])
+    after = np.bincount(i[between], heights[between], minlength=len(zones))
+    return np.array([np.roll(after, 1), after])
+
+
+def corner_distances(forcing: Forcing, zones: Zones, period: float | None) -> Array:
+    """Distance of each end (2, Z) from the nearest jump of g, inside or outside; inf if none."""
+    inside, outside = _nearest(zones, *forcing.kinks, period)
+    return np.minimum(inside[0], outside[0])
+
+
+def _root(decreasing: Callable[[Array], Array], low: Array, high: Array, kink: Array) -> Array:
+    """Zero of a decreasing function between bounds, by bisection of the root of |x - kink|.
+
+    So an end may come closer to the kink than any fixed part of the step.
+    """
+
+    def at(root: Array) -> Array:
+        return np.asarray(kink + np.sign(root) * root**2)
+
+    low, high = (np.sign(bound - kink) * np.sqrt(np.abs(bound - kink)) for bound in (low, high))
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        positive = decreasing(at(middle)) > 0
+        low, high = np.where(positive, middle, low), np.where(positive, high, middle)
+    return at(0.5 * (low + high))
+
+
+def _nearest(
+    zones: Zones, at: Array, heights: Array, period: float | None
+) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """(distance, height) of the jumps nearest to each end, inside and outside its zone, (2, Z) each.
+
+    The distance is infinite where there is none.
+    """
+    if period is not None:
+        # The places are rounded as where kinks are located in zones, because distances from ends
+        # count below the last digit of a place.
+        turns = np.ceil((zones.a[0] - at) / period)
+        at, heights = (
+            np.concatenate([at + (turns + k) * period for k in (-1, 0, 1)]),
+            np.tile(heights, 3),
+        )
+    order = np.argsort(at)
+    at, heights = (
+        np.concatenate(([-np.inf], at[order], [np.inf])),
+        np.concatenate(([0.0], heights[order], [0.0])),
+    )
+    each = np.arange(len(zones))
+    after_a, after_b = (
+        np.searchsorted(at, zones.a, side="right"),
+        np.searchsorted(at, zones.b, side="left"),
+    )
+    # A jump at the rounded place of an end lies on the side that the rest of the end decides.
+    after_a = after_a - (zones.beyond_a(at[after_a - 1], each) > 0)
+    after_b = after_b + (zones.before_b(at[after_b], each) > 0)
+    inside = np.array([zones.beyond_a(at[after_a], each), zones.before_b(at[after_b - 1], each)])
+    outside = -np.array([zones.beyond_a(at[after_a - 1], each), zones.before_b(at[after_b], each)])
+    of_inside = np.array([heights[after_a], heights[after_b - 1]])
+    of_outside = np.array([heights[after_a - 1], heights[after_b]])
+    return (inside, of_inside), (outside, of_outside)

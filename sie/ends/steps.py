@@ -1,0 +1,268 @@
+"""One Newton step of all free ends: its size, its round-off, and its damping."""
+
+import math
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from sie.basis.data import Array, Mask, record
+from sie.basis.zones import Zones
+from sie.dense import modes
+from sie.ends.limits import border_distances
+from sie.ends.motions import DirectMotions, IteratedMotions, motions_of
+from sie.ends.options import NewtonOptions
+from sie.ends.step_models import StepAtJumps, corner_distances, gap_steps, logarithms_in_gaps
+from sie.equation.equation import Equation
+from sie.slits.system import AnyDensity, AnyState
+from sie.states.state import State
+
+# Zones on either side that are felt across a closing gap: their effect falls as the square of the
+# distance, so that of the 15th is below 1/200.
+_NEIGHBOURS = 15
+
+
+@record
+class Branch:
+    """Where the search is among several roots, if intensities are prescribed.
+
+    residual: largest difference from the prescribed intensities; growth: largest real part of the
+    eigenvalues that decide on stability.
+    """
+
+    residual: float
+    growth: float
+
+
+@record
+class NewtonStep:
+    """What a Newton step asks for.
+
+    moves: which ends (2, Z) are free; delta: their outward steps (2, Z); noise: round-off in these;
+    change: step of the open condition's value; weak: zones (Z,) with an end next to which the
+    density has the wrong sign, so that the step is only a guess; branch: None where the prescribed
+    intensities are zero.
+    """
+
+    moves: Mask
+    delta: Array
+    noise: Array
+    change: float
+    weak: Mask
+    branch: Branch | None = None
+
+    @property
+    def certain(self) -> bool:
+        """Whether no step is only a guess."""
+        return not self.weak.any()
+
+    def closes(self, gaps: Array) -> Mask:
+        """Mask of the gaps, right of each zone, that the undamped step would close."""
+        return np.asarray(self.delta[1] + np.roll(self.delta[0], -1) >= (1 - 1e-9) * gaps)
+
+    def vanishes(self, zones: Zones, options: NewtonOptions) -> Mask:
+        """Mask of the zones that vanish: the undamped step would leave nothing of them.
+
+        With `allow_loss`, also zones with the wrong sign of the density that are much narrower than
+        a neighbour. The others hardly feel them, and need not wait until they have shrunk away.
+        """
+        width = np.pad(zones.b - zones.a, 1)
+        slight = width[1:-1] < options.slight_zone * np.maximum(width[:-2], width[2:])
+        slight &= options.allow_loss
+        return np.asarray((self.delta.sum(axis=0) <= zones.a - zones.b) | (self.weak & slight))
+
+
+def newton_step(
+    state: AnyState, zones: Zones, options: NewtonOptions, value_response: AnyDensity | None
+) -> NewtonStep:
+    """The next step of the free ends of the zones.
+
+    value_response: the density caused by a unit of the open condition's value, if there is one.
+    """
+    moves, density = zones.moves, state.density
+    k = np.array(density.intensities)
+    residual = np.where(moves, k - zones.intensities, 0.0)
+    if zones.follow_ends:
+        # There are no slits where intensities are prescribed.
+        return _coupled_step(state.whole, moves, residual, options, value_response)
+    a, noise_k = np.array(density.edge_slopes), state.intensity_noise
+    safe, weak = _safe_slopes(density, state.natural, options.signs)
+    delta = np.where(moves, 2 * residual / safe, 0.0)
+    noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
+    change = 0.0
+    if value_response is not None:
+        k_unit = np.array(value_response.intensities)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            slope = np.where(moves, 2 * k_unit / safe, 0.0)
+        largest = options.max_shrink, options.max_growth
+        delta, change = bordered(state.equation, density.zones, delta, slope, largest)
+        residual = np.where(moves, residual + change * k_unit, 0.0)
+        a = a + change * np.array(value_response.edge_slopes)
+    plain = NewtonStep(moves, delta, noise, change, weak)
+    return _with_step_models(state, plain, options, residual, a)
+
+
+def _with_step_models(
+    state: AnyState, plain: NewtonStep, options: NewtonOptions, residual: Array, a: Array
+) -> NewtonStep:
+    """The step where K is not linear in the motion of an end: next to narrow gaps and to jumps.
+
+    residual, a: K less its target and A (2, Z), at the new value of the open condition.
+    """
+    zones, forcing, kernel = state.density.zones, state.equation.forcing, state.equation.kernel
+    side, moves = np.array(options.signs, dtype=float)[:, None], plain.moves
+    gaps = np.array(modes.gaps(zones, kernel))
+    jumps = forcing.density_jumps
+    inside = logarithms_in_gaps(forcing, zones, kernel.period) if jumps else 0.0
+    alike = options.signs[0] == options.signs[1]
+    across, holds = gap_steps(
+        gaps, zones.b - zones.a, moves, side * residual, side * a, alike, inside
+    )
+    delta, weak = np.where(holds, across, plain.delta), plain.weak & ~holds
+    by_gaps = 2 * state.intensity_noise / np.abs(np.where(holds, a, 1.0))
+    noise = np.where(holds, by_gaps, plain.noise)
+    if len(forcing.jumps):
+        model = StepAtJumps(forcing, zones, kernel.period, (options.max_shrink, options.max_growth))
+        bent = model.steps(side * residual, np.where(weak, 0.0, side * a), delta)
+        bent = np.where(moves & ~(holds & jumps), bent, delta)
+        # A corner that shortens the step shortens the effect of round-off in K alike.
+        noise = noise * np.minimum(np.abs(bent) / np.maximum(np.abs(delta), 1e-300), 1.0)
+        delta = bent
+    return NewtonStep(moves, delta, noise, plain.change, np.asarray((weak & moves).any(axis=0)))
+
+
+def _safe_slopes(
+    density: AnyDensity, natural: Array, signs: tuple[float, float]
+) -> tuple[Array, Mask]:
+    """(A to divide by (2, Z), mask where it is replaced).
+
+    A has the sign of the density at the solution. Far from it A may have the other sign or vanish:
+    there it is replaced by its natural size, so that K alone decides on the direction. natural:
+    size of the coefficients beyond the first (Z,).
+    """
+    a, root = np.array(density.edge_slopes), np.sqrt(density.zones.half)
+    side = np.array(signs)[:, None]
+    weak = side * a <= 1e-8 * natural / root
+    return np.where(weak, side * (natural / root + 1e-300), a), weak
+
+
+def corners_of(state: AnyState) -> Array:
+    """Distance of the nearest kink of the profile, a jump of g, from each end (2, Z).
+
+    The density changes over this distance. It is infinite without a kink.
+    """
+    equation, zones = state.equation, state.density.zones
+    if state.density.slit_count or len(equation.forcing.kinks[0]) == 0:
+        return np.full((2, len(zones)), np.inf)
+    return corner_distances(equation.forcing, zones, equation.kernel.period)
+
+
+def place_rounding(state: AnyState, corners: Array) -> Array:
+    """Error of the ends (2, Z) by the rounding of the places at which g is known.
+
+    A rounding e of places changes K by about sqrt(w / 2) g' e. The edge slope A is sqrt(2 w) g' if
+    it comes from the smooth part of g alone, and so the end is off by about e. Jumps within the
+    zone do not count, since their distances from the ends are known to full precision.
+    """
+    zones = state.density.zones
+    if state.equation.forcing.resolution.exact_places:
+        return np.zeros((2, len(zones)))
+    rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
+    if state.density.slit_count or not np.isfinite(corners).any():
+        return rounding
+    # An end at a corner, to rounding, is known by its distance from there.
+    rounding = np.where(corners < 4 * rounding, 0.0, rounding)
+    cornered, g = state.whole.density.jumps.kinked, state.whole.system.g
+    # The sum of k |g_k| bounds the slope of the smooth part, and is at most a few times it.
+    smooth = 4 * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
+    part = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
+    rounding[:, cornered] *= part[:, cornered]
+    return np.asarray(rounding)
+
+
+def bordered(
+    equation: Equation,
+    zones: Zones,
+    delta: Array,
+    slope: Array,
+    largest: tuple[float, float] = (np.inf, np.inf),
+) -> tuple[Array, float]:
+    """(steps, change of the open value) that meet the condition on the ends.
+
+    slope: steps caused by a unit change of the value; largest: parts of its zone's width by which
+    an end moves inward and outward at most. The condition counts the damped steps. Otherwise an
+    end next to which the density's slope all but vanishes, as in a zone that is about to be lost,
+    would decide on the value alone.
+    """
+    miss, by_left, by_right = equation.end_conditions[0].residual(zones)
+    gradient, width = np.array([by_left, by_right]), zones.b - zones.a
+    inward, outward = largest
+    free = np.ones(delta.shape, dtype=bool)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        change = -(miss + np.sum(gradient * delta)) / np.sum(gradient * slope)
+        # The active set of damped ends settles in a few rounds; more than ends are never needed.
+        for _ in range(delta.size):
+            wanted = delta + change * slope
+            cut = np.clip(wanted, -inward * width, outward * width)
+            before, free = free, cut == wanted
+            by_change = np.sum((gradient * slope)[free])
+            if np.array_equal(before, free) or by_change == 0.0:
+                break
+            change = -(miss + np.sum(np.where(free, gradient * delta, gradient * cut))) / by_change
+        return delta + change * slope, float(change)
+
+
+def damped(zones: Zones, equation: Equation, delta: Array, options: NewtonOptions) -> Array:
+    """Outward steps (2, Z) cut to parts of the widths, of the gaps and of the domain.
+
+    An end that would close its gap waits until its neighbours have settled to within that gap:
+    what pushes it is the square of their remaining errors.
+    """
+    width = zones.b - zones.a
+    gaps = np.array(modes.gaps(zones, equation.kernel))
+    room = options.max_closing * np.minimum(gaps, border_distances(zones, equation))
+    cut = delta > room
+    others = np.abs(np.where(cut, 0.0, delta)).max(axis=0)
+    others = np.pad(others, _NEIGHBOURS, mode="edge")
+    largest = sliding_window_view(others, 2 * _NEIGHBOURS + 1).max(axis=1)
+    growth = np.minimum(options.max_growth * width, room)
+    return np.where(
+        cut & (largest > room), 0.0, np.clip(delta, -options.max_shrink * width, growth)
+    )
+
+
+def _coupled_step(
+    state: State,
+    moves: Mask,
+    residual: Array,
+    options: NewtonOptions,
+    value_response: AnyDensity | None,
+) -> NewtonStep:
+    """Newton step with the full Jacobian dK_i/d(end_j), where intensities are prescribed.
+
+    Of a mirrored pair of ends, the right one stands for both. By iteration the growth of a push
+    is left open (nan), since it costs more than the step.
+    """
+    motions = motions_of(state)
+    delta = motions.spread(motions.meeting(-motions.of(residual)))
+    noise, change = motions.local(state.intensity_noise), 0.0
+    if value_response is not None:
+        by_value = motions.of(np.array(value_response.intensities))
+        slope = motions.spread(motions.meeting(-by_value))
+        delta, change = bordered(state.equation, state.density.zones, delta, slope)
+    growth = math.nan if state.iterated else growth_of(motions, options.signs, value_response)
+    branch = Branch(float(np.abs(residual).max()), growth)
+    return NewtonStep(moves, delta, noise, change, np.zeros(moves.shape[1], dtype=bool), branch)
+
+
+def growth_of(
+    motions: DirectMotions | IteratedMotions,
+    signs: tuple[float, float],
+    value_response: AnyDensity | None,
+) -> float:
+    """Growth rate of a push of the ends; with a condition on the ends, of pushes that meet it."""
+    if value_response is None:
+        return motions.growth(np.array(signs, dtype=float))
+    _, by_left, by_right = motions.state.equation.end_conditions[0].residual(motions.zones)
+    side = np.array(signs, dtype=float)
+    by_value = motions.of(side[:, None] * np.array(value_response.intensities))
+    return motions.growth(side, motions.of(np.array([by_left, by_right])), by_value)
