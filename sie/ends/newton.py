@@ -28,7 +28,6 @@ from sie.states.rounding import RANDOM_SAMPLES, density_changes
 from sie.states.sizes import Sizes, first_sizes, sizes_like
 from sie.states.solve import SingularSystem
 from sie.states.state import State
-from sie.trees.far import ROUGH
 
 # An amplification of errors beyond this, in the motions of all ends, is that of a singular system.
 _MAX_AMPLIFICATION = 1e10
@@ -247,7 +246,6 @@ class _Search:
         sizes, progress = self.sizes, self.progress
         # An iteration has the value in its right side: that saves a solve of its own.
         sizes.linear, sizes.value = progress.linear, self.value
-        sizes.rough = sizes.linear > ROUGH
         decay = self.decay
         if sizes.carried is not None:
             # Series of many zones need be no longer than the next step asks for.
