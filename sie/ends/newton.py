@@ -246,6 +246,7 @@ class _Search:
         sizes, progress = self.sizes, self.progress
         # An iteration has the value in its right side: that saves a solve of its own.
         sizes.linear, sizes.value = progress.linear, self.value
+        sizes.rough = sizes.linear > self.options.rough_solution
         decay = self.decay
         if sizes.carried is not None:
             # Series of many zones need be no longer than the next step asks for.

@@ -75,6 +75,8 @@ class NewtonOptions:
     forcing: float = 1e-3
     first_solution: float = 1e-5
     last_solution: float = 1e-3
+    # Rough sums, accurate to this, serve solutions that are looser.
+    rough_solution: float = 1e-7
 
     # The remaining error of an end is its next step, with this factor for the terms of second
     # order.
