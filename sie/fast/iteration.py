@@ -46,6 +46,8 @@ class Iterative:
         self.equations = len(system.diagonal)
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
+        # Answers to random errors of the rows, and what these were made of: see `states.rounding`.
+        self.random_changes: tuple[tuple[bytes, bytes], list[Array]] | None = None
 
     @property
     def size(self) -> int:
