@@ -1,3 +1,1 @@
-"""An equation on given intervals in, the density out: how many functions, rows, the solve, and what
-rounding does to it.
-"""
+"""The rows of an equation on given intervals as a matrix, and the numbers of unknowns."""

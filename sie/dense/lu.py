@@ -1,4 +1,4 @@
-"""A matrix by its factors: what solves the assembled rows for one right side and for many."""
+"""LU factors of a matrix, for one right side and for many."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ from scipy.linalg import lapack, lu_factor
 
 from sie.basis.data import Array, Index, record
 
-# Up to so many numbers in the right sides they are solved for one by one: LAPACK gives several of
-# them to the threads of BLAS however few they are, which takes as long, and leaves the threads
-# turning for a tenth of a second.
+# Right sides with up to this many numbers are solved for one by one. LAPACK would give several of
+# them to the threads of BLAS, which takes as long and leaves the threads spinning for 0.1 s.
 _ONE_BY_ONE = 1024
 
 
@@ -19,9 +18,9 @@ _ONE_BY_ONE = 1024
 class Factored:
     """LU factors of the rows.
 
-    size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they
-    are made of; last: columns of the last coefficient of each solved zone; rows: themselves, where
-    intensities are prescribed and will be asked for their rates.
+    size_of_rows: root of the sum of squares of each row's terms at the solution; last: columns of
+    the last coefficient of each solved zone; rows: the matrix itself, where intensities are
+    prescribed and their rates are needed.
     """
 
     lu: Array
@@ -42,7 +41,7 @@ class Factored:
         return self._solved(right, 0)
 
     def transposed(self, right: Array) -> Array:
-        """Solves with the transposed matrix."""
+        """Solve with the transposed matrix."""
         return self._solved(right, 1)
 
     def _solved(self, right: Array, trans: int) -> Array:

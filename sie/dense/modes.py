@@ -1,16 +1,16 @@
-"""How many modes each zone has: its own, from the right side's decay, and the coupled ones, from
-its neighbours.
+"""Numbers of modes of each zone: its own, by the decay of the right side, and the coupled ones.
 
-Coefficients of the right side decay as smoothness allows and are sampled on nodes that double until
-they have decayed; this is cheap, because a zone's own operator is diagonal. What other zones do
-decays as rho^k, where rho belongs to the nearest foreign end (or image, or singularity of a
-column), so few coupled modes are enough for narrow zones far apart.
+Coefficients of the right side decay by its smoothness. It is sampled on nodes that double until
+they have decayed, which is cheap, because a zone's own operator is diagonal. The field of the other
+zones decays as rho^k, where rho belongs to the nearest foreign end (or image, or singularity of a
+column). So narrow zones far apart need few coupled modes.
 
-The neighbours of a small zone, where each holds its level: to a load between them they are about
-the half-lines x < -g and x > g' of a grounded plane. z -> tan(asin(s)/2) takes the plane slit along
-|s| > 1 to the disk, s counted from the middle of the gap in halves of it: so a load at the origin
-has the potential log(r / R) near it, R = 4 g g' / (g + g') the conformal radius, and what the left
-one is lifted by is felt with the harmonic measure 1/2 - asin(s) / pi, s = (g - g') / (g + g').
+The neighbours of a small zone, where each holds its level, are to a load between them like the
+half-lines x < -g and x > g' of a grounded plane. z -> tan(asin(s)/2) takes the plane slit along |s|
+> 1 to the disk, where s is measured from the middle of the gap in half gaps. So a load at the
+origin has the potential log(r / R) near it, R = 4 g g' / (g + g') is the conformal radius, and the
+level of the left half-line is felt with the harmonic measure 1/2 - asin(s) / pi, s = (g - g') / (g
++ g').
 """
 
 import numpy as np
@@ -51,29 +51,28 @@ OWN_SIZES = np.array(
         32768,
     ]
 )
-# Nodes at the most: of one of many zones, or of one whose last coefficients with so many are not
-# below such a part of the largest; and of all together, of which each is given as many as any other
-# has.
+# Nodes at most: of one of many zones, or of one whose last coefficients are not below `_NEARLY` of
+# the largest; and of all zones together, each counted with the largest number.
 MOST_OWN = 8192
 _NEARLY = 1e-6
 _IN_ALL = 1 << 20
-# Nodes to begin with of a smooth right side; of one that is singular beside the zones, so many that
-# its coefficients fall to this part.
+# First nodes of a smooth right side. If it is singular next to the zones, as many that its
+# coefficients fall to `_FALLEN`.
 _FEW = 16
 _FALLEN = 1e-12
-# Only below this part of the largest coefficient can a plateau be rounding.
+# A plateau of coefficients is rounding only below this part of the largest.
 _NOISE = 1e-5
 _TO_A_PIECE = 4
-# Series so long are cut, if half of them are no more than so many times the last ones: coefficients
-# of a jump would fall to half. How many more are kept at the least.
+# Long series are cut if half of their coefficients are at most `_PLATEAU` times the last ones,
+# since those of a jump would fall to half. `_LEFT` more are kept at least.
 _LONG = 96
 _PLATEAU = 1.5
 _LEFT = 8
-# Places rounded to less than this part of a zone are exact to all purposes.
+# Places rounded to less than this part of a zone count as exact.
 _FINE = 1e-14
-# No zone has this decay but one without neighbours.
+# Decay of a zone without neighbours: exp(-690) is the smallest number.
 ALONE = 690.0
-# Coefficients among which the largest of a jump's part is.
+# The largest coefficient of a jump's part is among so many.
 _LEADING = 8
 COUPLED_SIZES = np.array(
     [
@@ -109,47 +108,45 @@ COUPLED_SIZES = np.array(
         3072,
     ]
 )
-# Modes at the most: as a rule, and of a regular kernel that is known to ask for more, or of zones
-# beside narrow gaps whose ends stay, as long as the matrix has no more numbers than the last. Ends
-# that move are not far from those of one zone with a slit, or of gaps.
+# Modes at most: as a rule; for a regular kernel that needs more, or next to narrow gaps with fixed
+# ends; and numbers in the matrix for which the second holds. Zones with moving ends need not more,
+# since narrow gaps between them are slits.
 _MOST = 768
 _MOST_KNOWN = 3072
 _OF_FEW = 4e7
-# The rounding of a regular kernel's coefficients over its size: they fall no further.
+# Rounding of a regular kernel's coefficients over its size.
 _KERNEL_ROUNDING = 2e-15
-# A user's kernel may be noisier. Its noise is what two more steps of COUPLED_SIZES, half as many
-# modes again, do not halve, where the last coefficients are below this part of the largest: those
-# of a kernel as rough as |x - xi| still fall by more.
+# A user's kernel may be noisier. Noise is what half as many modes again do not halve, where the
+# last coefficients are below this part of the largest: those of a kernel as rough as |x - xi| fall
+# by more.
 _KERNEL_NOISE = 1e-5
-# Modes to begin with, to a half width over the length of a regular kernel: coefficients have fallen
-# to exp(-12).
+# First modes per half width over the length of a regular kernel: coefficients fall to exp(-12).
 _PER_LENGTH = 12.0
-# The same of a wide zone, to the square root of that: its density varies over the length beside the
-# ends alone, where modes are as dense as that. 24 leave about 1e-12; modes grow where they are too
-# few.
+# First modes of a wide zone per square root of that: its density varies over the length next to the
+# ends only, where modes are as dense. 24 leave about 1e-12, and modes grow where they are too few.
 _PER_ROOT = 24.0
 
 
 def most(kernel: Kernel) -> int:
-    """Coupled modes of a zone at the most."""
+    """Largest number of coupled modes of a zone."""
     return _MOST if np.isinf(kernel.length) else _MOST_KNOWN
 
 
 def enough(kernel: Kernel, tolerance: float) -> float:
-    """How far the coefficients of a regular part have to fall: where they fall as exponentials do,
-    more costs little, and what is left of them may weigh more than they tell if the regular part
-    nearly cancels the poles.
+    """Part of the largest coefficient to which those of a regular part have to fall.
+
+    Where they fall exponentially, more costs little. What is left of them may count more than it
+    seems if the regular part nearly cancels the poles.
     """
     return max(10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance, _KERNEL_ROUNDING)
 
 
 @record
 class Growth:
-    """How the last coefficients of each zone's fields fell while its modes grew.
+    """Last coefficients of each zone's fields while its modes grew.
 
-    m: modes of the last solution (Z,); tails: its last coefficients, and before those the ones of
-    the two sizes below (3, Z); floor: what is noise of a user's functions, which more modes leave
-    as it is (Z,).
+    m: modes of the last solution (Z,); tails: its last coefficients, after those of the two sizes
+    before (3, Z); floor: noise of a user's functions, which more modes do not reduce (Z,).
     """
 
     m: Index
@@ -158,21 +155,22 @@ class Growth:
 
     @classmethod
     def first(cls, m: Index, tails: Array) -> "Growth":
-        """Of a first solution."""
+        """The growth after a first solution."""
         return cls(
             m, np.array([np.full(len(m), np.inf), np.full(len(m), np.inf), tails]), np.zeros(len(m))
         )
 
     def after(self, m: Index, tails: Array, own: Index) -> "Growth":
-        """With the next solution; own: coefficients of the right side on each zone."""
+        """The growth after the next solution; own: number of coefficients of the right side on each
+        zone.
+        """
         if len(m) != len(self.m):
             return Growth.first(m, tails)
         grew = m > self.m
         kept = np.where(grew, self.tails[1:], self.tails[:2])
-        # Fewer modes than the right side has need not show all of the density: what follows may be
-        # more than noise.
+        # With fewer modes than the right side has, what follows may be more than noise.
         noisy = grew & (m > own) & (tails < _KERNEL_NOISE) & (tails > 0.5 * kept[0])
-        # Noise is not the same from one solution to the next.
+        # Noise differs from one solution to the next, so four times it is taken.
         return Growth(
             m,
             np.array([*kept, tails]),
@@ -181,7 +179,7 @@ class Growth:
 
 
 def least(zones: Zones, kernel: Kernel) -> Index:
-    """Coupled modes of each zone to begin with, where the kernel's regular part is a user's own."""
+    """First coupled modes of each zone if the kernel's regular part is a user's own."""
     lengths = zones.half / kernel.length
     return np.maximum(
         16, np.ceil(np.minimum(_PER_LENGTH * lengths, _PER_ROOT * np.sqrt(lengths)))
@@ -189,7 +187,7 @@ def least(zones: Zones, kernel: Kernel) -> Index:
 
 
 def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Index:
-    """Nodes of each zone to begin with."""
+    """First number of nodes of each zone."""
     if len(singular_at) == 0:
         return np.full(len(zones), _FEW)
     at = np.sort(wrapped(singular_at, float(zones.a[0]), period))
@@ -200,7 +198,7 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
             [np.inf],
         )
     )
-    # Strictly beyond either end: nothing within a zone is singular, nor at an end of it.
+    # Singularities lie strictly outside the zone; at its ends there is none.
     left, right = (
         at[np.searchsorted(at, zones.a) - 1],
         at[np.searchsorted(at, zones.b, side="right")],
@@ -210,7 +208,7 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
 
 
 def most_own(zones: Zones) -> int:
-    """Nodes of a zone at the most."""
+    """Largest number of nodes of a zone."""
     return int(
         OWN_SIZES[
             np.searchsorted(
@@ -222,15 +220,16 @@ def most_own(zones: Zones) -> int:
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
-    """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at
-    least `least`.
+    """Coupled modes per zone, so that rho^m at the nearest foreign end is below the tolerance.
+
+    They are at least `least`.
     """
     by = decay(zones, kernel)
     most_here = _MOST if zones.moves.any() else _MOST_KNOWN
     want = np.minimum(
         np.where(by < ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here
     )
-    # Those that ask for the most give way first.
+    # Zones that need the most give way first.
     while want.max(initial=0.0) > _MOST and want.sum() ** 2 > _OF_FEW:
         want = np.minimum(want, max(_MOST, 0.8 * want.max()))
     return COUPLED_SIZES[
@@ -239,17 +238,13 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
 
 
 def decay(zones: Zones, kernel: Kernel) -> Array:
-    """-log(rho) of the nearest foreign end: so fast do coefficients of what others do fall on each
-    zone.
-    """
+    """-log(rho) of the nearest foreign end (Z,): the rate at which coefficients of fields fall."""
     left, right = gaps(zones, kernel)
     return decay_rate(np.minimum(np.minimum(left, right) / zones.half, 1e300))
 
 
 def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
-    """Distance from each zone to the nearest zone or image on its left and on its right (inf if
-    none).
-    """
+    """Distances from each zone to the nearest zone or image on its left and right (inf if none)."""
     between = zones.a[1:] - zones.b[:-1]
     shifts = [s for s in kernel.poles if s > 0]
     border = min(shifts) - (zones.b[-1] - zones.a[0]) if shifts else np.inf
@@ -258,8 +253,10 @@ def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
 
 @record
 class Samples:
-    """U coefficients of the smooth right side, g_k at [:, k] (g_0 unused), the sizes used, the size
-    of their last part and the largest coefficient, per zone.
+    """The sampled smooth part of the right side.
+
+    coefficients: U coefficients g_k at [:, k] (g_0 unused); own: number of nodes per zone; tail:
+    size of the last coefficients per zone; evaluations: number of values.
     """
 
     coefficients: Array
@@ -271,12 +268,12 @@ class Samples:
 def sample(
     forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tolerance: float, largest: int
 ) -> Samples:
-    """Sample the right side on each zone and double the nodes of those whose coefficients have not
-    decayed.
+    """Sample the right side on each zone, with nodes doubled until the coefficients have decayed.
 
     A symmetric set is sampled on its right half only. Where jumps of g leave nothing smooth, as in
-    a wedge, they are what the decay is measured by: of them rounding remains. Where derivatives
-    alone jump it is g itself: their parts may be much larger than their sum.
+    a wedge, the decay is measured relative to them, since their rounding remains. Where only
+    derivatives jump it is measured relative to g itself, because their parts may be much larger
+    than their sum.
     """
     own = own.copy()
     subtracted = np.abs(jumps.t_coefficients(zones, _LEADING)).max(axis=1)
@@ -286,7 +283,7 @@ def sample(
     # The largest of many coefficients of noise is some four times their standard deviation.
     noise = np.maximum(jumps.rounding(len(zones)), 4 * np.sqrt(2) * forcing.resolution.rounding)
     found: list[tuple[Index, Array]] = []
-    # The last two sizes and tails of each zone so far.
+    # The last two sizes and tails of each zone.
     sizes, tails = np.ones((len(zones), 2)), np.full((len(zones), 2), -np.inf)
     calm = np.zeros(len(zones), dtype=np.intp)
     pending = zones.solved
@@ -304,8 +301,8 @@ def sample(
             scale = np.where(
                 bent[group], largest_value, np.maximum(np.abs(g).max(axis=1), subtracted[group])
             )
-            # Places are rounded to half a unit in their last digit: what that makes of the slope of
-            # g is seen in all coefficients.
+            # Places are rounded to half a unit in their last digit, which the slope of g turns into
+            # noise in all coefficients.
             rounded = (
                 place_rounding(zones, group)
                 * root_of_squares(g, np.arange(1.0, int(n) + 1))
@@ -315,15 +312,16 @@ def sample(
                 last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))
             ) & (n < largest)
             grow &= (n < MOST_OWN) | (last <= _NEARLY * scale)
-            # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no
-            # faster is rounding. Sizes two steps apart are in the ratio of two: beside knots what
-            # one size tells may beat with the next.
+            # A jump of g leaves coefficients ~ 1/n and rounding ~ 1/sqrt(n): what falls no faster
+            # is rounding. Sizes two steps apart have the ratio two; next to knots, two successive
+            # sizes may differ by chance.
             slow = (tails[group, 1] >= 0) & (
                 last[:, None] > tails[group] * (sizes[group] / n) ** 0.75
             ).all(axis=1)
             sizes[group], tails[group] = sizes[group][:, [1, 1]], tails[group][:, [1, 1]]
             sizes[group, 1], tails[group, 1] = n, last
-            # Nor do fewer nodes than tell the pieces between jumps show how what these leave falls.
+            # Too few nodes do not resolve the pieces between jumps, and do not show how
+            # coefficients fall.
             calm[group] += slow & (last < _NOISE * scale) & (n >= _TO_A_PIECE * knots[group])
             found.append((group, g))
             grow &= calm[group] < 3
@@ -344,8 +342,9 @@ def sample(
 
 
 def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
-    """Of long series whose coefficients have stopped falling half way to their end, those that are
-    rounding are none: beside an end their sum grows as n^1.5, that of fewer from as many nodes by
+    """Cut long series that have stopped falling half way: the rest is rounding.
+
+    Next to an end their sum grows as n^1.5, and that of fewer coefficients from as many nodes by
     less.
     """
     for zone in zones[own[zones] >= _LONG]:
@@ -364,9 +363,7 @@ def place_rounding(zones: Zones, group: Index) -> Array:
 
 
 def mirror(zones: Zones, table: Array) -> None:
-    """Fill the left half of a symmetric set's coefficient table from the right half: T_k(-t) =
-    (-1)^k T_k(t).
-    """
+    """Fill the left half of a symmetric set's table from the right one: T_k(-t) = (-1)^k T_k(t)."""
     left = np.arange(len(zones) // 2)
     table[left] = table[::-1][left] * (1.0 - 2.0 * (np.arange(table.shape[1]) % 2))
 
@@ -374,18 +371,19 @@ def mirror(zones: Zones, table: Array) -> None:
 def _values(
     forcing: Forcing, zones: Zones, jumps: ForcingJumps, group: Index, n: int
 ) -> tuple[Array, Array]:
-    """(the smooth part of g at the nodes of zones, the largest of g itself on each)."""
+    """(smooth part of g at the nodes of zones, largest |g| on each)."""
     _, right, left = chebyshev.lobatto(n)
     left, right = left[1:-1], right[1:-1]
     w = zones.half[group][:, None]
     end = np.where(left <= right, zones.a[group][:, None], zones.b[group][:, None])
-    # From the ends as positions, of which rounding has cut off the rest.
+    # Nodes are measured from the ends as rounded positions; `rest` is the part below the last
+    # digit.
     rest = zones.rest[:, group][:, :, None]
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
-    # Each zone's nodes, one zone after the other.
+    # The nodes of each zone, one zone after the other.
     of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
     if float(place_rounding(zones, group).max()) > _FINE:
-        # What a jump adds to the slope is none of g's on either side.
+        # What a jump adds to the slope does not belong to g on either side.
         levels = jumps.level_part(*of_jumps).reshape(len(group), -1)
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)
     else:
@@ -396,17 +394,17 @@ def _values(
 
 
 def conformal_radius(left: Array, right: Array) -> Array:
-    """R, of distances to the neighbours; one of them may be infinite, and R is with both."""
+    """R by the distances to the neighbours, of which one may be infinite."""
     with np.errstate(divide="ignore"):
         return np.asarray(4 / (1 / left + 1 / right))
 
 
 def felt(left: Array, right: Array) -> tuple[Array, Array]:
-    """Parts of the left and of the right neighbour's level that are felt between them; they add up
-    to one.
+    """Parts of the left and of the right neighbour's level that are felt between them; their sum is
+    one.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
-        # sqrt(left / right) is the tangent of half the angle that asin(s) is from -pi / 2.
+        # sqrt(left / right) is the tangent of half the angle of asin(s) from -pi / 2.
         of_right = np.where(
             np.isinf(left) & np.isinf(right), 0.5, 2 / np.pi * np.arctan(np.sqrt(left / right))
         )

@@ -1,16 +1,15 @@
-"""Zones with many jumps of the right side's derivatives: what other zones feel of them, from
-integrals between the jumps.
+"""Lowest coefficients of the right side on zones with many jumps of its derivatives.
 
-Truncated powers h (t - s)_+^q grow across a zone. Of n knots of a spline they and the polynomial
-that is left amount to n^2 times the right side itself: in one zone that is no harm, but its
-neighbours, and the level that it shares with a lightly loaded one, would see the rounding of a
-difference of large numbers. So the lowest coefficients and the mean of the primitive are taken from
-g itself,
+Truncated powers h (t - s)_+^q grow across a zone. For n knots of a spline, they and the remaining
+polynomial are up to n^2 times the right side itself. Within one zone that does no harm. But its
+neighbours, and the level that it shares with a lightly loaded zone, would see the rounding of a
+difference of large numbers. So the lowest coefficients and the mean of the primitive G are taken
+from g itself,
 
-    g_k = (2/pi) int_0^pi g sin(theta) sin(k theta) dtheta        mean = (1/pi) int_0^pi G dtheta,        G' = g,
+    g_k = (2/pi) int_0^pi g sin(theta) sin(k theta) dtheta,    mean = (1/pi) int_0^pi G dtheta,
 
 by Gauss-Legendre rules on the stretches between jumps, where g is smooth. The unknowns are then
-those of the whole density, T_l coefficients of the jumps' parts included.
+those of the whole density, with the T_l coefficients of the jumps' parts.
 """
 
 import numpy as np
@@ -22,28 +21,28 @@ from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 from sie.jumps.forcing import ForcingJumps
 
-# From this number of jumps on in a zone: the powers are then some ten times the right side.
+# With this number of jumps in a zone the truncated powers are some ten times the right side.
 MANY_JUMPS = 32
-# Nodes on a stretch, and the largest angle by which sin(k theta) turns on it: the rule is exact to
-# rounding there.
+# Nodes on a stretch, and the largest angle by which sin(k theta) turns on it: the rule is then
+# exact to rounding.
 _NODES = 16
 _TURN = 2 * np.pi
 
 
 def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
-    """Solved zones with many jumps of the right side's or of the density's derivatives, in order."""
+    """Solved zones with many jumps of derivatives of the right side or of the density, in order."""
     if len(forcing.jumps) == 0:
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     count[list(jumps.splines)] += MANY_JUMPS
-    # Beside algebraic points the right side is not smooth between its jumps.
+    # Near algebraic points the right side is not smooth between its jumps.
     count[list(jumps.poles.by_zone)] = 0
     return np.asarray(zones.solved[count[zones.solved] >= MANY_JUMPS])
 
 
 def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
-    """(angles, weights) on the stretches between the jumps of a zone, for what turns as often as
-    sin(highest theta).
+    """(angles, weights) on the stretches between the jumps of a zone, exact up to sin(highest
+    theta).
     """
     cuts = np.concatenate(([0.0], np.sort(jumps.angles(zone)), [np.pi]))
     parts = np.maximum(np.ceil(np.diff(cuts) * (highest / _TURN)), 1.0).astype(np.intp)
@@ -53,9 +52,7 @@ def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
 def coefficients(
     forcing: Forcing, zones: Zones, jumps: ForcingJumps, chosen: Index, m: Index
 ) -> tuple[Array, Array]:
-    """(g_k of the right side itself at [:, k], k = 1 ... m, others zero; mean of its primitive, 0
-    without one) on chosen zones.
-    """
+    """(g_k at [:, k] for k = 1 ... m, mean of the primitive or 0) on chosen zones."""
     rules = [rule(jumps, int(zone), int(m[zone])) for zone in chosen]
     first = np.cumsum([0, *(len(theta) for theta, _ in rules)])
     theta, weights = (np.concatenate(parts) for parts in zip(*rules, strict=True))

@@ -1,14 +1,13 @@
-"""The linear system for given zones: every zone sees the others through closed forms.
+"""The rows of the equation on given zones, where every zone sees the others through closed forms.
 
-Unknown are, per zone, the coefficients c_0 ... c_m of T_l / sqrt(1 - t^2), and the amplitudes of
-the columns. Projected on U_{k-1}, a zone's own transform is -c_k, so the rows read
+The unknowns are, per zone, the coefficients c_0 ... c_m of T_l / sqrt(1 - t^2), and the amplitudes
+of the columns. Projected on U_{k-1}, a zone's own transform is -c_k, so the rows are
 
-    -c_k + (what the other zones, the images and the regular part do to zone i)_k - sum lambda C_k = g_k,   k = 1 ... m,
+    -c_k + (field of other zones, images and regular part)_k - sum lambda C_k = g_k,  k = 1 ... m,
 
-a second-kind system; coefficients beyond m are -g_k at once, because what the other zones do is
-smooth there. What each does off itself `sie.basis.interval` knows.
-
-Of a symmetric set of zones some unknowns are kept, and the mirrored ones follow from them.
+a second-kind system. Coefficients beyond m are -g_k, because the field of the other zones is smooth
+there. Fields are computed in `sie.basis.interval`. Of symmetric zones some unknowns are kept, and
+the mirrored ones follow from them.
 """
 
 from collections.abc import Callable
@@ -33,14 +32,14 @@ from sie.trees.skeleton import Skeleton
 
 # Pairs of points and nodes handled at once: 30 MB of values.
 _PAIRS = 2**22
-# Most quadrature nodes a zone spends on the weight of a side condition.
+# Quadrature nodes of a zone for the weight of a side condition, at most.
 _LARGEST_WEIGHT = 8192
 
 
 @record
 class Layout:
-    """Where the unknowns stand: zone i has coefficients offset[i] ... offset[i] + m[i]; then come
-    the amplitudes.
+    """Places of the unknowns: coefficients offset[i] ... offset[i] + m[i] of zone i, then
+    amplitudes.
     """
 
     m: Index
@@ -59,16 +58,17 @@ class Layout:
         return self.coefficients + self.columns
 
     def amplitude(self, k: int) -> int:
-        """Where the amplitude of column k stands."""
+        """Index of the amplitude of column k."""
         if not 0 <= k < self.columns:
             raise ValueError(
-                f"a condition asks for the amplitude of column {k}, but the equation has {self.columns} columns, from 0 on"
+                f"a condition asks for the amplitude of column {k}, but the equation has "
+                f"{self.columns} columns, from 0 on"
             )
         return self.coefficients + k
 
     @cached_property
     def given(self) -> Mask:
-        """Which places of a (zones, max m + 1) table are unknowns."""
+        """Mask of a (zones, max m + 1) table: which places are unknowns."""
         return np.asarray(np.arange(int(self.m.max()) + 1) <= self.m[:, None])
 
     def padded(self, y: Array) -> Array:
@@ -78,9 +78,7 @@ class Layout:
         return out
 
     def flat(self, table: Array) -> Array:
-        """The inverse of `padded`, amplitudes zero; a table with fewer columns is continued by
-        zeros.
-        """
+        """The inverse of `padded`, with amplitudes zero."""
         out, count = np.zeros(self.size), self.given.shape[1]
         out[: self.coefficients] = widened(table, count)[:, :count][self.given]
         return out
@@ -88,9 +86,7 @@ class Layout:
 
 @record
 class Targets:
-    """Points on zones: zone index, distances from the zone's left and right end, and the points
-    themselves.
-    """
+    """Points on zones: zone index, distances from the zone's left and right end, and positions."""
 
     zone: Index
     left: Array
@@ -114,12 +110,12 @@ class Targets:
         return cls(zone, lefts, rights, x)
 
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
-        """(the targets seen from zones `sources` shifted by `shift`; 0 where these are their own
-        zones, else 1), (points, sources) each.
+        """(targets as seen from zones `sources` shifted by `shift`, mask), (points, sources) each.
 
-        From the gap between the zones and the distance of the point from its own zone's end, so
-        nothing cancels but the ends. On its own zone (shift 0) a target is put anywhere: there the
-        caller has the closed form of the zone itself.
+        The mask is 0 for a target on the source itself, else 1; None if there is no such pair.
+        Distances are those of the gap between the zones and of the point from its own zone's end,
+        so that only the ends cancel. A target on the source is put anywhere: its caller has the
+        closed form of the zone itself.
         """
         a, b = zones.a[sources] + shift, zones.b[sources] + shift
         z = self.zone
@@ -153,7 +149,7 @@ class Places:
 
 
 def outside(a: Array, b: Array, x: Array) -> Outside:
-    """Points outside intervals seen from these."""
+    """Points outside intervals as seen from them."""
     right = x > 0.5 * (a + b)
     return Outside(np.where(right, 1.0, -1.0), np.where(right, x - b, a - x) / (0.5 * (b - a)))
 
@@ -161,8 +157,10 @@ def outside(a: Array, b: Array, x: Array) -> Outside:
 def fields(
     zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout, potential: bool
 ) -> Array:
-    """Transform, or potential over the zones' half widths, of each unknown at the targets, but for
-    a zone's action on itself: (points, unknown coefficients).
+    """Transform, or potential over half widths, of each unknown at the targets (points,
+    coefficients).
+
+    The effect of a zone on itself is left out.
     """
     out = np.zeros((len(targets.x), layout.size))
     for m in np.unique(layout.m):
@@ -185,7 +183,7 @@ def fields(
 def _add_regular(
     out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Layout, potential: bool
 ) -> None:
-    """Add what the kernel's regular part does at points x."""
+    """Add the field of the kernel's regular part at points x."""
     regular = kernel.regular_potential if potential else kernel.regular
     if regular is None:
         raise ValueError("a condition on potentials needs the regular kernel's potential")
@@ -224,10 +222,9 @@ def _panel_moments(
 
 
 class System(Rows):
-    """The rows of the equation over the unknowns, for given zones, and what side conditions ask for
-    (see `Rows`).
+    """The rows of the equation over the unknowns, and what side conditions ask for (see `Rows`).
 
-    coefficients: smooth part of the right side, U coefficients g_k at [:, k], for all zones.
+    coefficients: U coefficients g_k of the smooth part of the right side at [:, k], for all zones.
     """
 
     def __init__(
@@ -236,7 +233,7 @@ class System(Rows):
         self.equation, self.zones, self.jumps, self.g = equation, zones, jumps, coefficients
         self.layout = Layout(m, len(equation.columns))
         self.known = jumps.first_coefficients(zones, m + 1)
-        # In zones by moments the jumps' parts are among the unknowns, as far as those go.
+        # Where moments are used, the jumps' parts are among the unknowns up to m.
         self.by_moments = many_jumps(equation.forcing, zones, jumps)
         self.taken = np.zeros_like(self.known)
         self.lowest = coefficients
@@ -244,8 +241,8 @@ class System(Rows):
             self._take(m)
         self.targets = Targets.lobatto(zones, zones.solved, m)
         self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
-        # Unknown c_k of each row k = 1 ... m of the solved zones, and which rows are kept: of a
-        # zone about the centre those of even k.
+        # Unknown c_k of each row k = 1 ... m of the solved zones, and the rows that are kept: for a
+        # zone at the centre those of even k.
         zone, k = np.repeat(zones.solved, m[zones.solved]), numbered(m[zones.solved]) + 1
         self.own = self.layout.offset[zone] + k
         self.kept: Index | slice = (
@@ -254,7 +251,7 @@ class System(Rows):
             else slice(None)
         )
         self.source_tails = np.zeros(len(zones))
-        # Largest value on each solved zone of what each unknown does there, found where modes grow.
+        # Largest value on each solved zone of the field of each unknown, computed where modes grow.
         self.field_sizes: Array | None = None
 
     def _take(self, m: Index) -> None:
@@ -268,8 +265,8 @@ class System(Rows):
                 self.equation.forcing, zones, self.jumps, chosen, m
             )
         else:
-            # Of jumps of the density g is no smoother between them: from what is left of it, less
-            # what the kernel makes of their parts.
+            # For jumps of the density g is not smoother between them: the coefficients are those of
+            # what is left of it, less the kernel's effect on their parts.
             of_g = widened(self.g[chosen], self.taken.shape[1])
             of_g[:, : self.taken.shape[1]] -= self.taken[chosen]
         count = max(self.g.shape[1], of_g.shape[1])
@@ -280,7 +277,7 @@ class System(Rows):
     # rows of the equation
     # -------------------------------------------------------------------------------------------
     def equation_rows(self) -> tuple[Array, Array]:
-        """(matrix, right side), the kept rows."""
+        """(matrix, right side) of the kept rows."""
         layout, zones = self.layout, self.zones
         if len(self.own) == 0:  # zones that feel no others: all but their totals is known
             return np.zeros((0, layout.size)), np.zeros(0)
@@ -307,9 +304,10 @@ class System(Rows):
         return rows[self.kept], right[self.kept]
 
     def _quadrature_tails(self) -> Array:
-        """Error of the quadrature over each zone (Z,), of a kernel that declares its length: as
-        large as the coefficient of the kernel that Gauss' rule takes for part of the highest mode.
-        Seen from the ends and from the middle of the zone.
+        """Error of the quadrature over each zone (Z,), of a kernel that declares its length.
+
+        It is the coefficient of the kernel that Gauss' rule takes for part of the highest mode,
+        seen from the ends and from the middle of the zone.
         """
         zones, kernel, tails = self.zones, self.equation.kernel, np.zeros(len(self.zones))
         assert kernel.regular is not None
@@ -324,8 +322,8 @@ class System(Rows):
         return tails
 
     def projected(self, values: Array) -> Array:
-        """U coefficients k = 1 ... m on each solved zone, one zone after the other, of what has
-        these values at the targets (n, ...).
+        """U coefficients k = 1 ... m on each solved zone, one after the other, of values at the
+        targets.
         """
         m = self.layout.m[self.zones.solved]
         first, out = np.cumsum(m) - m, np.empty((int(m.sum()), *values.shape[1:]))
@@ -338,13 +336,13 @@ class System(Rows):
 
     @cached_property
     def panels(self) -> Panels | Skeleton | None:
-        """Those of the kernel's regular part."""
+        """Fast sums of the kernel's regular part."""
         return panels_over(self.equation.kernel, self.zones)
 
     @cached_property
     def unseen_moments(self) -> Array | None:
-        """Moments of the coefficients that are no unknowns, as far as the regular part sees them;
-        None where it sees none.
+        """Moments of the coefficients that are not unknowns, up to those that the regular part
+        sees, or None.
         """
         zones, panels = self.zones, self.panels
         if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):
@@ -357,7 +355,7 @@ class System(Rows):
         return moments_of(panels, zones, self.equation.kernel, table, ForcingJumps.none())
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
-        """(all rows of the equation, levels) of what has these moments on the panels."""
+        """(all rows of the equation, levels) of a density with given moments of the panels."""
         assert self.panels is not None
         spread = self.panels.spread(self.targets.x)
         rows = self.projected(self.panels.at(spread, moments, False))
@@ -372,8 +370,9 @@ class System(Rows):
 
     @cached_property
     def last_unknowns(self) -> Index:
-        """Where the last kept coefficient of each solved zone stands among the kept unknowns: of a
-        zone about the centre an even one.
+        """Index of the last kept coefficient of each solved zone among the kept unknowns.
+
+        For a zone at the centre it is an even one.
         """
         solved, m = self.zones.solved, self.layout.m
         last = m[solved] - (m[solved] % 2) * ((np.arange(len(solved)) == 0) & self.zones.central)
@@ -405,8 +404,8 @@ class System(Rows):
     def weighted(
         self, weight: Callable[[Array], Array], degree: int | None
     ) -> tuple[list[Array], Array]:
-        """(by each solved zone's coefficients, by what is known) of the integrals of a weight times
-        the density.
+        """(factors of each solved zone's coefficients, constants) of the integrals of a weight
+        times the density.
         """
         tables, constants = [], np.zeros(len(self.zones.solved))
         least = max(self.g.shape[1], int(self.layout.m.max()) + 1, 16) + 16
@@ -429,8 +428,9 @@ class System(Rows):
     def moments(
         self, weight: Callable[[Array], Array], zone: int, size: int, degree: int | None = None
     ) -> Array:
-        """Means of weight times T_l over a zone (weight 1 / sqrt(1 - t^2)): of a polynomial as many
-        as it has, else as many as it takes them to decay.
+        """Means of weight times T_l over a zone, with the weight 1 / sqrt(1 - t^2).
+
+        A polynomial has as many as its degree, other weights as many as it takes them to decay.
         """
         if degree is not None:
             return self._moments(weight, zone, degree + 2)[: degree + 1]
@@ -455,9 +455,7 @@ class System(Rows):
         return (left, constant_left), (right, constant_right)
 
     def intensities_of(self, coefficients: Array) -> tuple[Array, Array]:
-        """K at the left and at the right end of each solved zone, of coefficients (all zones, n +
-        1).
-        """
+        """K at the left and right end of each solved zone, of coefficients (all zones, n + 1)."""
         solved = self.zones.solved
         table, root = coefficients[solved], edge_scale(self.zones.half[solved])
         return root * (table[:, ::2].sum(axis=1) - table[:, 1::2].sum(axis=1)), root * table.sum(
@@ -466,8 +464,8 @@ class System(Rows):
 
     @cached_property
     def beyond(self) -> Array:
-        """Coefficients that are no unknowns: beyond the coupled modes, and less what the unknowns
-        have of the jumps' parts.
+        """Coefficients that are not unknowns, less the parts of the jumps that are among the
+        unknowns.
         """
         count = max(self.g.shape[1], self.taken.shape[1])
         g, taken = widened(self.g, count), widened(self.taken, count)
@@ -489,13 +487,13 @@ class System(Rows):
         return self.levels()[1]
 
     def level_changes(self, y: Array) -> Array:
-        """What unknowns y add to the levels."""
+        """Changes of the levels by unknowns y."""
         return np.asarray(self.levels()[0] @ y)
 
     @property
     def integrated(self) -> bool:
-        """Whether differences of levels are integrated from g: then the rounding of its primitive
-        is not in them.
+        """Whether differences of levels are integrals of g; then they do not have its primitive's
+        rounding.
         """
         return False
 
@@ -504,9 +502,11 @@ class System(Rows):
         return 2.2e-16 * root_of_squares(self.levels()[0], y)
 
     def levels(self) -> Linear:
-        """See `Rows`. The mean of a zone's own potential is w c_0 log(w / 2); the mean of the
-        primitive comes from its values at the ends and from the coefficients of g, since the
-        antiderivative of U_{k-1} is T_k / k.
+        """See `Rows`.
+
+        The mean of a zone's own potential is w c_0 log(w / 2). The mean of the primitive follows
+        from its values at the ends and from the coefficients of g, since the antiderivative of
+        U_{k-1} is T_k / k.
         """
         return self._levels
 
@@ -562,9 +562,7 @@ class System(Rows):
 
 
 def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, Array]:
-    """All side conditions, and the intensity prescribed at ends that do not move, as rows over so
-    many unknowns and values.
-    """
+    """(rows, values) of all side conditions, and of the intensities prescribed at fixed ends."""
     zones, rows, values = system.zones, [np.zeros((0, size))], [np.zeros(0)]
     for condition in equation.conditions:
         matrix, constants, wanted = asked(condition, system, size)
@@ -583,8 +581,9 @@ def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, 
 
 @record
 class MirrorSymmetry:
-    """keep: the kept unknowns, of zones that are not symmetric all; unknowns `follow` are `sign`
-    times those at `source`.
+    """Which unknowns are kept: of symmetric zones half, else all.
+
+    keep: the kept unknowns; those at `follow` are `sign` times those at `source`.
     """
 
     whole: int
@@ -620,13 +619,13 @@ class MirrorSymmetry:
         )
 
     def position(self, unknowns: Index) -> Index:
-        """Where kept unknowns stand among the kept ones."""
+        """Index of kept unknowns among the kept ones."""
         places = np.full(self.whole, -1, dtype=np.intp)
         places[self.keep] = np.arange(self.size)
         return np.asarray(places[unknowns])
 
     def fold(self, matrix: Array) -> Array:
-        """Columns of mirrored zones added to those they follow from; the others dropped."""
+        """Add the columns of mirrored zones to those they follow from, and drop them."""
         if len(self.follow):
             matrix[:, self.source] += matrix[:, self.follow] * self.sign
         return np.asarray(matrix[:, self.keep])

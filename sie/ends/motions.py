@@ -1,31 +1,30 @@
-r"""What motions of free ends do to edge intensities and levels, in closed form: by the singular
-densities that stand for them.
+"""Effect of motions of free ends on edge intensities and levels, by singular densities.
 
-Where the end of a zone moves outward by s, the density K / sqrt(d) + A sqrt(d) beside it changes at
-fixed places by
+Where the end of a zone moves outward by s, the density K / sqrt(d) + A sqrt(d) next to it changes
+at fixed places by
 
     d phi/ds = -(K/2) d^(-3/2) + (dK/ds + A/2) d^(-1/2) + ...,
 
-and what changes solves the equation with no right side. On a zone of half width w, t -> 1 the end,
+and this change solves the equation with right side zero. On a zone of half width w, with t -> 1 the
+end,
 
     S(t) = 1 / ((1 - t) sqrt(1 - t^2)) ~ (1/sqrt 2) (d/w)^(-3/2) + (1/(4 sqrt 2)) (d/w)^(-1/2)
 
-has no transform on the zone, no total, the potential -w there, and outside the transform and the
-potential of the coefficients c_l = -2 l (finite parts: (1/pi) int T_l S dt = -l, from rho^l /
-sqrt(z^2 - 1) at z -> 1). So the rows at hand, applied to these, tell what S does to the other
-zones, and one solution with the factors at hand what answers.
+has no transform on the zone, no total, and the potential -w there. Outside it has the transform and
+the potential of the coefficients c_l = -2 l (finite parts: (1/pi) int T_l S dt = -l, from rho^l /
+sqrt(z^2 - 1) at z -> 1). So the rows, applied to these, give the effect of S on the other zones,
+and one solve with the factors gives the response.
 
-A motion d of the right end of a zone of half width w leaves s S, s = -K d / (sqrt(2) w^(3/2)): the
-coefficients -2 l s to all but the zone itself, the level -w s and a part of both K there.
+A motion d of the right end of a zone of half width w adds s S, s = -K d / (sqrt(2) w^(3/2)). This
+is the coefficients -2 l s to all other zones, the level -w s, and a part of both K of its own zone.
 
-Of very many ends with prescribed intensities there is no matrix of these rates: the unknowns of the
-response and the motions d of all ends are found together,
+Very many ends with prescribed intensities have no matrix of these rates. The unknowns y of the
+response and the motions d of all ends are found together, from
 
     rows (y + singular densities of d) = 0,      K(y) + own K of d = change,
 
-by GMRES: one fast sum a step, as for the equation itself. The preconditioner is that of the
-equation for y, and for d what a motion does to its own zone alone, so that the number of steps does
-not grow with that of the zones.
+by GMRES with one fast sum a step. The preconditioner is that of the equation for y, and for d the
+effect of a motion on its own zone. So the number of steps does not grow with that of the zones.
 """
 
 from dataclasses import dataclass
@@ -47,9 +46,11 @@ from sie.trees.krylov import gmres
 
 @record
 class Moved:
-    """coefficients: of the singular densities, as the rest sees them (unknowns, ...); own_level:
-    what they do to their zones' own levels (Z, ...); own: and to the intensities at both ends of
-    these (2, Z, ...).
+    """Effect of motions of ends, besides the response of the equation.
+
+    coefficients: of the singular densities, as other zones see them (unknowns, ...); own_level:
+    change of their zones' own levels (Z, ...); own: change of the intensities at both ends of their
+    zones (2, Z, ...).
     """
 
     coefficients: Array
@@ -58,7 +59,7 @@ class Moved:
 
     @classmethod
     def of(cls, state: State, d: Array) -> "Moved":
-        """By outward motions d (2, Z, ...) of the left and right ends."""
+        """The effect of outward motions d (2, Z, ...) of the left and right ends."""
         zones, layout = state.density.zones, state.system.layout
         more = (1,) * (d.ndim - 2)
         w = zones.half.reshape(-1, *more)
@@ -83,7 +84,7 @@ class Moved:
 
 
 class FreeEnds:
-    """The ends of a state that move, (side, zone) each, of mirrored pairs the right one."""
+    """The ends of a state that move, (side, zone) each; of mirrored pairs the right one."""
 
     def __init__(self, state: State) -> None:
         zones = state.density.zones
@@ -99,11 +100,11 @@ class FreeEnds:
         self.at = np.searchsorted(zones.solved, self.zone)
 
     def of(self, values: Array) -> Array:
-        """Of values at all ends (2, Z, ...) those at these (E, ...)."""
+        """Values at these ends (E, ...), from those at all ends (2, Z, ...)."""
         return np.asarray(values[self.side, self.zone])
 
     def spread(self, values: Array) -> Array:
-        """Values of these (E, ...) as (2, Z, ...), mirrored ones filled in."""
+        """Values at all ends (2, Z, ...), mirrored ones filled in, from those at these (E, ...)."""
         out = np.zeros((2, len(self.zones), *values.shape[1:]))
         out[self.side, self.zone] = values
         if self.zones.symmetric:
@@ -111,21 +112,21 @@ class FreeEnds:
         return out
 
 
-# Steps of Arnoldi's method for the growth of a push, between two looks and at the most; it is known
-# when it changes by less than a part.
+# Steps of Arnoldi's method for the growth rate: between two checks, and at most. It has converged
+# when it changes by less than `_KNOWN` of itself.
 _LOOK = 8
 _MOST = 64
 _KNOWN = 0.02
-# To what motions are found, relative: what that leaves of a Newton step is for the next one. And to
-# what responses are, for the growth.
+# Relative tolerance of motions: what is left of a Newton step is for the next one. `_RESPONSE` is
+# the tolerance of responses for the growth rate.
 STEP = 1e-6
 _RESPONSE = 1e-4
-# A residual that stays above this part: some motion leaves the intensities as they are.
+# If the residual stays above this part, some motion leaves the intensities unchanged.
 _LOST = 1e-3
 
 
 class IteratedMotions(FreeEnds):
-    """At a state that was found by iteration."""
+    """Motions at a state that was found by iteration."""
 
     def __init__(self, state: State, solver: Iterative) -> None:
         super().__init__(state)
@@ -134,14 +135,15 @@ class IteratedMotions(FreeEnds):
         self.width = self.zones.half[self.zone]
 
     def _applied(self, folded: Array, d: Array) -> tuple[Array, Array]:
-        """(rows of the equation and of its conditions, K at the ends) by a response and by motions
-        of the ends.
+        """(rows of the equation and its conditions, K at the ends) for a response and motions of
+        the ends.
         """
         system: IterativeSystem = self.system
         moved = Moved.of(self.state, self.spread(d))
         y = system.symmetry.unfold(folded)
         rows, plain = system.applied(y + moved.coefficients)
-        # The rows hold what coefficients do to their own zone, which singular densities do not.
+        # The rows hold the effect of coefficients on their own zone, which singular densities do
+        # not have.
         rows = rows + moved.coefficients[system.diagonal]
         edges = (
             np.array(system.intensities_of(system.layout.padded(y)))
@@ -155,7 +157,7 @@ class IteratedMotions(FreeEnds):
 
     @cached_property
     def _local(self) -> Array:
-        """Inverse of what motions do to K at both ends of their own zone, by zone (Z, 2, 2)."""
+        """Inverse of the effect of motions on K at both ends of their own zone (Z, 2, 2)."""
         out = np.zeros((len(self.zones), 2, 2))
         for side in (0, 1):
             d = np.zeros((2, len(self.zones)))
@@ -168,26 +170,27 @@ class IteratedMotions(FreeEnds):
             out[held, side, side] = 1.0
         central = int(self.zones.solved[0]) if self.zones.central else -1
         if central >= 0:
-            # Both ends of the zone about the centre are one.
+            # Both ends of the zone at the centre are one unknown.
             out[central] = np.diag([1.0, out[central, 1].sum()])
         size = np.abs(out).max(axis=(1, 2), keepdims=True)
         weak = np.abs(np.linalg.det(out / size)) < 1e-3
-        # A zone alone may turn or grow without a change of K: then it is the larger of both that
-        # counts.
+        # A zone alone may shift or grow without a change of K: the larger effect counts then.
         out[weak] = np.eye(2) * size[weak]
         return np.asarray(np.linalg.inv(out))
 
     def _by_zone(self, k: Array) -> Array:
-        """Motions of the ends by which each zone alone changes K like this."""
+        """Motions of the ends that change K by these values, each zone by itself."""
         return self.of(np.einsum("zab,bz->az", self._local, self.spread(k)))
 
     def local(self, k: Array) -> Array:
-        """The same by the sizes of both (2, Z): how far K known to this leaves the ends uncertain."""
+        """Bound of the errors of the ends (2, Z) by errors k of the intensities, each zone by
+        itself.
+        """
         return np.asarray(np.einsum("zab,bz->az", np.abs(self._local), k))
 
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
-        """(K at `ends`, levels of the solved zones) by motions of the ends, the values of the side
-        conditions held.
+        """(changes of K at `ends`, of the levels of the solved zones) by motions; conditions are
+        held.
         """
         rows, own = self._applied(np.zeros(self.solver.size), d)
         folded = self.solver(-rows, None, tolerance)
@@ -209,9 +212,7 @@ class IteratedMotions(FreeEnds):
         return [self.system.symmetry.unfold(one) for one in folded]
 
     def meeting(self, change: Array, tolerance: float = STEP) -> Array:
-        """Motions of the ends (E,) that change K there like this; not a number where none are
-        found.
-        """
+        """Motions of the ends (E,) that change K by these values; nan where none are found."""
         count = self.solver.size
 
         def precondition(rows: Array, k: Array) -> Array:
@@ -236,8 +237,10 @@ class IteratedMotions(FreeEnds):
         return np.asarray(found.x[count:] * self.width)
 
     def amplification(self) -> float:
-        """By how much motions of all ends together are larger than of each zone by itself, for
-        changes of K at random: without bound where some motion leaves K as it is.
+        """Ratio of the motions of all ends to those of each zone by itself, for random changes of
+        K.
+
+        It is infinite if some motion leaves K unchanged.
         """
         size = np.abs(np.linalg.inv(self._local)).max(axis=(1, 2))[self.zone] * self.width
         found = (
@@ -249,8 +252,9 @@ class IteratedMotions(FreeEnds):
     def growth(
         self, signs: Array, normal: Array | None = None, by_value: Array | None = None
     ) -> float:
-        """Largest real part of the eigenvalues of what drives the ends by their motions; see
-        `newton`. By Arnoldi's method (W. E. Arnoldi, Quart. Appl. Math. 9 (1951) 17-29).
+        """Largest real part of the eigenvalues of the driving force by the motions; see `newton`.
+
+        It is found by Arnoldi's method (W. E. Arnoldi, Quart. Appl. Math. 9, 1951, 17-29).
         """
         driving = signs[self.side]
 
@@ -261,7 +265,7 @@ class IteratedMotions(FreeEnds):
             return np.asarray(out - by_value * (normal @ out) / (normal @ by_value))
 
         def along(d: Array) -> Array:
-            """The part that meets the condition on the ends."""
+            """The part of a motion that meets the condition on the ends."""
             return (
                 d if normal is None else np.asarray(d - normal * (normal @ d) / (normal @ normal))
             )
@@ -278,7 +282,7 @@ class IteratedMotions(FreeEnds):
                 h[: k + 1, k] += part
                 w = along(w - part @ np.array(basis))
             h[k + 1, k] = norm(w)
-            # What is left is rounding of the responses: the space of the start is closed.
+            # The rest is the error of the responses: the Krylov space is closed.
             whole = k + 1 == most or h[k + 1, k] <= 10 * _RESPONSE * size
             if whole or (k + 1) % _LOOK == 0:
                 found = float(np.linalg.eigvals(h[: k + 1, : k + 1]).real.max())
@@ -289,10 +293,9 @@ class IteratedMotions(FreeEnds):
         return last
 
 
-# Condition of the rates of K from which on they are rounding.
+# From this condition number on, the inverse of the rates is rounding.
 _NEUTRAL_FROM = 1e14
-# Beyond this number of unknowns a matrix costs more than as many solutions by iteration as there
-# are ends.
+# Beyond this number of unknowns a matrix costs more than one iterative solution for each end.
 _MANY = 8000
 
 
@@ -349,7 +352,8 @@ def end_rates(state: State) -> EndRates:
     >>> import numpy as np
     >>> import sie
     >>> end = sie.free_with_intensity(1.0)
-    >>> equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: -np.ones_like(x)), (sie.ZoneTotals(),))
+    >>> even = sie.Forcing(lambda x: -np.ones_like(x))
+    >>> equation = sie.Equation(sie.cauchy(), even, (sie.ZoneTotals(),))
     >>> state = sie.solve_fixed(equation, sie.Zones.of([[-2.0, 2.0]], end, end))
     >>> bool(np.allclose(np.abs(sie.end_rates(state).intensities).sum(axis=1), 0.25))
     True
@@ -358,8 +362,9 @@ def end_rates(state: State) -> EndRates:
 
 
 def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
-    """(the rates, unknowns of the responses to the motion of each free end (unknowns, E), none
-    where they are found by iteration).
+    """(rates, unknowns of the responses to the motion of each free end (unknowns, E)).
+
+    The responses are empty where they are found by iteration.
     """
     system, zones, layout = state.system, state.density.zones, state.system.layout
     free, solved, levels = FreeEnds(state), zones.solved, np.zeros((len(zones.solved), 0))
@@ -376,7 +381,7 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
     singular, own_level, own = moved.coefficients, moved.own_level, moved.own
     matrix = rows_of(state)
     right = matrix @ singular[state.symmetry.keep]
-    # The rows hold what coefficients do to their own zone, which S does not.
+    # The rows hold the effect of coefficients on their own zone, which S does not have.
     right[: state.conditions_from] += singular[system.diagonal]
     right[state.conditions_from :] += state.level_rows @ own_level[solved]
     held = [own[side, solved[p]] for side, places in enumerate(zones.fixed_bounded) for p in places]
@@ -445,12 +450,12 @@ def end_motions(state: State, change: Array) -> tuple[Array, Array]:
 
 
 class DirectMotions(FreeEnds):
-    """What `IteratedMotions` tells, by the matrix of the rates."""
+    """Motions by the matrix of the rates; see `IteratedMotions`."""
 
     def __init__(self, state: State) -> None:
         super().__init__(state)
         self._rates, self._responses = _rates_and_responses(state)
-        # Rounding alone keeps the rates of a motion that changes nothing from being zero.
+        # Rounding keeps the rates of a motion that changes nothing from being exactly zero.
         neutral = len(self.ends) > 0 and not np.linalg.cond(self._rates.intensities) < _NEUTRAL_FROM
         self._inverse = (
             np.full_like(self._rates.intensities, np.nan)
@@ -469,16 +474,15 @@ class DirectMotions(FreeEnds):
         return self._rates.intensities @ d, levels @ d if levels.size else np.zeros(0)
 
     def responses(self, d: Array) -> list[Array]:
-        """Unknowns of the densities by which the zones respond to motions of the ends (E, n), at
-        places that stay.
-        """
+        """Unknowns of the responses, at fixed places, to motions of the ends (E, n)."""
         return list((self._responses @ d).T)
 
     def growth(
         self, signs: Array, normal: Array | None = None, by_value: Array | None = None
     ) -> float:
-        """Largest real part of the eigenvalues of what drives the ends by their motions; with a
-        condition on the ends, which the unknown value keeps: of motions along it.
+        """Largest real part of the eigenvalues of the driving force by the motions.
+
+        With a condition on the ends, which the unknown value keeps, only motions along it count.
         """
         driven = signs[self.side][:, None] * self._rates.intensities
         if normal is not None and by_value is not None:
@@ -489,7 +493,7 @@ class DirectMotions(FreeEnds):
 
 
 def motions_of(state: State) -> DirectMotions | IteratedMotions:
-    """By the matrix of the rates, or by iteration where the state was found so."""
+    """Motions by the matrix of the rates, or by iteration where the state was found so."""
     return (
         DirectMotions(state) if state.iteration is None else IteratedMotions(state, state.iteration)
     )

@@ -1,4 +1,4 @@
-"""What the steps of a search for ends show: convergence with an error, or why there will be none."""
+"""What the steps of a search for ends show: convergence with its error, or failure."""
 
 from dataclasses import dataclass, field
 
@@ -157,7 +157,7 @@ class Progress:
         )
 
     def _stays(self) -> bool:
-        """Whether in the last steps the zones neither changed much nor came closer to converging."""
+        """Whether in the last steps the zones neither changed much nor converged."""
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
         if len(now) != len(before):
             return False
@@ -206,6 +206,7 @@ class Progress:
             return ""
         residual = min(branch.residual for branch in self.branches)
         return (
-            f"the intensities asked for may lie past a fold: nearer to them than {residual:.3g} the "
-            "search did not come, on both sides of where ends turn from stable to unstable"
+            "the intensities asked for may lie past a fold: nearer to them than "
+            f"{residual:.3g} the search did not come, on both sides of where ends turn from stable "
+            "to unstable"
         )

@@ -1,13 +1,13 @@
-r"""How a solution answers unit sources outside its zones, in closed form where they are near.
+"""Response of a solution to unit sources outside its zones, in closed form where they are near.
 
-A unit source at c adds K(x, c)/pi to the right side. On a zone with rho of c seen from it
+A unit source at c adds K(x, c)/pi to the right side. With rho of c as seen from a zone
 (`sie.basis.interval`),
 
     1/(x - c) = -(2/w) sum_{k >= 1} rho^k U_{k-1}(t),
 
-so the coefficients that are no unknowns are (2/w) rho^l / pi; their intensities, and what they do
-to the potential in other places of this kind, are geometric series and logarithms, however near to
-the zone a source is.
+so the coefficients that are not unknowns are (2/w) rho^l / pi. Their intensities, and their effect
+on the potential at other such places, are geometric series and logarithms, however close to the
+zone a source is.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from sie.basis.interval import edge_scale
 from sie.dense.system import Places, fields, outside
 from sie.states.state import State
 
-# A power of rho below this is nothing.
+# A power of rho below this is rounding.
 _NOTHING = 1e-18
 
 
@@ -111,7 +111,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     mean = seen.first(zones.half[:, None, None] / kernel.datum).sum(axis=2) / np.pi
     rows = g[np.repeat(np.arange(len(zones)), layout.m), numbered(layout.m) + 1]
     if kernel.regular is not None and len(at):
-        # By its values at the nodes, and by those of its primitive.
+        # The regular part enters by its values, and by those of its primitive, at the nodes.
         x = system.targets.x[:, None]
         rows += system.projected(kernel.regular(x, at) / np.pi)
         mean += (
@@ -159,14 +159,15 @@ def _solved(state: State, right: Array) -> Array:
 
 
 def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
-    """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles):
-    -(2/pi) sum_{l > m} (rho rho')^l / l.
+    """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles).
+
+    It is -(2/pi) sum_{l > m} (rho rho')^l / l.
     """
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(m)):
         least = _NOTHING ** (1.0 / (int(m[i]) + 1))
         for q in range(seen.shape[2]):
-            # Of pairs far from the zone nothing is left.
+            # Pairs far from the zone contribute nothing.
             sources = np.flatnonzero(
                 np.abs(up[i]).max(axis=1) * np.abs(seen[i, :, q]).max(initial=0.0) >= least
             )
@@ -176,7 +177,7 @@ def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
             both = seen[i, places, None, q, None] * up[i, sources]
             place, source, pole = np.nonzero(np.abs(both) >= least)
             both, place, source = both[place, source, pole], places[place], sources[source]
-            # 1 - rho rho' = (1 - rho) + rho (1 - rho') keeps its digits.
+            # 1 - rho rho' = (1 - rho) + rho (1 - rho') does not cancel.
             total = np.log1p(-both)
             power = np.ones_like(both)
             for order in range(1, int(m[i]) + 1):

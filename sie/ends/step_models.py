@@ -180,7 +180,7 @@ class StepAtJumps:
 
 
 def logarithms_in_gaps(forcing: Forcing, zones: Zones, period: float | None) -> Array:
-    """Sum of the heights J > 0 of the logarithms of the right side in the gaps at each end (2, Z)."""
+    """Sum of the heights J > 0 of logarithms in the gaps at each end (2, Z)."""
     at, heights = forcing.logarithms
     at, heights = wrapped(at[heights > 0], zones.a[0], period), heights[heights > 0]
     i = np.searchsorted(zones.a, at, side="right") - 1
@@ -215,7 +215,7 @@ def _root(decreasing: Callable[[Array], Array], low: Array, high: Array, kink: A
 def _nearest(
     zones: Zones, at: Array, heights: Array, period: float | None
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """(distance, height) of the jumps nearest to each end, inside and outside its zone, (2, Z) each.
+    """(distance, height) of the jumps nearest to each end, inside and outside (2, Z).
 
     The distance is infinite where there is none.
     """

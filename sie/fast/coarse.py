@@ -1,4 +1,4 @@
-"""The coarse problem of the preconditioner: one unknown load for each zone."""
+"""The coarse problem of the preconditioner: zones as flat punches that feel each other's loads."""
 
 import numpy as np
 
@@ -7,7 +7,8 @@ from sie.basis.zones import Zones
 from sie.fast.system import IterativeSystem
 from sie.trees.hierarchical import Inverse
 
-# To what the coarse problem is inverted: below the bending that it leaves out.
+# Accuracy of the hierarchical inverse: below the bending of zones that the coarse problem leaves
+# out.
 _COARSE = 1e-4
 # A coarse inverse is kept from one set of zones to the next while the ends of nearly all zones move
 # by less than this part of a width, and of the others by no more than the width.
@@ -16,8 +17,9 @@ _NEARLY = 0.99
 
 
 class CoarseOperator:
-    """The coarse problem's matrix and its inverse: mean potential on each solved zone from each
-    c_0, less a constant times the total that makes it definite.
+    """The coarse matrix and its inverse: mean potential on each solved zone from each c_0.
+
+    A constant times the total is subtracted, which makes the matrix definite.
     """
 
     def __init__(self, zones: Zones, system: IterativeSystem) -> None:
@@ -47,8 +49,8 @@ class CoarseOperator:
     def _of(self, i: Index, j: Index) -> Array:
         zones, kernel = self.zones, self.kernel
         x, xi, w = zones.middle[i], zones.middle[j], zones.half[j]
-        # A punch raises log((d + sqrt(d^2 - w^2)) / 2) at the distance d, and log(w / 2) on itself:
-        # of all poles together one logarithm.
+        # A punch raises log((d + sqrt(d^2 - w^2)) / 2) at distance d, and log(w / 2) on itself. The
+        # logarithms of all poles are one.
         product, away = np.ones(np.broadcast(i, j).shape), x - xi
         for shift in kernel.poles:
             d = np.maximum(np.abs(away - shift), w)

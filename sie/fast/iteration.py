@@ -13,25 +13,26 @@ from sie.fast.preconditioner import TwoLevelPreconditioner
 from sie.fast.system import Applied, IterativeSystem
 from sie.trees.krylov import gmres
 
-# What a correction leaves of the residual; corrections at the most; and one that leaves more than
-# this of it is the last: rough sums leave much less, and so it is rounding.
+# A correction reduces the residual by this factor; there are so many corrections at most. One that
+# leaves more than `_STAGNANT` of the residual is the last: rough sums leave much less, so it is
+# rounding.
 _CORRECTED = 1e-6
 _CORRECTIONS = 6
 _STAGNANT = 1e-3
 # From the square of this number of zones on, the tolerance is that of each.
 _ALIKE = 10.0
-# The residual that rounding leaves, over the size of the solution.
+# Residual by rounding, over the size of the solution.
 _ROUNDING = 3e-16
-# Zones with less than this part of the largest coefficient are solved as if they had it.
+# Zones with less than this part of the largest coefficient are scaled as if they had it.
 _LIGHTEST = 1e-4
 
 
 class Iterative:
     """Solves the rows of an `IterativeSystem` for any right side.
 
-    value: of an open condition, if there is one. Unknowns are counted in the largest of their zone,
-    so that lightly loaded zones are as right as the others. error: the largest of what the last
-    residual, preconditioned, says of the error of each zone's unknowns (Z,).
+    value: of an open condition, if there is one. Unknowns are scaled by the largest of their zone,
+    so that lightly loaded zones are as accurate as others. error: the error of each zone's unknowns
+    (Z,), as the last preconditioned residual has it.
     """
 
     def __init__(
@@ -46,7 +47,7 @@ class Iterative:
         self.equations = len(system.diagonal)
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
-        # Answers to random errors of the rows, and what these were made of: see `states.rounding`.
+        # Answers to random errors of the rows, with what these were made of: see `states.rounding`.
         self.random_changes: tuple[tuple[bytes, bytes], list[Array]] | None = None
 
     @property
@@ -79,8 +80,10 @@ class Iterative:
         tolerance: float | None = None,
         taken: Callable[[Array], Array] | None = None,
     ) -> Array:
-        """Folded unknowns; near: a first guess; tolerance: if another than that of the solver;
-        taken: what is taken from the rows, of the unknowns too.
+        """The folded unknowns for a right side.
+
+        near: first guess; tolerance: if not that of the solver; taken: a linear map of the unknowns
+        that is subtracted from the rows.
         """
 
         def rows(folded: Array, rough: bool = False) -> Array:
@@ -92,7 +95,7 @@ class Iterative:
 
         plain = self.preconditioner(right) if near is None else near
         scale = self.scale_of(plain)
-        # Norms of many zones add up what is asked of each.
+        # The norm adds up the errors of all zones.
         count = math.sqrt(len(self.system.zones.solved))
         wanted = max(
             (self.tolerance if tolerance is None else tolerance) * max(count / _ALIKE, 1.0),
@@ -102,15 +105,15 @@ class Iterative:
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
         before = float(norm(left_over))
         for _ in range(_CORRECTIONS):
-            # Each correction is wanted to a part only, for which rough sums will do.
+            # Rough sums are accurate enough for a partial reduction.
             part = max(wanted, _CORRECTED * before)
             found = gmres(
                 lambda v: self.preconditioner(rows(v * scale, rough=True)) / scale, left_over, part
             )
             self.iterations += found.steps
             x = x + found.x * scale
-            # What rough sums and rounding in a long recurrence leave, they do not see: the residual
-            # itself is looked at.
+            # GMRES does not see the errors of rough sums and of long recurrences, so the residual
+            # is recomputed.
             left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
             size, before = before, float(norm(left_over))
@@ -128,16 +131,14 @@ class Iterative:
         )
 
     def _by_zone(self, folded: Array) -> Array:
-        """Largest unknown of every zone, mirrored ones too."""
+        """Largest unknown of every zone, mirrored ones included."""
         zones = self.system.zones
         out = np.zeros(len(zones))
         out[zones.solved] = self._largest(folded)
         return np.maximum(out, out[::-1]) if zones.symmetric else out
 
     def scale_of(self, folded: Array) -> Array:
-        """Largest unknown of its zone for every unknown, but not below a small part of the largest
-        of all; 1 for amplitudes.
-        """
+        """Scale of every unknown: the largest of its zone, with a lower bound; 1 for amplitudes."""
         largest = self._largest(folded)
         top = float(largest.max())
         size = np.diff(

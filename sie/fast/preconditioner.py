@@ -1,4 +1,4 @@
-"""Two-level preconditioner of the rows: the own part of each zone, and a coarse problem for the loads."""
+"""Two-level preconditioner: the own part of each zone's rows, and a coarse problem."""
 
 import numpy as np
 
@@ -10,13 +10,13 @@ from sie.fast.system import Applied, IterativeSystem
 
 
 class TwoLevelPreconditioner:
-    """The preconditioner: -c_k from the rows of the equation, c_0 and the amplitudes from the side
-    conditions.
+    """Inverse of the rows without the bending of zones by each other.
 
-    With level = G c_0 - (amplitudes' means) on every zone, G = C + constant, C the coarse operator:
-    c_0 = C^-1 (level + unknown constant + ...), and the few unknowns left come from the conditions
-    that are not asked of every zone. Where every zone has a held end, c_0 is what makes K vanish
-    there.
+    The c_k follow from the rows of the equation, c_0 and the amplitudes from the side conditions.
+    With level = G c_0 - (amplitudes' means) on every zone, G = C + constant and C the coarse
+    operator, c_0 = C^-1 (level + unknown constant + ...). The few unknowns that are left follow
+    from the conditions that are not those of every zone. Where every zone has a held end, c_0 makes
+    K vanish there.
     """
 
     def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None) -> None:
@@ -33,15 +33,15 @@ class TwoLevelPreconditioner:
         self.held = np.array(sum(zones.fixed_bounded, []), dtype=np.intp)
         at = next((k for k, kind in enumerate(kinds) if kind is not None), None)
         self.own, self.levels = system.of_zones, system.levelled
-        # What every zone has of its own: rows of one condition, or those of held ends, which come
-        # last.
+        # The rows that every zone has of its own: those of one condition, or of held ends, which
+        # come last.
         self.rows = (
             slice(int(starts[-1]), None)
             if at is None
             else slice(int(starts[at]), int(starts[at + 1]))
         )
         self.absolute = self.own is not None and not self.own.differences
-        # Of what is no level: the condition that is every zone's own.
+        # The condition that every zone has of its own, if it is not one on levels.
         self.closed = None if at is None or self.levels else conditions[at]
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
         layout, symmetry = system.layout, system.symmetry
@@ -54,8 +54,8 @@ class TwoLevelPreconditioner:
             self._small[:, k] = self._scalars(column)
 
     def _responses(self) -> Array:
-        """Folded unknowns that a unit of the constant and of each amplitude bring along, in
-        columns.
+        """Folded unknowns, in columns, that a unit of the constant and of each amplitude brings
+        about.
         """
         system, with_constant = self.system, int(self.levels)
         out = np.zeros((system.symmetry.size, system.layout.columns + with_constant))
@@ -70,7 +70,7 @@ class TwoLevelPreconditioner:
         return out
 
     def _close(self, folded: Array, wanted: Array) -> None:
-        """Sets c_0 of every zone so that its level, or what else it has of its own, is as wanted."""
+        """Set c_0 of every zone so that its own condition has the wanted value."""
         system = self.system
         if self.levels:
             assert self.coarse is not None
@@ -85,9 +85,7 @@ class TwoLevelPreconditioner:
         )
 
     def _scalars(self, folded: Array) -> Array:
-        """The conditions that are single rows, and what ties the constant where levels are
-        absolute.
-        """
+        """Values of the single-row conditions, and of the constant if levels are absolute."""
         system = self.system
         y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
@@ -100,7 +98,7 @@ class TwoLevelPreconditioner:
             assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
-            # What the constant stands for, from the basis' first unknown: put in by `__call__`.
+            # The term of the constant, the first column of the basis, is added by `__call__`.
             out.append(self.coarse.lowered * total)
         return np.array(out)
 

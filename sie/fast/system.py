@@ -1,10 +1,9 @@
-"""The system of many zones without its matrix: rows applied to unknowns by fast sums, solved by
-preconditioned GMRES.
+"""Rows of the equation for many zones, applied to unknowns by fast sums.
 
-The rows are those of `system`: a zone's own part of them is -c_k, and what is left couples the
-zones. The preconditioner is that own part and, for the zones' loads, a coarse problem: flat
-punches, each seen by the others through its load alone, with the same side conditions. What is left
-to the iterations is how zones bend each other, which falls off as the square of the distance, so
+The rows are those of `sie.dense.system`: each zone's own part is -c_k, and the rest couples the
+zones. The preconditioner inverts the own part and, for the zones' loads, a coarse problem: flat
+punches that feel each other through their loads alone, with the same side conditions. The
+iterations are left with how zones bend each other, which falls as the square of the distance. So
 their number does not grow with that of the zones.
 """
 
@@ -26,17 +25,17 @@ from sie.fast.zone_sums import ZoneSums
 from sie.jumps.forcing import ForcingJumps
 from sie.trees.far import reaches
 
-# Rows at most of conditions that are not of every zone by itself: a small system couples them.
+# Rows at most of conditions that not every zone has: a small dense system couples them.
 _FEW_ROWS = 64
-# Nodes for the integral of g over so many lengths of its resolution: of a wave of that length they
-# leave 1e-19.
+# Gauss-Legendre nodes for the integral of g over `_LENGTHS` lengths of its resolution. For a wave
+# of that length the error is 1e-19.
 _GAUSS = 16
 _LENGTHS = 2
 
 
 @lru_cache(maxsize=1)
 def _gauss_legendre() -> tuple[Array, Array, Array]:
-    """(nodes, weights, D): values @ D is the slope of their polynomial at the nodes."""
+    """(nodes, weights, D), where values @ D is the slope of their polynomial at the nodes."""
     t, weights = np.polynomial.legendre.leggauss(_GAUSS)
     basis = np.polynomial.legendre.legvander(t, _GAUSS - 1)
     orders = np.eye(_GAUSS)
@@ -49,7 +48,9 @@ def _gauss_legendre() -> tuple[Array, Array, Array]:
 
 
 def unfit(equation: Equation, zones: Zones) -> str | None:
-    """What the conditions lack of a coarse problem, or the kernel of fast sums; None if nothing."""
+    """Why fast sums do not serve, in words: the conditions or the kernel lack something; None if
+    they do.
+    """
     if len(zones.solved) < 2:
         return "one zone is too few"
     if not reaches(equation.kernel, zones):
@@ -64,8 +65,9 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
 
 
 class IterativeSystem(System):
-    """Rows applied to unknowns; no matrix is kept. rough: what far zones do is known to 1e-7 of all
-    of it.
+    """Rows applied to unknowns without a matrix.
+
+    rough: whether the far field need be accurate to 1e-7 of the whole only.
     """
 
     def __init__(
@@ -103,13 +105,13 @@ class IterativeSystem(System):
 
     @cached_property
     def known_intensities(self) -> tuple[Array, Array]:
-        """What is known of K at the left and right ends, without unknowns."""
+        """Part of K at the left and right ends that does not depend on the unknowns."""
         return self.intensities_of(self.beyond)
 
     # rows applied
-    # ---------------------------------------------------------------------------------------------------
+    # ----------------------------------------------------------------------------------------
     def applied(self, y: Array, rough: bool = False) -> "tuple[Array, Applied]":
-        """(rows of the equation, what conditions ask for) for unknowns y. rough: see `ZoneSums`."""
+        """(rows of the equation, what conditions ask for) for unknowns y; rough: see `ZoneSums`."""
         rows, middle, mean = self.sums(y, rough or self.rough)
         rows -= y[self.own]
         if self.layout.columns:
@@ -117,8 +119,8 @@ class IterativeSystem(System):
         return rows[self.kept], Applied(self, y, middle, self._with_own(y, mean))
 
     def felt(self, y: Array) -> Array:
-        """What unknowns do to the solved zones other than their own: the sizes of its coefficients
-        on each, added up.
+        """Field of unknowns on the other solved zones: sum of the sizes of its coefficients on
+        each.
         """
         rows, count = np.abs(self.sums(y, rough=True)[0]), self.layout.m[self.zones.solved]
         zone = np.repeat(np.arange(len(count)), count)
@@ -134,18 +136,18 @@ class IterativeSystem(System):
 
     @cached_property
     def levelled(self) -> bool:
-        """Whether a condition on potentials is what every zone has of its own."""
+        """Whether every zone has a condition on potentials of its own."""
         return self.of_zones is not None and self.of_zones.of_levels
 
     @cached_property
     def of_zones(self) -> ByZone | None:
-        """What every zone has of its own, but held ends."""
+        """The condition that every zone has of its own, held ends excepted."""
         found = (by_zone(c, self.zones) for c in self.equation.conditions)
         return next((one for one in found if one is not None), None)
 
     @cached_property
     def springs(self) -> Array:
-        """What every zone's own condition on its level has of c_0 beside it."""
+        """Factor of c_0 in every zone's own condition on its level."""
         own = self.of_zones
         none = np.zeros(len(self.zones.solved))
         return (
@@ -163,8 +165,8 @@ class IterativeSystem(System):
 
     @cached_property
     def step_constants(self) -> Array:
-        """Differences of `level_constants` between neighbours, with the digits that the values have
-        lost.
+        """Differences of `level_constants` between neighbours, without the cancellation of the
+        values.
         """
         return (
             np.diff(self.known_field[1]) + np.diff(self._known_rest) - self._forcing_differences()
@@ -176,13 +178,15 @@ class IterativeSystem(System):
 
     @property
     def integrated(self) -> bool:
-        """Whether differences of the primitive may be taken from g."""
+        """Whether differences of the primitive are integrals of g."""
         forcing = self.equation.forcing
         return forcing.resolution.length is not None and not forcing.value_jumps
 
     def _forcing_differences(self) -> Array:
-        """Differences of the primitive's means between neighbours: over the gap by quadrature, over
-        the zones from the coefficients of g, since the antiderivative of U_{k-1} is T_k / k.
+        """Differences of the primitive's means between neighbouring zones.
+
+        Over the gap they are integrated by quadrature, over the zones from the coefficients of g,
+        since the antiderivative of U_{k-1} is T_k / k.
         """
         zones, solved, forcing = self.zones, self.zones.solved, self.equation.forcing
         if not self.integrated:
@@ -201,8 +205,10 @@ class IterativeSystem(System):
 
     @cached_property
     def _across_gaps(self) -> tuple[Array, Array]:
-        """(integral of g over every gap, what is left of the rounding of places in it: half a unit
-        in the last digit, which the forcing's own arithmetic may lose of x).
+        """(integral of g over every gap, its error by the rounding of places).
+
+        Places are rounded to half a unit in the last digit, which the forcing's own arithmetic may
+        lose.
         """
         forcing = self.equation.forcing
         assert forcing.resolution.length is not None
@@ -231,7 +237,7 @@ class IterativeSystem(System):
 
     @property
     def _gaps(self) -> tuple[Array, Array, Array]:
-        """(left end, what rounding has cut off it, length) of the gaps between solved zones."""
+        """(left end, its part below the last digit, length) of the gaps between solved zones."""
         zones, solved = self.zones, self.zones.solved
         left, rest = zones.b[solved[:-1]], zones.rest[1, solved[:-1]]
         return left, rest, (zones.a[solved[1:]] - left) + (zones.rest[0, solved[1:]] - rest)
@@ -240,9 +246,11 @@ class IterativeSystem(System):
         return self.applied(y)[1].level
 
     def level_rounding(self, y: Array) -> Array | float:
-        """The terms of a level are at most all totals at the farthest distance, and the largest at
-        the nearest. Where only differences between neighbours matter, it is what is between them
-        that is rounded.
+        """Rounding of the levels.
+
+        The terms of a level are at most all totals at the farthest distance, and the largest at the
+        nearest. Where only differences between neighbours matter, the terms between them are
+        rounded.
         """
         zones, datum = self.zones, self.equation.kernel.datum
         own = np.abs(zones.half * y[self.layout.offset])
@@ -258,13 +266,13 @@ class IterativeSystem(System):
                 (root_of_squares(self.g) * np.sqrt(zones.half / zones.half.sum()))[None]
             )[0]
         )
-        # Potentials of neighbours are put together apart from each other up to the node that holds
+        # Potentials of neighbours are accumulated apart from each other up to the node that holds
         # both.
         apart = np.maximum(slope * self._gaps[2], typical * self.sums.far.targets.tree.parted)
         steps = 2.2e-16 * apart + (
             self._across_gaps[1] if self.integrated and not self.rough else 0.0
         )
-        # The step over the border is that of all others.
+        # The step across the border of a period is minus the sum of all others.
         border = float(root_of_squares(steps[None])[0])
         felt_left, felt_right = felt(
             *(
@@ -288,9 +296,9 @@ class IterativeSystem(System):
 
 @record
 class Applied(Rows):
-    """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of
-    unknowns: one column. edges: K at both ends of the solved zones (2, n), where the unknowns do
-    not tell it.
+    """What conditions may ask for (`conditions.Rows`), for one set of unknowns: one column.
+
+    edges: K at both ends of the solved zones (2, n), where the unknowns do not give it.
     """
 
     system: IterativeSystem

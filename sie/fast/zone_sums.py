@@ -1,16 +1,15 @@
-"""Sums over all zones in linear time: a tree over the zones, every node an equivalent zone.
+"""Sums over all zones in linear time, by a tree whose nodes are equivalent zones.
 
-What a zone does off it depends on the moments M_l = (1/pi) int phi T_l dxi of its density alone,
-M_0 = w c_0 and M_l = w c_l / 2, and so does what a whole node of the tree does, with moments about
-its hull: it is an interval like any other (`sie.basis.interval`).
+The field of a zone outside depends on the moments M_l = (1/pi) int phi T_l dxi of its density
+alone, M_0 = w c_0 and M_l = w c_l / 2. So does the field of a whole node of the tree, with moments
+about its hull, which is an interval like any other (`sie.basis.interval`).
 
-Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s), and the
-same A takes the Chebyshev series of what is far from a parent to its children; the potential comes
-along as its value at the middle of each node, since its derivative is the transform; it is summed
-in two words, for its differences between neighbours. So zones need no nodes of their own:
-coefficients in, coefficients out. Only near zones see each other directly, by the closed forms of
-`system`. Greengard & Rokhlin (1987), J. Comput. Phys. 73, 325-348, in one dimension and with
-Chebyshev series in place of powers.
+Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s). The
+same A takes the Chebyshev series of the far field from a parent to its children. The potential is
+carried as its value at the middle of each node, since its derivative is the transform. It is summed
+in double-double arithmetic, for its differences between neighbours. So zones need no nodes of their
+own. Only near zones interact directly, by the closed forms of `sie.dense.system`. See L. Greengard
+and V. Rokhlin, J. Comput. Phys. 73, 1987, 325-348, here in one dimension and with Chebyshev series.
 """
 
 from typing import Any
@@ -29,14 +28,15 @@ from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
 from sie.trees.tree import TERMS, Pairs, Tree
 
-# Powers below e^-_VANISHED are left out of near sums.
+# Powers below exp(-_VANISHED), which is round-off, are left out of near sums.
 _VANISHED = 40.0
 
 
 @record
 class NearRows:
-    """Sparse matrices of what near zones do: the transform at the inner Lobatto nodes of each
-    solved zone, one zone after the other, and the potential at their middles.
+    """Sparse matrices of the fields of near zones.
+
+    transform: at the inner Lobatto nodes of each solved zone; potential: at their middles.
     """
 
     transform: Any
@@ -58,7 +58,7 @@ class NearRows:
         )
         gap = np.where(right, past, before_it)
         half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
-        # The decay at the node nearest to the source tells how many powers are seen.
+        # The decay at the node nearest to the source decides how many powers count.
         e = (
             gap
             + width
@@ -109,7 +109,7 @@ class NearRows:
         sparse = lazy.module("scipy.sparse")
         size = layout.size
         potential_pointer = np.concatenate(([0], np.cumsum(per_zone)))
-        # Pointers of more bytes would have the columns copied.
+        # With wider pointers scipy would copy the columns.
         wide = np.int32 if pointer[-1] <= np.iinfo(np.int32).max else np.int64
         return cls(
             sparse.csr_array((data, column, pointer.astype(wide)), shape=(len(pointer) - 1, size)),
@@ -120,7 +120,7 @@ class NearRows:
 
 
 class PanelSums:
-    """What a smooth regular part does on the solved zones, through its panels."""
+    """Field of a smooth regular part on the solved zones, through its panels."""
 
     def __init__(self, panels: Panels | Skeleton, zones: Zones, layout: Layout) -> None:
         self.panels, self.zones = panels, zones
@@ -157,9 +157,7 @@ class PanelSums:
         return self.panels.moments(self.sources, np.concatenate(weights))
 
     def at_targets(self, moments: Array) -> tuple[Array, Array]:
-        """(transform at the inner nodes of each solved zone, one after the other; potential at
-        their middles).
-        """
+        """(transform at the inner nodes of each solved zone, potential at the zones' middles)."""
         transform = self.panels.at(self.targets, moments, False)
         if self.panels.kernel.regular_potential is None:  # then no condition asks for potentials
             return transform, np.zeros(len(self.zones.solved))
@@ -167,8 +165,9 @@ class PanelSums:
 
 
 class ZoneSums:
-    """What all zones and images do on the solved zones, but for a zone's action on itself, as U
-    coefficients and as the mean of the potential (weight 1 / sqrt(1 - t^2)).
+    """Field of all zones and images on the solved zones, without a zone's action on itself.
+
+    It is given as U coefficients, and as the mean of the potential with weight 1 / sqrt(1 - t^2).
     """
 
     def __init__(self, zones: Zones, kernel: Kernel, layout: Layout) -> None:
@@ -194,12 +193,13 @@ class ZoneSums:
 
     @property
     def size(self) -> int:
-        """Closed forms evaluated in one sum."""
+        """Number of closed forms evaluated in one sum."""
         return int(self.near.transform.nnz) + len(self.far.far) * TERMS
 
     def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
-        """(U coefficients k = 1 ... m of every solved zone, one after the other; mean potential of
-        each, in two words). rough: what far zones do is known to 1e-7 of all of it.
+        """(U coefficients k = 1 ... m of every solved zone, mean potential of each in two words).
+
+        rough: whether the far field need be accurate to 1e-7 of the whole only.
         """
         leaves = np.append(y, 0.0)[self.lead] * self.scale
         series, middle, mean = self.far(leaves, rough)
@@ -221,8 +221,8 @@ class ZoneSums:
             count = min(m, TERMS)
             u[:, :count] += far[group, :count]
             rows[place] = u
-            # The primitive of U_{k-1} is T_k / k: its mean is 0, its value at the middle cos(k pi /
-            # 2) / k.
+            # The primitive of U_{k-1} is T_k / k: its mean is 0, and its value at the middle cos(k
+            # pi / 2) / k.
             k = np.arange(2, m + 1, 2)
             to_mean = -np.cos(0.5 * np.pi * k) / k
             mean[group] += zones.half[solved[group]] * (u[:, 1::2] @ to_mean)

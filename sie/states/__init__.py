@@ -1,1 +1,1 @@
-"""Solutions on given zones, by a matrix or by iteration, and their stated errors."""
+"""Solutions on given zones, by a matrix or by iteration, with their stated errors."""

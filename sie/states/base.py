@@ -1,5 +1,6 @@
-"""A solution on given zones, without what its error is made of (see `fixed`): unknowns, and answers
-to further right sides.
+"""Unknowns of a solution on given zones, and its responses to further right sides.
+
+What the error of a solution is made of stands in `state`.
 """
 
 from __future__ import annotations
@@ -21,17 +22,20 @@ from sie.fast.iteration import Iterative
 from sie.jumps.forcing import ForcingJumps
 from sie.states.sizes import Sizes
 
-# With the last coupled coefficients above this part of the largest, zones lie too close to what is
-# singular beside them.
+# The equation is unresolved if the last coupled coefficients are above this part of the largest:
+# zones lie too close to a singularity, or a user's function varies too much.
 UNRESOLVED = 1e-6
 
 
-# What solves the assembled rows for further right sides: by their factors, or by iteration.
+# Solver of the assembled rows for further right sides: LU factors, or an iteration.
 Solver = Factored | Iterative
 
 
 class Answered(Kept):
-    """What states on plain zones and beside slits have in common, by the state without slits."""
+    """What states on plain zones and on zones with slits have in common.
+
+    It is given by the state without slits, `whole`.
+    """
 
     if TYPE_CHECKING:
 
@@ -49,7 +53,7 @@ class Answered(Kept):
         return self.whole.system.equation
 
     def right_side(self, x: Array) -> Array:
-        """The equation's right side at points."""
+        """The equation's right side at points, columns included."""
         columns = zip(self.density.amplitudes, self.equation.columns, strict=True)
         return np.asarray(
             self.equation.forcing.value(x)
@@ -58,31 +62,29 @@ class Answered(Kept):
 
     @property
     def condition_index(self) -> Index:
-        """First row of each side condition among the conditions' rows."""
+        """First row of each side condition among the rows of the conditions."""
         counts = [c.count(self.whole.density.zones) for c in self.equation.conditions]
         return np.cumsum([0, *counts], dtype=np.intp)[:-1]
 
     def values(self, condition: int = 0, change: float = 1.0) -> Array:
-        """A change of the value of one side condition, the first one if none is named, among those
-        of all.
-        """
+        """Changes of the values of all side conditions, zero but for `change` of one of them."""
         out = np.zeros(len(self.whole.condition_scale))
         out[self.condition_index[condition]] = change
         return out
 
     @property
     def coupled(self) -> int:
-        """How many unknowns are solved for together."""
+        """Number of unknowns that are solved for together."""
         return int(self.whole.solver.size)
 
     @property
     def iterated(self) -> bool:
-        """Whether the unknowns come from an iteration, to its tolerance."""
+        """Whether the unknowns come from an iteration."""
         return self.whole.iteration is not None
 
     @property
     def unresolved(self) -> bool:
-        """Whether the most modes that zones are given do not show what the columns do on them."""
+        """Whether the largest number of modes does not resolve the equation on the zones."""
         return self.whole.field_tail > UNRESOLVED and int(
             self.whole.system.layout.m.max()
         ) >= modes.most(self.equation.kernel)
@@ -90,7 +92,7 @@ class Answered(Kept):
 
 @dataclass(frozen=True, eq=False)
 class Solved(Answered):
-    """The fields of `State`, and how it answers."""
+    """The fields of `State`, and its responses."""
 
     density: Density
     system: System
@@ -105,8 +107,9 @@ class Solved(Answered):
     sizes: Sizes
 
     def response(self, values: Array, tolerance: float = 0.0) -> Density:
-        """The density caused by unit changes of the side conditions' values: right side zero,
-        conditions = values; tolerance: of a solution by iteration.
+        """The density caused by unit changes of the side conditions' values.
+
+        The right side is zero and the conditions are equal to `values`; tolerance: of an iteration.
         """
         return self.homogeneous(self.response_unknowns(values, tolerance))
 
@@ -118,7 +121,7 @@ class Solved(Answered):
         )
 
     def right_of(self, values: Array) -> Array:
-        """The right side of the rows for values of the side conditions, that of the equation zero."""
+        """Right side of the rows for values of the side conditions, with g = 0."""
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
         return right
@@ -140,26 +143,26 @@ class Solved(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved zone: mean of potential minus the primitive of the right side."""
+        """Level of each solved zone: mean of the potential less the primitive of the right side."""
         return self.system.level_changes(self.unknowns) + self.system.level_constants
 
     def level_rates(self, values: Array) -> Array:
-        """Change of the levels by unit changes of the side conditions' values."""
+        """Changes of the levels by unit changes of the side conditions' values."""
         return self.system.level_changes(self.response_unknowns(values))
 
     @cached_property
     def natural(self) -> Array:
-        """Size of each zone's density, but for its total."""
+        """Size of each zone's density without the part of its total."""
         return coefficient_sizes(self.density, 1)
 
     @property
     def direct(self) -> Factored | None:
-        """The solver, where it has a matrix."""
+        """The solver, if it has a matrix, else None."""
         return self.solver if isinstance(self.solver, Factored) else None
 
     @property
     def iteration(self) -> Iterative | None:
-        """The solver, where it iterates."""
+        """The solver, if it iterates, else None."""
         return self.solver if isinstance(self.solver, Iterative) else None
 
     @property
@@ -169,9 +172,7 @@ class Solved(Answered):
 
     @cached_property
     def level_rows(self) -> Array:
-        """What the rows of the side conditions make of the levels of the solved zones (rows,
-        zones).
-        """
+        """Matrix (rows, zones) from levels of the solved zones to the conditions' rows."""
         zones = self.density.zones
         out = np.zeros((len(self.condition_scale), len(zones.solved)))
         for condition, first in zip(self.equation.conditions, self.condition_index, strict=True):
@@ -192,14 +193,12 @@ class Solved(Answered):
         )
 
 
-# The largest coefficient of what jumps add to a density is among so many first ones.
+# The largest coefficient of a jump's part is among the first ones: its coefficients fall as 1/n.
 LEADING_COEFFICIENTS = 8
 
 
 def coefficient_sizes(density: Density, start: int = 0) -> Array:
-    """The largest coefficient of the whole density on each zone, jumps included, from coefficient
-    `start` on (Z,).
-    """
+    """The largest coefficient of the density on each zone (Z,), jumps included, from `start` on."""
     sizes = row_sizes(density.coefficients[:, start:])
     if len(density.jumps) == 0:
         return sizes
@@ -208,8 +207,9 @@ def coefficient_sizes(density: Density, start: int = 0) -> Array:
 
 
 def density_of(system: System, y: Array) -> Density:
-    """The density with unknowns y: coefficients up to m from y, those beyond minus the right
-    side's.
+    """The density with unknowns y.
+
+    Coefficients up to m come from y; those beyond are minus those of the right side.
     """
     layout, g = system.layout, system.g
     out = np.zeros((len(layout.m), max(layout.given.shape[1], g.shape[1])))

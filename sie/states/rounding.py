@@ -1,10 +1,10 @@
-"""What rounding does to the intensities at the zone ends, and so to the ends.
+"""Effect of rounding and truncation of the rows on the density and on the intensities at the ends.
 
-The rows A y = b are rounded, each by the root of the sum of its terms' squares (roundings are
-independent of each other), and the intensities are linear in the unknowns, K = C y: with X = A^-T
-C^T one solve tells what every row's rounding does to every K. Levels are differences of large
-potentials and heights: theirs is the rounding of what they are made of, and so a lightly loaded
-zone between heavy ones feels what the heights of all are known to.
+Each row of A y = b is rounded by the root of the sum of its terms' squares, because roundings are
+independent of each other. The intensities are linear in the unknowns, K = C y, so one solve for X =
+A^-T C^T gives the effect of every row on every K. Levels are differences of large potentials and
+heights, and have the rounding of these. So a lightly loaded zone between heavy ones is affected by
+the rounding of all heights.
 """
 
 import numpy as np
@@ -20,18 +20,18 @@ from sie.equation.equation import Forcing
 from sie.states.base import Solved
 
 EPS = 2.2e-16
-# The largest of some hundred roundings over their mean square: what is stated is to be exceeded
-# nowhere.
+# The largest of some hundred rounding errors is about four times their root mean square.
 SAFETY = 4.0
-# To what the answer to a truncation is found by iteration, relative.
+# Relative tolerance of the iterative answer to random errors. A looser one would miss the few
+# motions that nearly dependent conditions enlarge.
 _LOOSE = 1e-2
 RANDOM_SAMPLES = 4
-# How often rows are shaken, and angles of each zone at which the density is looked at.
+# Samples of random errors, and angles of each zone at which the density is evaluated.
 _SHAKEN = 12
 _ANGLES = 24
-# Distance from an end, over the half width, within which what is singular there is left out.
+# Distance from an end, over the half width, within which singular parts are left out.
 _BESIDE = 0.03
-# Ends at which the rounding of the primitive is looked at.
+# Ends at which the rounding of the primitive is measured.
 _LOOKS = 32
 
 
@@ -39,8 +39,7 @@ def intensity_rounding(state: Solved) -> Array:
     """Rounding of K at the left and right end of each zone, (2, Z)."""
     density, system = state.density, state.system
     zones = density.zones
-    # Rounding acts on what is subtracted, the right side and the other zones' fields, however small
-    # the rest.
+    # Rounding acts on what is subtracted, the right side and the fields, however small the rest is.
     subtracted = (
         sum(
             by_rows(lambda rows: np.abs(rows).sum(axis=1), table)
@@ -62,8 +61,9 @@ def intensity_rounding(state: Solved) -> Array:
 
 
 def _stands_alone(state: Solved) -> bool:
-    """Whether one zone is given by its own rows and its total: nothing else is unknown, and nothing
-    acts on it from beside, as its own images do where they come near.
+    """Whether one zone is given by its own rows and its total.
+
+    Then nothing else is unknown, and nothing acts on it from outside, as images of itself may.
     """
     equation = state.system.equation
     kernel = equation.kernel
@@ -72,20 +72,21 @@ def _stands_alone(state: Solved) -> bool:
 
 
 def _of_others(state: Solved) -> Array | float:
-    """What the rounding of the jumps' parts in all zones does to K of others (Z,), through the
-    fields of one density of that size by chance: narrow zones feel that of a wide one with many
-    knots, whose parts are much larger than their sum.
+    """Effect on K (Z,) of the rounding of the jumps' parts in other zones.
+
+    It is sampled by the field of one random density of that size. Narrow zones are affected by a
+    wide one with many knots, whose parts are much larger than their sum.
     """
     system, zones = state.system, state.density.zones
     layout, rounding = system.layout, system.jumps.rounding(len(zones))
     if system.equation.forcing.value_jumps:
-        # What others feel of these is found from the right side itself.
+        # The effect of these on others is computed from the right side itself.
         rounding[system.by_moments] = 0.0
     if not rounding.any():
         return 0.0
     order = np.arange(layout.coefficients) - np.repeat(layout.offset, layout.m + 1)
     shaken = np.zeros(layout.size)
-    # Totals are given; of the others the first differ most.
+    # Totals are given; the first of the other coefficients differ most.
     shaken[: layout.coefficients] = np.where(
         order > 0, np.repeat(rounding, layout.m + 1) / (1 + order), 0.0
     )
@@ -98,20 +99,20 @@ def _of_others(state: Solved) -> Array | float:
 
 
 def _of_levels(state: Solved) -> Array | float:
-    """What rounding of the potentials that the zones' totals are matched by does to K, per zone."""
+    """Effect on K of the rounding of the potentials that determine the zones' totals (Z,)."""
     equation, zones = state.system.equation, state.density.zones
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
     w = zones.half
-    # A level off by e is met by c_0 = e / (w log(w / 2R)), K by that over sqrt(2 w); neighbours no
-    # wider hold less than a plane.
+    # An error e of a level is met by c_0 = e / (w log(w / 2R)), and K by that over sqrt(2 w).
+    # Neighbours that are no wider hold less of it than a plane would.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
     logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
     return np.asarray(2 * _level_noise(state) / (logarithm * np.sqrt(2 * w)))
 
 
 def _through_rows(state: Solved) -> Array:
-    """Root mean square of what the rounding of all rows does to each K, (2, Z)."""
+    """Root mean square of the effect of the rounding of all rows on each K, (2, Z)."""
     solver = state.direct
     assert solver is not None
     effect = _effect_on_intensities(state, solver)
@@ -122,15 +123,15 @@ def _through_rows(state: Solved) -> Array:
 
 
 def _effect_on_intensities(state: Solved, solver: Factored) -> Array:
-    """Derivatives of K at the left, then at the right ends of the solved zones by the right sides
-    of the rows (rows, 2 zones).
+    """Derivatives of K at the left, then right ends of the solved zones by the rows (rows, 2
+    zones).
     """
     (left, _), (right, _) = state.system.intensities()
     return solver.transposed(state.symmetry.fold(np.concatenate((left, right))).T)
 
 
 def _of_solved(state: Solved, values: Array) -> Array:
-    """Values at the left and right ends of the solved zones (2, n) for all zones (2, Z)."""
+    """Values at the ends of the solved zones (2, n) spread to all zones (2, Z)."""
     zones = state.system.zones
     out = np.zeros((2, len(zones)))
     out[:, zones.solved] = values
@@ -138,7 +139,7 @@ def _of_solved(state: Solved, values: Array) -> Array:
 
 
 def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
-    """What the truncation of all rows does to K at the left and right end of each zone (2, Z); see
+    """Effect of the truncation of all rows on K at both ends of each zone (2, Z); see
     `_row_truncation`.
     """
     solver = state.direct
@@ -157,13 +158,13 @@ def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
 
 
 def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array) -> Array:
-    """Error of each row by truncation: what the coefficients that zones lack would add to it, and
-    the residual's lowest modes.
+    """Error of each row by truncation: by the coefficients that zones lack, and the lowest
+    residuals.
 
-    missing: sum of these coefficients (Z,); low: of the residual on the solved zones (solved zones,
-    modes). Coefficients beyond the last one act on the rows as the last one does, or less. The
-    conditions may carry their effect to other zones, and enlarge it: K = 0 at an end beside a
-    strong zone fixes the total of a distant one.
+    missing: sum of these coefficients (Z,); low: of the residual on the solved zones (solved
+    zones, modes). Coefficients beyond the last one act on the rows as the last one does, or
+    less. Conditions may carry their effect to other zones and enlarge it: K = 0 at an end next
+    to a strong zone, for example, determines the total of a distant one.
     """
     system = state.system
     layout, solved = system.layout, system.zones.solved
@@ -174,10 +175,10 @@ def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array)
 
 
 def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
-    """Unknowns that answer errors of the rows at random, `RANDOM_SAMPLES` of them, by iteration.
+    """Answers to `RANDOM_SAMPLES` random errors of the rows, as unknowns, by iteration.
 
     The errors of the rows are those of `_row_truncation`, the rounding of their terms, and what the
-    iteration has left of the totals. Each row has a random sign of its own: with one for each
+    iteration has left of the totals. Each row has a random sign of its own. With one sign for each
     unknown, the answer would be these unknowns, and nothing elsewhere.
     """
     iteration, symmetry = state.iteration, state.symmetry
@@ -205,7 +206,9 @@ def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
 
 
 def _low_rows(state: Solved, low: Array) -> tuple[Index, Array]:
-    """(rows of the lowest modes, errors of them by the residual's): see `_row_truncation`."""
+    """(indices of the rows of the lowest modes, their errors by the residual): see
+    `_row_truncation`.
+    """
     layout, solved = state.system.layout, state.system.zones.solved
     rows = state.system.diagonal
     zone = np.searchsorted(layout.offset, rows, side="right") - 1
@@ -215,9 +218,7 @@ def _low_rows(state: Solved, low: Array) -> tuple[Index, Array]:
 
 
 def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
-    """Rounding of the rows, but for those that speak of levels, and of the levels of the solved
-    zones, from which these have theirs.
-    """
+    """(rounding of the rows without levels, rounding of the levels of the solved zones)."""
     rounding, of_levels = EPS * solver.size_of_rows, state.level_rows.any(axis=1)
     rounding[state.conditions_from :][of_levels] = 0.0
     count = len(state.density.zones.solved)
@@ -227,12 +228,12 @@ def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
 
 
 def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
-    """What truncation and rounding of all rows may do to the density of each zone, its
-    singularities taken out (Z,).
+    """Effect of truncation and rounding of all rows on the density of each zone (Z,).
 
-    Where the conditions nearly depend on each other it is many times the errors of the rows
-    themselves. So the rows are shaken by these, by chance but always alike, and the change of the
-    density is measured. missing, low: see `_row_truncation`.
+    The singularities are taken out of the density. Where conditions nearly depend on each other,
+    the effect is many times the errors of the rows. So the rows are changed at random, always by
+    the same numbers, and the change of the density is measured. missing, low: see
+    `_row_truncation`.
     """
     zones, solver = state.density.zones, state.direct
     if _stands_alone(state):
@@ -252,9 +253,7 @@ def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
 
 
 def density_changes(state: Solved, unknowns: list[Array]) -> Array:
-    """Size of a random change of the density on each zone (Z,), from a few samples of the change of
-    the unknowns.
-    """
+    """Size of a random change of the density on each zone (Z,), from samples of unknowns."""
     largest = _largest(
         np.concatenate([state.system.layout.padded(one) for one in unknowns])
     ).reshape(len(unknowns), -1)
@@ -264,11 +263,13 @@ def density_changes(state: Solved, unknowns: list[Array]) -> Array:
 
 
 def _largest(coefficients: Array) -> Array:
-    """Largest of each sum c_k T_k / sqrt(1 - t^2), no nearer to the ends than _BESIDE, and of its
-    bounded part, at a few angles.
+    """Largest value on each zone of sum c_k T_k / sqrt(1 - t^2), and of its bounded part, at a few
+    angles.
+
+    Places closer to the ends than _BESIDE do not count.
     """
     k = np.arange(max(coefficients.shape[1], 2))
-    # Closer beside the ends, where high modes add up.
+    # The angles are denser next to the ends, where high modes add up.
     theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, _ANGLES)[:, None]) ** 2
     u = bounded_part(coefficients)[2]
     whole = (
@@ -281,9 +282,7 @@ def _largest(coefficients: Array) -> Array:
 
 
 def _level_noise(state: Solved) -> Array:
-    """Root mean square of the rounding of the zones' levels: of their potentials, and of the
-    heights.
-    """
+    """Root mean square of the rounding of the zones' levels, by potentials and by heights."""
     sizes, forcing = state.sizes, state.system.equation.forcing
     if state.system.integrated:
         return np.asarray(state.system.level_rounding(state.unknowns))
@@ -295,16 +294,18 @@ def _level_noise(state: Solved) -> Array:
 
 
 def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> float:
-    """What the primitive is rounded to: as data, a part of its rise between the zones, and in
-    evaluation, its departure from straight lines over a few units in the last digit.
+    """Rounding of the values of the primitive.
+
+    As data they are rounded to a part of their rise between the zones. In evaluation the rounding
+    is the deviation from straight lines over a few units in the last digit.
     """
     assert forcing.primitive is not None
     ends = np.unique(np.concatenate((zones.a, zones.b)))
     ahead = zones.a[1:] if period is None else np.append(zones.a[1:], zones.a[0] + period)
     between = 0.5 * (ahead + zones.b[: len(ahead)])
     between = between[(between > forcing.within[0]) & (between < forcing.within[1])]
-    # A zone that stands alone knows nothing of the heights beside it: those of steep powers are
-    # many decades larger.
+    # A zone alone does not depend on heights next to it, which for steep powers are many decades
+    # larger.
     heights = np.asarray(
         forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between)))
     )

@@ -1,4 +1,4 @@
-"""How many unknowns each zone gets, and what one solution leaves to the next one."""
+"""Numbers of unknowns of the zones, and what one solution leaves to the next."""
 
 from __future__ import annotations
 
@@ -20,13 +20,15 @@ from sie.trees.panels import panels_over
 
 @dataclass(eq=False)
 class Sizes:
-    """Modes to start from; kept from one solve to the next so that growth is paid for once.
+    """Numbers of modes to start from, kept from one solve to the next so that growth is paid once.
 
-    primitive_rounding: of the right side's primitive, once it has been looked at. linear: tolerance
-    of solutions by iteration, relative; 0: as tight as rounding allows. rough: whether sums to 1e-7
-    will do for them. start: whether they are no more than a start, for which those of the last
-    solve will do. iterations: their number so far. value: of the open condition, if there is one,
-    with which these are found.
+    own, least: coefficients of the right side, and coupled modes, of each zone. carried: see
+    `Carried`. primitive_rounding: rounding of the right side's primitive, once it is known. linear:
+    relative tolerance of an iteration; 0: as tight as rounding allows. rough: whether its sums need
+    be accurate to 1e-7 only. start: whether the solution is only the start of another one.
+    iterations, solves, profile_evaluations, kernel_evaluations: counts so far. value: of the open
+    condition, used by an iteration. growth: see `modes.Growth`. wide, joined: sizes of the wide
+    zones if narrow gaps are slits, and mask of the zones that such a gap follows.
     """
 
     own: Index
@@ -48,7 +50,7 @@ class Sizes:
     """After which of the zones a narrow gap was a slit."""
 
     def of(self, kept: Index) -> Sizes:
-        """Those of some of the zones."""
+        """The sizes of some of the zones."""
         least = self.least if isinstance(self.least, int) else self.least[kept]
         return replace(
             self,
@@ -61,15 +63,15 @@ class Sizes:
 
 @record
 class Carried:
-    """What a solve by iteration leaves to the next one, on zones most of which are about the same.
+    """What an iterative solution leaves to the next one, on mostly similar zones.
 
-    Where ends move by d, a density whose ends are about free changes by d^2 at fixed places: so do
-    the total of a zone and what the others do to it, while what the right side makes of its
-    coefficients is known on any zones.
+    If a free end moves by d, the density at fixed places changes by d^2. So do the total of its
+    zone and the field of the others on it. What the right side adds to the coefficients is known on
+    any zones.
 
-    coarse: inverse; middle, half: of the zones (n,); totals: of each, over pi (n,); field: what the
-    others do to each, coefficients of U_{k-1} at offset + k, k = 1 ... m (n,), and its own slits,
-    which bend it beyond the coupled modes too; amplitudes: of the columns.
+    coarse: coarse operator with its inverse; middle, half: of the zones (n,); totals: of each, over
+    pi (n,); field: coefficients k = 1 ... m of U_{k-1} of the others' fields on each zone, at
+    offset + k, with those of its slits beyond the coupled modes; amplitudes: of the columns.
     """
 
     coarse: CoarseOperator | None
@@ -84,7 +86,9 @@ class Carried:
     def of(
         cls, coarse: CoarseOperator | None, system: System, y: Array, slits: dict[int, Array]
     ) -> Carried:
-        """slits: what those of zones that have some add to their coefficients."""
+        """The totals and fields of a solution; slits: what slits add to the coefficients of their
+        zones.
+        """
         coupled, zones = system.layout, system.zones
         m = coupled.m.copy()
         for zone, s in slits.items():
@@ -103,7 +107,7 @@ class Carried:
         )
 
     def near(self, system: IterativeSystem) -> Array:
-        """Unknowns of another system to start from."""
+        """Predicted unknowns of another system, as the first guess of its iteration."""
         zones, layout, period = system.zones, system.layout, system.equation.kernel.period
         at = wrapped(zones.middle, float(self.middle[0] - self.half[0]), period)
         place = self._place(at, zones.half)
@@ -124,7 +128,9 @@ class Carried:
         return np.asarray(y[system.symmetry.keep])
 
     def _place(self, middle: Array, half: Array) -> Index:
-        """Which of these each of other zones is, of about the same width; -1 where there is none."""
+        """Index of the zone that each of other zones corresponds to, of similar width; -1 if there
+        is none.
+        """
         i = np.maximum(np.searchsorted(self.middle - self.half, middle, side="right") - 1, 0)
         alike = (
             (np.abs(middle - self.middle[i]) < self.half[i])
@@ -134,7 +140,9 @@ class Carried:
         return np.where(alike, i, -1)
 
     def _totals(self, middle: Array, half: Array, place: Index) -> Array:
-        """Totals over pi: of zones that are none of these, of those in them."""
+        """Predicted totals over pi; a zone without a corresponding one gets those of the zones in
+        it.
+        """
         order = np.argsort(middle)
         within = order[
             np.maximum(np.searchsorted((middle - half)[order], self.middle, side="right") - 1, 0)
@@ -147,14 +155,15 @@ class Carried:
         )
 
 
-# How far an iteration goes below what the coefficients have to fall to.
+# An iteration is solved to this part of the truncation tolerance, so that its error does not count.
 _OF_ITERATION = 0.01
 
 
 def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Sizes:
-    """Modes to begin with: a few to resolve columns and regular kernels, else as many as the
-    distances ask for; and the tolerance, where nothing but that is asked for, which an iteration
-    need not go far below.
+    """Numbers of modes to start with.
+
+    Regular kernels and columns get a few modes, which then grow; else the distances of the zones
+    decide. tolerance: of the coefficients; an iteration need not go far below it.
     """
     check_functions(equation, zones)
     least: int | Index
@@ -172,13 +181,14 @@ def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Siz
 
 
 def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Sizes:
-    """Modes to begin with, from those of a solution on about the same zones, of no more than the
-    first ones, if these are others. last: it was the last one with these, and what it has left is
-    taken on, on zones most of which are about the same.
+    """Numbers of modes to start with, from those of a solution on about the same zones.
+
+    They are no larger than the first ones if the number of zones is another. last: whether no other
+    solution has used these sizes since; then its unknowns are the first guess of an iteration.
     """
     alike = len(left.own) == len(zones)
     if last:
-        # Which gaps were slits is counted by zones.
+        # The mask of slits holds only for the same number of zones.
         kept = {name: getattr(left, name) for name in ("carried", "solves", "primitive_rounding")}
         return replace(first_sizes(equation, zones), joined=left.joined if alike else None, **kept)
     if not alike:

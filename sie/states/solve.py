@@ -1,8 +1,7 @@
-"""Solve the equation on given zones: choose the modes, sample, assemble, one LU, and read off the
-ends.
+"""Solve the equation on given zones: choose the modes, sample, assemble, solve.
 
-Many zones are not assembled: there fast sums and GMRES take the place of the matrix and its LU (see
-`iterative`).
+A few unknowns are solved for by the LU factors of a matrix, many by fast sums and GMRES
+(`sie.fast`).
 """
 
 from dataclasses import replace
@@ -26,11 +25,11 @@ from sie.states.base import Solver, coefficient_sizes, density_of
 from sie.states.sizes import Carried, Sizes, first_sizes
 from sie.states.state import State, field_tails
 
-# A reciprocal condition below this is rounding: the rows are of size one.
+# A reciprocal condition number below this is round-off, since the rows are of size one.
 _DEPENDENT = 1e-15
-# From this number of unknowns on, a matrix costs more than fast sums.
+# From this number of unknowns on, fast sums cost less than a matrix (measured on one core).
 MANY_UNKNOWNS = 600
-# Beyond this number a matrix and its factors take more than six gigabytes.
+# A matrix of this size and its factors take more than six gigabytes.
 MOST_UNKNOWNS = 20_000
 
 
@@ -40,7 +39,8 @@ class SingularSystem(ArithmeticError):
     Examples
     --------
     >>> import numpy as np, sie
-    >>> twice = sie.Equation(sie.cauchy(), sie.Forcing(np.sin), (sie.Total(1.0), sie.Weighted(np.ones_like, 1.0)))
+    >>> same = sie.Total(1.0), sie.Weighted(np.ones_like, 1.0)
+    >>> twice = sie.Equation(sie.cauchy(), sie.Forcing(np.sin), same)
     >>> try:
     ...     sie.solve_fixed(twice, sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR))
     ... except sie.SingularSystem as error:
@@ -50,7 +50,7 @@ class SingularSystem(ArithmeticError):
 
 
 class TooLarge(SingularSystem):
-    """More unknowns than a matrix holds, of an equation that has no fast sums."""
+    """Too many unknowns for a matrix, of an equation that has no fast sums."""
 
 
 def solve_fixed(
@@ -97,7 +97,8 @@ def solve_fixed(
     --------
     >>> import numpy as np, sie
     >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(np.pi),))
-    >>> float(sie.solve_fixed(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density(0.6).round(12))
+    >>> zones = sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)
+    >>> float(sie.solve_fixed(punch, zones).density(0.6).round(12))
     1.25
     """
     equation.check_count(zones)
@@ -129,7 +130,8 @@ def solve_fixed(
         )
         if lacking and unknowns > MOST_UNKNOWNS:
             raise TooLarge(
-                f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}"
+                f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for "
+                f"fast sums {lacking}"
             )
         state = (_solve_once if lacking else _solve_iterated)(
             equation, zones, m, samples, jumps, sizes
@@ -141,11 +143,10 @@ def solve_fixed(
 
 
 def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
-    """Coupled modes to solve with again, where their tails show that they are too few; None where
-    they are enough, or need not tell.
+    """Coupled modes for another solution, or None if the tails show that these are enough.
 
-    Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its
-    own error in all modes.
+    Each zone grows by itself, since one that asks for many would cost the others too much. An
+    iteration leaves its own error in all modes, which is not taken for a tail.
     """
     m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
     kernel, sizes = state.equation.kernel, state.sizes
@@ -159,7 +160,7 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     if panels is not None and not any(
         column.resolution.modes is None for column in state.equation.columns
     ):
-        # Of the regular part nothing is left beyond these.
+        # The panels resolve the regular part with these modes exactly.
         few &= m < panels.modes(zones.half)
     if not state.equation.grows or not few.any():
         return None
@@ -210,8 +211,9 @@ def _condition(solver: Factored, matrix: Array) -> float:
 
 
 def _even(matrix: Array) -> Array:
-    """A matrix with rows, then columns, divided by their largest entry: kernels and columns may be
-    of any size.
+    """The matrix with its rows, then its columns, divided by their largest entry.
+
+    Kernels and columns may have any size, which would hide whether the matrix is singular.
     """
     for axis in (1, 0):
         largest = np.abs(matrix).max(axis=axis, keepdims=True)
@@ -220,16 +222,19 @@ def _even(matrix: Array) -> Array:
 
 
 def _singular(equation: Equation) -> str:
-    """That a system is singular, in words: with poles alone, only side conditions can make it so."""
+    """Why a system is singular, in words; with poles alone, only side conditions can make it so."""
     if equation.kernel.grows or not equation.conditions:
-        return "the system is singular: some density is seen neither by the equation nor by the side conditions"
+        return (
+            "the system is singular: some density is seen neither by the equation nor by the side "
+            "conditions"
+        )
     return "the system is singular: the side conditions depend on each other"
 
 
 def _not_finite(equation: Equation, system: System) -> str:
-    """Which of the functions of an equation is not finite on the zones, and where."""
+    """Which function of an equation is not finite on the zones, and where, in words."""
     zones, places = system.zones, [system.targets.x]
-    # The nodes of the right side, as many as zones have coefficients.
+    # Nodes of the right side: as many as zones have coefficients.
     t = chebyshev.lobatto(max(16, system.g.shape[1] - 1))[0][1:-1]
     places.append((zones.middle[:, None] + zones.half[:, None] * t).ravel())
     x = np.concatenate(places)
@@ -240,12 +245,18 @@ def _not_finite(equation: Equation, system: System) -> str:
         wrong = ~np.isfinite(np.asarray(part.value(x), dtype=float))
         if wrong.any():
             return f"{name} is not finite on the zones, as at x = {x[wrong][0]:.6g}"
-    return "the kernel's regular part, a primitive or a side condition is not finite on the zones, or numbers overflow"
+    return (
+        "the kernel's regular part, a primitive or a side condition is not finite on the zones, or "
+        "numbers overflow"
+    )
 
 
 def _size_of_rows(system: System, terms: Array) -> Array:
-    """What rounding of the rows is counted in. Those of the equation come from values at nodes: of
-    these each row has the rounding, however small what it is about, as those of the highest modes.
+    """Sizes that the rounding of the rows is counted in.
+
+    The rows of the equation come from values at nodes, and each has the rounding of these values,
+    however small the row is itself, as in the highest modes. `terms`: root mean squares of the
+    terms.
     """
     rows = system.diagonal
     zone = np.searchsorted(system.layout.offset, rows, side="right") - 1
@@ -266,7 +277,7 @@ def _solve_iterated(
     jumps: ForcingJumps,
     sizes: Sizes,
 ) -> State:
-    """By fast sums and iteration, starting from what the last solve on about these zones left."""
+    """Solution by fast sums and GMRES, started from what the last one on similar zones has left."""
     system = IterativeSystem(equation, zones, m, samples.coefficients, jumps, sizes.rough)
     carried = (
         sizes.carried
@@ -346,8 +357,9 @@ def rows_of(state: State) -> Array:
 def _rows(
     equation: Equation, system: System, scale: Array | None = None
 ) -> tuple[Array, Array, Array]:
-    """Rows of the equation and of the side conditions over the kept unknowns; conditions scaled to
-    size one.
+    """(rows, right sides, scales of the conditions) over the kept unknowns.
+
+    The rows of the side conditions are divided by their scales, so that all are of size one.
     """
     matrix, right = system.equation_rows()
     rows, values = condition_rows(equation, system, system.layout.size)

@@ -1,4 +1,4 @@
-"""The solution on given zones, with its stated error."""
+"""A solution on given zones with its stated error."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,25 +14,23 @@ from sie.density.density import Density
 from sie.states.base import Solved, coefficient_sizes
 from sie.states.rounding import density_rounding, intensity_rounding, truncation_through_rows
 
-# What T_k / sqrt(1 - t^2) without its singularity comes to beside an end, over k.
+# max over t of |T_k / sqrt(1 - t^2) - its singular parts| is 0.73 k, near an end.
 _AT_ENDS = 0.73
-# What samples at the nodes leave out is folded back onto the coefficients that are kept, and counts
-# twice.
+# Sampling at nodes folds the neglected coefficients back onto the kept ones: they count twice.
 _FOLDED = 2.0
-# How much slower coefficients are taken to fall beyond the last ones.
+# Neglected coefficients are assumed to fall with this part of the observed rate.
 _SLOWER = 0.9
-# Of the largest of a series' last coefficients where these are rounding, over sqrt(1 - t^2) beside
-# an end, which moves so that no 1/sqrt is left there: 0.42 n^1.5 of their size on average, a third
-# of the largest, half of which is for _FOLDED.
+# Rounding of n last coefficients, next to an end that moves so that no 1/sqrt(d) is left: 0.42
+# n^1.5 times their mean size, which is a third of the largest; _FOLDED counts the other half.
 _OF_ROUNDING = 0.08
-# Series so long hardly show in the residual away from the ends what they leave out beside these;
-# where all of it adds up, over how many.
+# Long series are checked next to the ends too, where all that they neglect adds up. The angles are
+# these over the number of coefficients.
 _LONG = 96
 _ADDING_UP = np.array([0.5, 1.0, 2.0])
-# Points of every zone at which the residual is looked at: none of them a node.
+# Points of every zone at which the residual is evaluated; none of them is a node.
 LOOKS = 15
 THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
-# sin(k theta) there, for as many k as the points tell apart, and what finds their amplitudes.
+# sin(k theta) at these points for as many k as they separate, and the inverse.
 _FIRST = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
 _FIRST_OF = np.linalg.pinv(_FIRST)
 
@@ -76,7 +74,7 @@ class State(Solved):
         return self
 
     def wide_of(self, zones: Index) -> "tuple[State, Index]":
-        """The state without slits, and the places of zones among its own."""
+        """The state without slits, and the indices of zones in it."""
         return self, zones
 
     @cached_property
@@ -96,19 +94,19 @@ class State(Solved):
 
     @cached_property
     def zone_errors(self) -> Array:
-        """Estimated error of the density on each zone, over that zone's own largest coefficient
-        (Z,).
+        """Estimated error of the density on each zone (Z,), over that zone's own largest
+        coefficient.
         """
         return self._errors_over(self.zone_sizes)
 
     def _errors_over(self, sizes: Array) -> Array:
-        """Error of the density on each zone over these sizes (Z,): neglected coefficients, the
-        residual between the nodes, and what truncation and rounding of all rows do to the solution,
-        which no residual shows. 0 where a size is 0.
+        """Error of the density on each zone over given sizes (Z,); 0 where a size is 0.
 
-        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k near an end: so much does
-        an error of c_k count. Coefficients of one sign that fall slowly add up within (1 - fall)^2
-        of the end alone, where the weight sqrt(1 - t^2) is about 1 - fall^2.
+        It is the sum of the neglected coefficients, the residual between the nodes, and the effect
+        of truncation and rounding of all rows, which no residual shows. With its singularity taken
+        out, T_k / sqrt(1 - t^2) reaches 0.73 k near an end, and an error of c_k counts as much.
+        Coefficients of one sign that fall slowly add up within (1 - fall)^2 of the end only, where
+        sqrt(1 - t^2) is about 1 - fall^2.
         """
         zones, modes_of = self.density.zones, self.system.layout.m
         solved, sizes = zones.solved, np.where(sizes > 0.0, sizes, np.inf)
@@ -123,28 +121,30 @@ class State(Solved):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """What truncation and rounding of the rows of all zones do to the density on each (Z,)."""
+        """Effect of the truncation and rounding of all rows on the density of each zone (Z,)."""
         return density_rounding(self, self.missing, self.low_residuals)
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Shift of moving ends by the truncation, over their zone's width (Z, 2): 2 K / A by its K."""
+        """Error of moving ends by truncation, over their zone's width (Z, 2): 2 K / A of the error
+        of K.
+        """
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(self.density.edge_slopes), np.inf)
         return np.asarray(self.intensity_truncation / np.maximum(slopes, 1e-300) / zones.half).T
 
     @cached_property
     def intensity_truncation(self) -> Array:
-        """Error of K at the left and right ends by truncation (2, Z): of the zone's own
-        coefficients, and through all rows.
+        """Error of K at the left and right ends by truncation (2, Z): own coefficients, and all
+        rows.
         """
         through_rows = truncation_through_rows(self, self.missing, self.low_residuals)
         return np.asarray(edge_scale(self.density.zones.half) * self.missing + through_rows)
 
     @cached_property
     def missing(self) -> Array:
-        """Sum of the coefficients that each zone lacks (Z,): its own, those of the other zones'
-        fields, and the residual.
+        """Sum of the coefficients that each zone lacks (Z,): its own, those of fields, and the
+        residual.
         """
         out, solved = self._missing + self._missing_fields, self.density.zones.solved
         out[solved] += 3 * np.maximum(self._residual - self.residual_rounding[solved], 0.0)
@@ -157,7 +157,7 @@ class State(Solved):
 
     @cached_property
     def low_residuals(self) -> Array:
-        """Coefficients of the residual's lowest modes on each solved zone (solved zones, 7), above
+        """Amplitudes of the residual's lowest modes on each solved zone (solved zones, 7), above
         rounding.
         """
         rounding = self.residual_rounding[self.density.zones.solved, None]
@@ -175,21 +175,23 @@ class State(Solved):
 
     @cached_property
     def left_out(self) -> Array:
-        """Sum of the coefficients that each zone neglects (Z,), as the decay of the last ones has
-        it.
+        """Sum of the coefficients that each zone neglects (Z,), extrapolated from the decay of the
+        last ones.
         """
         return np.asarray(
             self.neglected * self.zone_sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1)
         )
 
     def made_of(self, left_out: Array) -> Array:
-        """What such sums make of the density of each zone (Z,)."""
+        """Errors of the density of each zone (Z,) by such sums."""
         return np.asarray(_FOLDED * left_out * np.maximum(self.sizes.own[: len(left_out)], 1))
 
     @cached_property
     def _missing(self) -> Array:
-        """The same, but not more than ten times the residual, which would show them: a series may
-        fall faster towards its end.
+        """`left_out`, bounded by ten times the residual.
+
+        The residual would show more: a series may fall faster towards its end than it is
+        extrapolated.
         """
         missing = self.left_out.copy()
         solved = self.density.zones.solved
@@ -203,9 +205,10 @@ class State(Solved):
 
     @cached_property
     def _missing_fields(self) -> Array:
-        """Sum of the coefficients beyond the coupled modes of what other zones do (Z,): they fall
-        as their distance has it. Of those that a user's functions may have the last three are taken
-        as they are.
+        """Sum of the coefficients of the other zones' fields beyond the coupled modes (Z,).
+
+        They fall geometrically, by distance. A user's functions may fall otherwise: then the last
+        three coefficients are taken as they are.
         """
         fall = self._falls
         last = _last_of_fields(
@@ -215,43 +218,41 @@ class State(Solved):
 
     @cached_property
     def _falls(self) -> Array:
-        """Ratio of each coefficient of what other zones do to the one before (Z,), as their
-        distance has it.
-        """
+        """Ratio of successive coefficients of the other zones' fields (Z,), by distance."""
         return np.exp(-modes.decay(self.density.zones, self.density.kernel))
 
     @cached_property
     def noise(self) -> Array:
-        """What rounding of the right side amounts to in each zone, over its largest coefficient:
-        where coefficients have stopped falling.
+        """Rounding of the right side in each zone over its largest coefficient, where coefficients
+        are noise.
         """
         return np.asarray(np.where(self._stopped, self.truncation * 2 * np.sqrt(self.kept), 0.0))
 
     @cached_property
     def kept(self) -> Index:
-        """How many coefficients of the right side there are on each zone."""
+        """Number of coefficients of the right side on each zone."""
         g = self.system.g[: len(self.truncation)] != 0.0
         return np.maximum(g.shape[1] - 1 - np.argmax(g[:, ::-1], axis=1), 1)
 
     @cached_property
     def _stopped(self) -> Mask:
-        """Whether they have stopped falling: what is left of them at the end, or was cut off there,
-        is rounding.
+        """Mask of the zones whose last coefficients are rounding: they fall no more, or were cut
+        off there.
         """
         head, last = self._ends_of_series
         return np.asarray((self.kept < self.sizes.own[: len(self.kept)]) | (last > 0.5 * head))
 
     @cached_property
     def _ends_of_series(self) -> tuple[Array, Array]:
-        """The largest of a few coefficients of the right side half way and at the end of each
-        zone's series.
+        """(largest of a few coefficients at half of each series, and at its end), of the right
+        side.
         """
         head, last = self._some_up_to(0.5), self._some_up_to(1.0)
         return np.array([row.max() for row in head]), np.array([row.max() for row in last])
 
     def _some_up_to(self, part: float) -> list[Array]:
-        """Sizes of a few coefficients of the right side, from such a part of each zone's series
-        down.
+        """A few coefficients of the right side of each zone, downwards from a given part of its
+        series.
         """
         kept = self.kept.tolist()
         return [
@@ -261,8 +262,9 @@ class State(Solved):
 
     @cached_property
     def neglected(self) -> Array:
-        """Sum of 0.73 k |c_k| over the neglected coefficients, estimated from the decay of the last
-        ones, over the largest of the zone.
+        """Sum of 0.73 k |c_k| over the neglected coefficients, over the zone's largest coefficient.
+
+        It is extrapolated from the decay of the last coefficients.
         """
         n = self.kept
         if len(n) == 0:
@@ -275,7 +277,7 @@ class State(Solved):
             [_continued(row, one) for row, one in zip(self._some_up_to(1.0), fall, strict=True)]
         ).T
         falling = _AT_ENDS * (n + rest) * rest * following
-        # Of rounding there is as much in all of them: its sum grows as a random walk.
+        # Rounding is in all coefficients alike: its sum grows as a random walk.
         rounding = np.maximum(_OF_ROUNDING * n**1.5, np.where(self._stopped, 0.0, falling))
         return np.asarray(
             self.truncation
@@ -289,9 +291,7 @@ class State(Solved):
 
     @cached_property
     def _residuals(self) -> Array:
-        """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone, no
-        nodes.
-        """
+        """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone."""
         return self._residuals_at(
             self.density.zones.solved,
             np.broadcast_to(THETA, (len(self.density.zones.solved), LOOKS)),
@@ -305,7 +305,7 @@ class State(Solved):
         transformed = self.density.transform(x)
         value = transformed - self.right_side(x) - system.jumps.left_out(x)
         if zones.symmetric:
-            # The other half is not solved: data that are no mirror images leave their residual
+            # The mirrored half is not solved: data that are not symmetric leave their residual
             # there.
             mirrored = -transformed - self.right_side(-x) - system.jumps.left_out(-x)
             value = np.where(np.abs(mirrored) > np.abs(value), mirrored, value)
@@ -313,9 +313,10 @@ class State(Solved):
 
 
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
-    """(whether the last coefficients of a series, from the end down, fall by less than half of what
-    all of them do, the next one as they and that have it, over their largest): they may come and
-    go, and the largest of them need not be the first one.
+    """(whether the last coefficients hardly fall, the next coefficient over their largest).
+
+    row: last coefficients from the end downwards; fall: their ratio over the whole series. If they
+    fall by less than half of that, they come and go, and the largest need not be the first.
     """
     few = len(row)
     flat = row[: few // 2].max() > row[few // 2 :].max() * fall ** (few / 4)
@@ -325,9 +326,10 @@ def _continued(row: Array, fall: float) -> tuple[bool, float]:
 
 
 def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array:
-    """The largest residual so close to the ends of zones that all that long series leave out adds
-    up there, 0 of short ones (n,). kept: coefficients of each; residual: times sqrt(1 - t^2), of
-    some of the zones (k,) at angles (k, points).
+    """The largest residual close to the ends of long series (n,), 0 of short ones.
+
+    There all neglected coefficients add up. kept: number of coefficients of each; residual: times
+    sqrt(1 - t^2), of given zones (k,) at angles (k, points).
     """
     out, long = np.zeros(len(kept)), np.flatnonzero(kept >= _LONG)
     if len(long):
@@ -345,12 +347,11 @@ def residual_errors(
     rounding: Array,
     separated: Mask | bool = True,
 ) -> Array:
-    """Error of the density over its size on zones (n,), for residuals of the equation at THETA (n,
-    LOOKS).
+    """Error of the density over its size on zones (n,), for residuals at THETA (n, LOOKS).
 
-    rounding: of the jumps' parts, which has its share in the residuals; separated: where the points
-    tell the first modes from the rest. Of the rest only the largest value is known; the density is
-    off by up to as many times that as there are modes.
+    rounding: of the jumps' parts, which is part of the residuals; separated: where the points
+    separate the first modes from the rest. Of the rest only the largest value is known, and the
+    density is off by up to that times the number of modes.
     """
     low = residuals @ _FIRST_OF.T
     rest = np.abs(residuals - low @ _FIRST.T).max(axis=1)
@@ -361,24 +362,23 @@ def residual_errors(
         )
         / size
     )
-    # A few points see the residual to a factor; its rounding adds up as the modes do, but not with
-    # their order.
+    # A few points see the residual to within a factor. Rounding adds up over the modes, but without
+    # their order as weight.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return np.asarray(beyond + high + 5e-16 * coupled)
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Last coupled coefficients of what the other zones and the columns do, over the zone's largest
-    one (Z,).
+    """Last coupled coefficients of the other zones' fields and of the columns, over the zone's
+    largest (Z,).
     """
     layout, g = system.layout, system.lowest
     if layout.m.max() < 8:
         return np.zeros(len(layout.m))
     last = _last_of_fields(system, y)
     top = coefficient_sizes(density)
-    # What is left is a difference of numbers of the size of the right side and of the fields that
-    # were summed: below their rounding there is no tail, as where a zone has little of a load that
-    # its neighbours share.
+    # A tail is a difference of the right side and of the fields that were summed. Below their
+    # rounding there is none, as where a zone has a small share of a load that its neighbours take.
     rounding = 8 * 2.2e-16 * row_sizes(g)
     if system.field_sizes is not None:
         rounding[system.zones.solved] += 8 * 2.2e-16 * (system.field_sizes @ np.abs(y))
@@ -389,12 +389,12 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
 def _last_of_fields(
     system: System, y: Array, fall: Array | None = None, continued: bool = True
 ) -> Array:
-    """Largest of the last three coupled coefficients of what the other zones and the columns do
-    (Z,); of few modes zero.
+    """Largest of the last three coupled coefficients of the other zones' fields and the columns
+    (Z,).
 
-    fall: ratio of each coefficient to the one before; continued: whether all three are continued to
-    the last by it. Samples at m nodes fold coefficient m + 1 + j back onto m + 1 - j, so that of a
-    slow fall nearly nothing is left there: 1 - fall^(2 j) of it.
+    It is 0 of few modes. fall: ratio of successive coefficients; continued: whether the three
+    are continued to the last one by it. Sampling at m nodes folds coefficient m + 1 + j back
+    onto m + 1 - j, so that of slowly falling coefficients only 1 - fall^(2 j) is left there.
     """
     layout, g = system.layout, system.lowest
     some, away = np.flatnonzero(layout.m >= 8)[:, None], np.arange(3)

@@ -1,3 +1,1 @@
-"""Sums over very many intervals in linear time: a tree and series of far ones, GMRES, and an
-approximate inverse.
-"""
+"""Sums over very many intervals in linear time: trees, far sums, GMRES, hierarchical inverses."""

@@ -1,9 +1,8 @@
-"""Far sums: what intervals do on other intervals far from them, by a tree and Chebyshev series, in
-time linear in their number.
+"""Far sums: fields of intervals on far intervals, by a tree and Chebyshev series, in linear time.
 
-Moments of what stands on an interval, the integrals of T_k over pi, go up the tree; series of the
-transform come down it (L. Greengard and V. Rokhlin, J. Comput. Phys. 73 (1987) 325-348, in one
-dimension and with Chebyshev series in place of powers).
+Moments of a density, the integrals of T_k over pi, go up the tree, and series of the transform come
+down it. See L. Greengard and V. Rokhlin, J. Comput. Phys. 73, 1987, 325-348, here in one dimension
+and with Chebyshev series in place of powers.
 """
 
 from functools import cached_property
@@ -18,18 +17,19 @@ from sie.basis.zones import Zones
 from sie.trees.panels import panels_over
 from sie.trees.tree import TERMS, Tree, interactions
 
-# Pairs handled at once: their powers stay in the cache.
+# Pairs handled at once, so that their powers stay in the cache.
 _BLOCK = 512
-# Nodes, an even number, whose matrices are made together where they are not kept.
+# Nodes (an even number) whose matrices are computed together where they are not kept.
 _SIBLINGS = 1 << 13
-# Terms that leave 1e-7 of a sum: enough for what is corrected afterwards, at a quarter of the time.
+# This many terms leave 1e-7 of a sum, at a quarter of the time: enough inside GMRES.
 ROUGH = 12
 _TWICE = np.array([1.0] + [2.0] * (TERMS - 1))
 
 
 def antiderivatives(s: Array) -> Array:
-    """int_0^s T_k, k = 0 ... TERMS - 1, of places (n,), along a new last axis: T_(k+1) / 2 (k+1) -
-    T_(k-1) / 2 (k-1) but for k < 2.
+    """int_0^s T_k for k = 0 ... TERMS - 1, at places (n,), along a new last axis.
+
+    For k >= 2 it is T_(k+1) / 2 (k+1) - T_(k-1) / 2 (k-1).
     """
     t = np.empty((TERMS + 1, len(s)))
     t[0], t[1] = 1.0, s
@@ -45,8 +45,9 @@ def antiderivatives(s: Array) -> Array:
 
 @record
 class Nested:
-    """A tree with what takes series from children to parents and back; kept: whether to keep it for
-    the next sum.
+    """A tree with the matrices that take series from children to parents and back.
+
+    kept: whether the matrices are kept for the next sum.
     """
 
     tree: Tree
@@ -54,7 +55,7 @@ class Nested:
 
     @cached_property
     def _place(self) -> tuple[Array, Array]:
-        """(alpha, beta): a child's hull in its parent's variable."""
+        """(alpha, beta): the hull of a child in its parent's variable, alpha + beta s."""
         tree = self.tree
         up = np.maximum(tree.parent, 0)
         width = np.maximum(tree.hi[up] - tree.lo[up], 1e-300)
@@ -68,13 +69,11 @@ class Nested:
         return self._made(slice(0, len(self.tree)))
 
     def matrices(self, nodes: slice) -> Array:
-        """A of these nodes, (TERMS, TERMS, n): node after node along the last axis, over which the
-        sums run.
-        """
+        """A of some nodes, (TERMS, TERMS, n); the sums run along the last axis."""
         return self._all[:, :, nodes] if self.kept else self._made(nodes)
 
     def _made(self, nodes: slice) -> Array:
-        """By the recurrence of T_j(alpha + beta s), which has no powers above j."""
+        """A by the recurrence of T_j(alpha + beta s), which has no powers above j."""
         every = self._place[0][nodes], self._place[1][nodes]
         a = np.zeros((TERMS, TERMS, len(every[0])))
         a[0, 0], a[1, 0], a[1, 1] = 1.0, *every
@@ -93,15 +92,15 @@ class Nested:
 
     @cached_property
     def rises(self) -> Array:
-        """Potential at a node's middle less that at its parent's, from the parent's series: rises @
-        series.
+        """Rows that take a parent's series to the potential at a node's middle less that at the
+        parent's.
         """
         tree = self.tree
         up = np.maximum(tree.parent, 0)
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
 
     def _slices(self) -> list[slice]:
-        """Levels, in parts where their matrices are not kept: there are pairs of children in each."""
+        """The levels of the tree, in parts of `_SIBLINGS` nodes where matrices are not kept."""
         levels, most = self.tree.levels, len(self.tree) if self.kept else _SIBLINGS
         bounds = zip(levels[1:-1], levels[2:], strict=True)
         return [
@@ -109,7 +108,7 @@ class Nested:
         ]
 
     def upward(self, leaves: Array) -> Array:
-        """Moments of all nodes from those of the intervals, of each as many as are given."""
+        """Moments of all nodes from those of the intervals (n, terms)."""
         tree, terms = self.tree, leaves.shape[1]
         out = np.zeros((terms, len(tree)))
         out[:, tree.leaves] = leaves.T
@@ -119,15 +118,17 @@ class Nested:
         return out.T
 
     def downward(self, series: Array, middle: Array) -> tuple[Array, Array, Array]:
-        """Chebyshev series of the transform and potential at the middle (two words), of every
-        interval, from those given at nodes: (terms, nodes) to (intervals, terms).
+        """Fields on every interval from fields given at nodes.
+
+        Returned are the Chebyshev series of the transform (intervals, terms), and the potential at
+        the middle in two words.
         """
         tree, terms, leaves = self.tree, len(series), self.tree.leaves
         rest = np.zeros_like(middle)
         for here in self._slices():
             above = series[:, tree.parent[here]]
             series[:, here] += np.einsum("jn,jkn->kn", above, self.matrices(here)[:terms, :terms])
-            # With the potentials of parents, and what these have lost to rounding.
+            # Potentials of parents are added together with their rounding errors.
             up = tree.parent[here]
             before = middle[up]
             added = middle[here] + np.einsum("nj,jn->n", self.rises[here, :terms], above) + rest[up]
@@ -136,9 +137,7 @@ class Nested:
 
 
 class FarSum:
-    """What the far zones do on target intervals: (series of the transform, potential at the middle
-    in two words).
-    """
+    """Field of far zones on targets: series of the transform, and potential at the middle."""
 
     def __init__(self, sources: Nested, targets: Nested, kernel: Kernel) -> None:
         self.sources, self.targets, self.kernel = sources, targets, kernel
@@ -160,7 +159,7 @@ class FarSum:
         self._nodes: dict[int, tuple[Array, Array]] = {}
 
     def _at(self, terms: int, here: slice = slice(None)) -> tuple[Array, Array]:
-        """Of far pairs, at so many nodes on the target: rho and what stands before the sum."""
+        """(rho, factor before the sum) of far pairs, at `terms` nodes on the target."""
         nodes, half = chebyshev.gauss(terms)[:, None], self._half[here]
         away = self._gap[here] + self._width[here] * (
             1 + np.where(self._right[here], nodes, -nodes)
@@ -170,8 +169,10 @@ class FarSum:
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
-        """The regular part between the roots, on their nodes: (of the transform, of the potential
-        at the middle); not that of a user's own, which has panels.
+        """Matrices of the regular part between the roots: (of the transform, of the potential at
+        the middle).
+
+        None for a user's regular part, which has panels.
         """
         kernel = self.kernel
         if kernel.regular is None or not kernel.sure:
@@ -186,11 +187,12 @@ class FarSum:
         return np.asarray(values), np.asarray(middle)
 
     def __call__(self, leaves: Array, rough: bool = False) -> tuple[Array, Array, Array]:
-        """By the moments of all intervals (n, TERMS). rough: to 1e-7 of the sum, at a quarter of
-        the time.
+        """The field by the moments of all intervals (n, TERMS).
+
+        rough: with an error of 1e-7 of the sum, at a quarter of the time.
         """
         terms = ROUGH if rough else TERMS
-        # Of a sum that is taken once they are made as they are asked for.
+        # The nodes of a sum that is taken only once are computed as they are needed.
         if self.targets.kept and terms not in self._nodes:
             self._nodes[terms] = self._at(terms)
         nodes = self._nodes.get(terms)
@@ -229,9 +231,7 @@ class FarSum:
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:
-    """Whether far sums hold for the kernel: poles, and a regular part that is smooth across all
-    zones.
-    """
+    """Whether far sums hold for a kernel: its regular part is smooth across all zones."""
     if kernel.regular is None:
         return kernel.regular_potential is None
     if kernel.sure:

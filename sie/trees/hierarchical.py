@@ -1,10 +1,9 @@
-"""Approximate inverse of a matrix whose blocks off the diagonal have low rank: hierarchically, by
-halves.
+"""Approximate inverse of a matrix whose off-diagonal blocks have low rank, by recursive halving.
 
 With A = [[A1, U1 V1'], [U2 V2', A2]], W1 = A1^-1 U1 and W2 = A2^-1 U2, the unknowns are x1 = y1 -
-W1 s2 and x2 = y2 - W2 s1, where y = A_i^-1 b_i and s2 = V1' x2, s1 = V2' x1 solve a small system.
-Low ranks by adaptive cross approximation with partial pivots (Bebendorf 2000, Numer. Math. 86,
-565-589). Ambikasaran & Darve (2013), J. Sci. Comput. 57, 477-501.
+W1 s2 and x2 = y2 - W2 s1, where y_i = A_i^-1 b_i, and s2 = V1' x2, s1 = V2' x1 solve a small system
+(S. Ambikasaran and E. Darve, J. Sci. Comput. 57, 2013, 477-501). Low ranks come from adaptive cross
+approximation with partial pivoting (M. Bebendorf, Numer. Math. 86, 2000, 565-589).
 """
 
 from collections.abc import Callable
@@ -27,8 +26,7 @@ class Inverse:
         self.count = end - first
         if self.count <= _LEAF:
             here = np.arange(first, end)
-            # Inverses, not factors: they are applied some hundred times, and their errors are far
-            # below `tolerance`.
+            # Inverses are applied faster than factors, and their errors are far below `tolerance`.
             self.inverse = np.linalg.inv(entries(here[:, None], here))
             self.halves: tuple[Inverse, Inverse] | None = None
             return
@@ -56,10 +54,10 @@ class Inverse:
 
 
 def cross(entries: Entries, rows: Index, columns: Index, tolerance: float) -> tuple[Array, Array]:
-    """(U, V) with U V' about the block, by crosses through its rows and columns."""
+    """(U, V) with U V' close to the block, by crosses through its rows and columns."""
     u, v = np.zeros((len(rows), _MOST_RANK)), np.zeros((len(columns), _MOST_RANK))
     unused = np.ones(len(rows), dtype=bool)
-    # The row next to the other half is the one that differs most from the rest.
+    # The row next to the other half differs most from the rest.
     pivot = len(rows) - 1 if rows[0] < columns[0] else 0
     size = 0.0
     for k in range(min(_MOST_RANK, len(rows), len(columns))):

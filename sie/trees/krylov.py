@@ -1,5 +1,6 @@
-"""GMRES for an operator that is nearly the identity, without restarts (Saad & Schultz 1986, SIAM J.
-Sci. Stat. Comput. 7, 856-869).
+"""GMRES without restarts, for an operator that is close to the identity.
+
+See Y. Saad and M. H. Schultz, SIAM J. Sci. Stat. Comput. 7, 1986, 856-869.
 """
 
 from collections.abc import Callable
@@ -9,8 +10,8 @@ from scipy.linalg import norm, solve_triangular
 
 from sie.basis.data import Array, record
 
-# Vectors of which no more than this part is new are made orthogonal twice (L. Giraud, J. Langou, M.
-# Rozloznik, Comput. Math. Appl. 50 (2005) 1069-1075).
+# A vector of which less than this part is new is orthogonalised twice (L. Giraud, J. Langou and M.
+# Rozloznik, Comput. Math. Appl. 50, 2005, 1069-1075).
 _LITTLE = 0.1
 
 
@@ -24,15 +25,17 @@ class Iterated:
 
 
 def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int = 200) -> Iterated:
-    """x with |b - A x| <= tolerance (absolute), from zero; the best one if rounding or `most` steps
-    come first.
+    """x with |b - A x| <= tolerance (absolute), started from zero.
+
+    It is the best one if rounding or `most` steps come first.
     """
     beta = float(norm(b))
     if beta <= tolerance:
         return Iterated(np.zeros_like(b), beta, 0)
     basis = np.empty((min(most, 16) + 1, len(b)))
     basis[0] = b / beta
-    # R of the QR of the Hessenberg matrix by Givens rotations, and the right side turned along.
+    # R of the QR decomposition of the Hessenberg matrix by Givens rotations, and the rotated right
+    # side.
     upper = np.zeros((most, most))
     cos, sin = np.zeros(most), np.zeros(most)
     right = np.zeros(most + 1)
@@ -49,7 +52,7 @@ def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int
         w -= h @ basis[: k + 1]
         below = float(norm(w))
         if below < _LITTLE * size:
-            # Of what is left by so much cancellation, rounding keeps a part that is not orthogonal.
+            # After so much cancellation the rounding errors are not orthogonal to the basis.
             again = basis[: k + 1] @ w
             w -= again @ basis[: k + 1]
             h += again

@@ -1,6 +1,4 @@
-"""The one place where the engine imports on demand: its own rooms as they are asked for, and what
-only many zones need.
-"""
+"""Imports on demand: rooms of the engine when they are first used, and large libraries."""
 
 import gc
 import importlib
@@ -10,15 +8,16 @@ from types import ModuleType
 
 
 def module(name: str) -> ModuleType:
-    """A file of the engine, or what it stands on."""
+    """Import a module of the engine, or of a library, by name."""
     with uncollected():
         return importlib.import_module(name)
 
 
 @contextmanager
 def uncollected() -> Iterator[None]:
-    """While modules are imported: what they make stays, and to look through it for garbage takes as
-    long as to import it.
+    """Suspend the garbage collector while modules are imported.
+
+    What an import makes stays, and searching it for garbage takes as long as the import.
 
     Returns
     -------
@@ -40,8 +39,8 @@ def uncollected() -> Iterator[None]:
     finally:
         if collects:
             if not gc.get_freeze_count():
-                # All that is there is put with the oldest objects at once, which are looked through
-                # seldom.
+                # All objects are put with the oldest generation at once, which is rarely searched
+                # for garbage.
                 gc.freeze()
                 gc.unfreeze()
             gc.enable()

@@ -1,15 +1,14 @@
-r"""A smooth kernel between even panels of the line, on each of which it is a short Chebyshev series
-in both variables.
+"""A smooth kernel between even panels of the line, as a short Chebyshev series on each pair.
 
-Nothing is said of a user's kernel but that it is smooth: on what length, is looked at. The panels
-over all zones are halved until its coefficients have decayed between any two of them,
+Nothing is known of a user's kernel but that it is smooth; its length is found by sampling. The
+panels over all zones are halved until the coefficients have decayed between any two of them,
 
-    k(x, xi) = sum_kl K^(d)_kl T_k(t) T_l(tau),      d: how many panels x lies farther right than xi,
+    k(x, xi) = sum_kl K^(d)_kl T_k(t) T_l(tau),
 
-which is one matrix for each lag d. What zones do at points then goes by moments of the panels,
-sum_q w_q T_l(tau_q) over the quadrature nodes of the zones, and by series on the panels: in time
-linear in zones and points. A kernel of both places has a skeleton instead: it is called on zones
-alone.
+where d is the number of panels by which x lies to the right of xi. This is one matrix for each lag
+d. The field of zones at points follows from moments of the panels, sum_q w_q T_l(tau_q) over the
+quadrature nodes of the zones, and from series on the panels, in time linear in zones and points. A
+kernel of both places has a skeleton instead, so that it is called on zones only.
 """
 
 from __future__ import annotations
@@ -31,33 +30,31 @@ from sie.trees.skeleton import Skeleton, skeleton_of
 Function = Callable[[Array, Array], Array]
 
 TERMS = 24
-# Panels over the zones, and over half a period, at the most: a kernel that varies over less is
-# summed as it is. Of very many zones, so many panels to each; and from which number of zones on a
-# kernel that is not of the lag alone has a skeleton.
+# Panels over the zones, or over half a period, at most: a kernel that varies faster is summed
+# directly. Very many zones may have `_EACH` panels each. From `_ZONES` zones on, a kernel that does
+# not depend on the lag alone has a skeleton.
 _MOST = 512
 _EACH = 8
 _ZONES = 32
-# Coefficients that have decayed, over the largest; and those that are the kernel's own rounding, if
-# half the width leaves them.
+# Decayed coefficients, relative to the largest. Coefficients below `_ROUNDING` that halving a panel
+# does not reduce to `_FALLS` are the kernel's own rounding.
 _DECAYED = 1e-15
 _ROUNDING = 1e-12
 _FALLS = 0.3
-# Pairs of points and nodes, and lags, handled at once.
+# Pairs of points and nodes, and lags, that are handled at once.
 _BLOCK = 200_000
 _LAGS = 64
-# Panels that a kernel keeps: more than one choice of them takes, and few enough for memory.
+# Panels kept with a kernel: more than one choice of panels needs, and few enough for memory.
 _KEPT = 24
-# Over a panel, what rounding moves a place by.
+# Rounding of a place, relative to a panel.
 _AT_END = 1e-9
-# A series that falls by _DECAYED in TERMS has no singularity nearer than so many widths of a panel,
-# to the side of the line.
+# A series that falls by _DECAYED in TERMS terms has no singularity closer to the line than this
+# many widths of a panel.
 _REACH = 0.5 * math.sinh(-math.log(_DECAYED) / TERMS)
 
 
 def panels_over(kernel: Kernel, zones: Zones) -> Panels | Skeleton | None:
-    """What sums a kernel's regular part fast over all zones; None where it has none, or varies over
-    too little.
-    """
+    """Fast sums of a kernel's regular part over all zones; None if they do not serve it."""
     if kernel.regular is None or kernel.sure or not (kernel.of_lag or len(zones) >= _ZONES):
         return None
     if not kernel.of_lag:
@@ -66,11 +63,11 @@ def panels_over(kernel: Kernel, zones: Zones) -> Panels | Skeleton | None:
 
 
 def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels | None:
-    """The panels of the kernel's regular part over [lo, hi], no more than so many."""
+    """At most `most` panels of the regular part over [lo, hi]; None if these are too few."""
     if kernel.regular is None or kernel.sure or not hi > lo:
         return None
-    # Without a period the panels end where the zones do: the kernel need not hold beyond. With one
-    # they are those of other zones too.
+    # Without a period the panels end where the zones do, since the kernel need not hold beyond.
+    # With one they also serve other zones.
     whole, origin = (
         (hi - lo, lo)
         if kernel.period is None
@@ -80,7 +77,7 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels
     while True:
         first = 0 if kernel.period is None else math.floor(lo / step)
         count = round(whole / step) if kernel.period is None else math.floor(hi / step) - first + 1
-        # Of a period all that lies within half of one of their middle is asked for.
+        # With a period, all lags up to half of it from the middle of the zones are needed.
         away = 0.0 if kernel.period is None else 0.5 * (kernel.period + hi - lo)
         farthest = max(count - 1, math.ceil(away / step))
         if farthest >= most:
@@ -99,8 +96,9 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels
 
 @record
 class Panels(Kept):
-    """Panels origin + [p step, (p + 1) step], p = first ... first + count - 1, of the sources;
-    farthest: lag that is looked at.
+    """Panels origin + [p step, (p + 1) step], p = first ... first + count - 1, of the sources.
+
+    farthest: the largest lag between panels for which the kernel is tabulated.
     """
 
     kernel: Kernel
@@ -111,32 +109,31 @@ class Panels(Kept):
     farthest: int
 
     def modes(self, half: Array) -> Index:
-        """How many modes of zones of these half widths the kernel sees, or makes: as many as its
-        own coefficients there.
-        """
+        """Number of modes by which the kernel acts on zones of given half widths, or sees them."""
         fall = np.arcsinh(_REACH * self.step / half)
         return np.asarray(np.ceil(-math.log(_DECAYED) / fall), dtype=np.intp) + 2
 
     @cached_property
     def tail(self) -> float:
-        """The last coefficients in either variable, over the largest: of few panels, and if these
-        have decayed of all.
+        """The last coefficients in either variable, over the largest.
+
+        Only neighbouring panels are sampled at first, and all if these have decayed.
         """
         few = _tail(self._few())
         return _tail(self._table(False).reshape(-1, TERMS, TERMS)) if few <= _ROUNDING else few
 
     def _few(self) -> Array:
-        """K between panels that are near each other."""
+        """K between neighbouring panels."""
         return self._made(False, -min(1, self.farthest), min(1, self.farthest) + 1)
 
     def _made(self, potential: bool, low: int, high: int) -> Array:
-        """K^(d), low <= d < high, (d, TERMS, TERMS)."""
+        """K^(d) for low <= d < high, (d, TERMS, TERMS)."""
         nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
         out = np.empty((high - low, TERMS, TERMS))
         with np.errstate(all="ignore"):  # too far off, until panels are short enough
             for start in range(low, high, _LAGS):
                 lags = np.arange(start, min(start + _LAGS, high))
-                # The panels are counted from the first one on, where the kernel holds.
+                # Panels are counted from the first one, where the kernel holds.
                 target, source = np.maximum(lags, 0)[:, None], np.maximum(-lags, 0)[:, None]
                 out[lags - low] = self._coefficients(
                     potential, self.place(target) + nodes, self.place(source) + nodes
@@ -148,9 +145,7 @@ class Panels(Kept):
         return np.asarray(self.origin + (self.first + panel + 0.5) * self.step)
 
     def _coefficients(self, potential: bool, x: Array, xi: Array) -> Array:
-        """K by its values at the nodes x of several panels (n, TERMS) and xi of as many or one, (n,
-        TERMS, TERMS).
-        """
+        """K by its values at nodes: x (n, TERMS) of several panels, xi of as many or of one."""
         function, to_series = (
             self.kernel.regular_potential if potential else self.kernel.regular,
             chebyshev.to_series(TERMS),
@@ -172,12 +167,12 @@ class Panels(Kept):
         return self._tables[potential]
 
     def _all(self, potential: bool) -> Array:
-        """K^(d) for all lags that are looked at, (2 farthest + 1, TERMS, TERMS)."""
+        """K^(d) for all tabulated lags, (2 farthest + 1, TERMS, TERMS)."""
         return self._made(potential, -self.farthest, self.farthest + 1)
 
     def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
-        """Series on the panels low ... high, (panels, TERMS, n), by moments (count TERMS, n): a
-        convolution over the panels.
+        """Series on the panels low ... high, (panels, TERMS, n), by a convolution of moments over
+        the panels.
         """
         kernel, length = self._waves(potential, low, high)
         moments = moments.reshape(self.count, TERMS, -1)
@@ -185,7 +180,7 @@ class Panels(Kept):
         return np.asarray(fft.irfft(waves, length, axis=0)[: high - low + 1])
 
     def _waves(self, potential: bool, low: int, high: int) -> tuple[Complex, int]:
-        """(transform of K^(d) over the lags between all panels and low ... high, its length)."""
+        """(Fourier transform of K^(d) over all lags to the panels low ... high, its length)."""
         key = potential, low, high
         if key not in self._transforms:
             wanted = high - low + 1
@@ -193,7 +188,7 @@ class Panels(Kept):
             lag = np.arange(1 - self.count, wanted)
             kernel = np.zeros((length, TERMS, TERMS))
             kernel[lag % length] = self._table(potential)[lag + low - self.first + self.farthest]
-            # Of the last one that was asked for: zones ask for the same again and again.
+            # Only the last transform is kept: zones ask for the same one again and again.
             self._transforms.pop(
                 next((k for k in self._transforms if k[0] == potential), key), None
             )
@@ -206,11 +201,11 @@ class Panels(Kept):
 
     @property
     def size(self) -> int:
-        """How many moments there are."""
+        """Number of moments."""
         return self.count * TERMS
 
     def spread(self, x: Array) -> Spread:
-        """Points on the panels."""
+        """Points with their panels."""
         return Spread.of(self, x)
 
     def moments(self, spread: Any, weights: Array) -> Array:
@@ -222,9 +217,7 @@ class Panels(Kept):
         return out.reshape(self.count * TERMS, *shape)
 
     def at(self, spread: Any, moments: Array, potential: bool) -> Array:
-        """Transform or potential at the points of `spread`, (n, ...), from moments (count TERMS,
-        ...).
-        """
+        """Transform or potential at points (n, ...), from moments (count TERMS, ...)."""
         out = np.empty((len(spread.x), *moments.shape[1:]))
         looked_at = self.first + self.count - 1 - self.farthest, self.first + self.farthest
         near = [
@@ -244,7 +237,7 @@ class Panels(Kept):
         return out
 
     def _far_off(self, x: Array, moments: Array, potential: bool) -> Array:
-        """The same at points beyond the panels that were looked at: from the nodes of the others."""
+        """Transform or potential at points beyond the tabulated lags, by calls of the kernel."""
         function = self.kernel.regular_potential if potential else self.kernel.regular
         assert function is not None
         middles = self.place(np.arange(self.count))
@@ -275,7 +268,7 @@ def _tail(blocks: Array) -> float:
 
 @record
 class Spread(Kept):
-    """Points (n,) on the panels: T_k at each, (n, TERMS), and which of them lie in which panel."""
+    """Points (n,) on the panels: T_k at each, (n, TERMS), and the points of each panel."""
 
     x: Array
     table: Array
@@ -285,7 +278,7 @@ class Spread(Kept):
     def of(cls, panels: Panels, x: Array) -> Spread:
         place = (x - panels.origin) / panels.step
         panel = np.floor(place)
-        # The right end of all panels belongs to the last one.
+        # The right end of the last panel belongs to it.
         last = panels.first + panels.count - 1
         panel = np.where((panel == last + 1) & (place - panel < _AT_END), last, panel)
         theta = np.arccos(np.clip(2 * (place - panel) - 1, -1.0, 1.0))

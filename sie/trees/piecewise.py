@@ -1,16 +1,15 @@
-r"""The transform of a piecewise quadratic function, (1/pi) PV int f(xi) K(x - xi) dxi, at many
-points in time linear in their number.
+"""The transform of a piecewise quadratic function at many points, in time linear in their number.
 
-Where f'' jumps by J at s, the transform has (J/2 pi) (x - s)^2 ln|x - s|, and (J/pi) (x - s) ln|x -
-s| where f' does. The line is cut into cells: the pieces of f, halved where more than a few jumps
-lie near one. On a cell the jumps that lie near it are closed forms, and the rest is analytic, a
-Chebyshev series. It is made once, from a fast sum over the pieces themselves (`fast`) and closed
-forms of those near the cell,
+The transform is (1/pi) PV int f(xi) K(x - xi) dxi. A jump J of f'' at s gives it the term (J/2 pi)
+(x - s)^2 ln|x - s|, and one of f' the term (J/pi) (x - s) ln|x - s|. The line is cut into cells:
+the pieces of f, halved where more than a few jumps are near. On a cell the near jumps are closed
+forms, and the rest is analytic, a Chebyshev series. It is computed once, from a fast sum over the
+pieces (`far`) and from closed forms of the pieces near the cell,
 
-    int_-1^1 (p_0 + p_1 u + p_2 u^2) / (z - u) du = (p_0 + p_1 z + p_2 z^2) ln|(z + 1)/(z - 1)| - 2
-    p_1 - 2 p_2 z.
+    int_-1^1 (p_0 + p_1 u + p_2 u^2) / (z - u) du
+        = (p_0 + p_1 z + p_2 z^2) ln|(z + 1)/(z - 1)| - 2 p_1 - 2 p_2 z.
 
-So no number is larger than f itself, where truncated powers of n jumps grow to n^2 times it.
+So no number is larger than f itself, whereas truncated powers of n jumps grow to n^2 times it.
 """
 
 import numpy as np
@@ -23,17 +22,16 @@ from sie.basis.kernels import Kernel
 from sie.trees.far import FarSum, Nested
 from sie.trees.tree import SEPARATION, TERMS, Tree
 
-# Jumps nearer to a cell than this part of its length are closed forms: series of TERMS terms hold
-# what the others do.
+# Jumps closer to a cell than this part of its length are closed forms: series of TERMS terms
+# resolve the others.
 _MARGIN = 0.5 * SEPARATION
-# A cell is halved where more jumps than this are near, or two that are nearer to each other than
-# this part of it: over its length theirs would amount to much more than f.
+# A cell is halved where more jumps than this are near, or two that are closer to each other than
+# `_LEAST` of it: their closed forms over its length would be much larger than f.
 _MOST = 12
 _LEAST = 0.2
-# Seen from farther than this, in half widths, the closed form of a piece cancels, and its moments
-# are enough.
+# Beyond this distance, in half widths, the closed form of a piece cancels, and moments serve.
 _CLOSE = 1 + SEPARATION
-# Points, pairs of cells, and points of a series handled at once: they stay in the cache.
+# Points, pairs of cells, and points of a series handled at once, so that they stay in the cache.
 _BLOCK = 1 << 14
 _PAIRS = 1 << 12
 _CACHED = 1 << 13
@@ -65,7 +63,9 @@ class PiecewiseTransform:
 
     >>> import numpy as np, sie
     >>> ends = np.array([0.0, 1.0, 2.0, 3.0])
-    >>> bump = sie.PiecewiseTransform(sie.cauchy(), ends, [[0, 0, 0.5], [0.5, 1, -1], [0.5, -1, 0.5]], ends, [1.0, -3.0, 3.0, -1.0])
+    >>> pieces = [[0, 0, 0.5], [0.5, 1, -1], [0.5, -1, 0.5]]
+    >>> jumps = [1.0, -3.0, 3.0, -1.0]
+    >>> bump = sie.PiecewiseTransform(sie.cauchy(), ends, pieces, ends, jumps)
     >>> float(round(abs(bump(1.5)), 12))
     0.0
     """
@@ -102,13 +102,13 @@ class PiecewiseTransform:
 
     @property
     def most_near(self) -> int:
-        """Jumps that a point sees one by one, at the most."""
+        """Largest number of jumps that are closed forms at a point."""
         return int(self._count.max())
 
     def _made(self, ends: Array, pieces: Array) -> Array:
         a, w = self.ends[:-1], self.half
         piece = np.minimum(np.searchsorted(ends, a, side="right") - 1, len(pieces) - 1)
-        # In u from -1 to 1 on each cell.
+        # The polynomials in the variable u, -1 to 1 on each cell.
         p, start = pieces[piece], (a - ends[piece]) + w
         local = np.column_stack(
             (
@@ -138,14 +138,14 @@ class PiecewiseTransform:
     def _from(
         self, target: Index, source: Index, shift: Array, local: Array, moments: Array
     ) -> Array:
-        """What cells `source` do at the nodes of cells `target`, pair by pair: (pairs, nodes)."""
+        """Fields of cells `source` at the nodes of cells `target`, pair by pair: (pairs, nodes)."""
         left, right = chebyshev.gauss_sides(TERMS)
         a, b, w = self.ends[:-1], self.ends[1:], self.half
         after = (a[target] + b[target]) >= (a[source] + b[source]) + 2 * shift
         own = (target == source) & (shift == 0.0)
         wide, size = w[target][:, None], w[source][:, None]
-        # Distances from both ends of the source over its half width, from the end of the target
-        # that is the nearer one.
+        # Distances from both ends of the source over its half width, seen from the closer end of
+        # the target.
         past_b = (a[target] - (b[source] + shift))[:, None] + wide * left
         before_a = ((a[source] + shift) - b[target])[:, None] + wide * right
         outside = np.where(after[:, None], past_b, before_a) / size
@@ -169,8 +169,9 @@ class PiecewiseTransform:
         return np.asarray(out)
 
     def _near(self, cell: Index, from_left: Array, from_right: Array) -> Array:
-        """Closed forms of the jumps near the cells of points, given by their distances from both
-        ends of these.
+        """Closed forms of the jumps near the cells of points.
+
+        Points are given by their distances from both ends of their cells.
         """
         shape = np.broadcast_shapes(cell.shape, from_left.shape)
         cell, x = np.broadcast_to(cell, shape).ravel(), np.broadcast_to(from_left, shape).ravel()
@@ -208,9 +209,7 @@ class PiecewiseTransform:
 
 
 def clenshaw(table: Array, cell: Index, t: Array) -> Array:
-    """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence, of so many points at once that it stays
-    in the cache.
-    """
+    """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence, in blocks that stay in the cache."""
     out = np.empty(len(t))
     for start in range(0, len(t), _CACHED):
         here = slice(start, start + _CACHED)
@@ -226,7 +225,7 @@ def clenshaw(table: Array, cell: Index, t: Array) -> Array:
 
 
 def _cells(ends: Array, at: Array) -> Array:
-    """The pieces, halved until few jumps are near any."""
+    """The pieces, halved until few jumps are near any of them."""
     between = np.append(np.diff(at), np.inf)
     while True:
         length = np.diff(ends)

@@ -1,12 +1,12 @@
-r"""The low rank of a smooth kernel of both places: some places on zones stand for all of them.
+"""The low rank of a smooth kernel of both places: a few places on zones stand for all of them.
 
     k(x, xi) = sum_j k(x, s_j) P_j(xi)        x, xi on zones,
 
-and the same for its potential, by the same P. The places s_j are the columns that a pivoted QR of k
-on a few hundred places picks, and P_j(xi) solves the equation at as many rows (H. Cheng, Z.
-Gimbutas, P. G. Martinsson, V. Rokhlin, SIAM J. Sci. Comput. 26, 2005, 1389-1404). What zones do
-goes by the moments sum_q w_q P_j(xi_q), charges at s_j. So the kernel is called on zones alone, and
-off them where a value there is asked for.
+and the same for its potential, with the same P. The places s_j are the columns that a pivoted QR of
+k on a few hundred places picks, and P_j(xi) solves the equation at as many rows (H. Cheng, Z.
+Gimbutas, P. G. Martinsson and V. Rokhlin, SIAM J. Sci. Comput. 26, 2005, 1389-1404). The field of
+zones follows from the moments sum_q w_q P_j(xi_q), charges at s_j. So the kernel is called on zones
+only, and off them where a value there is asked for.
 """
 
 from __future__ import annotations
@@ -22,26 +22,28 @@ from sie.basis.data import Array, Index, Kept, record
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
-# Places looked at, in turn: a kernel whose rank is more than half of the last number is summed as
-# it is.
+# Numbers of sampled places, in turn. A kernel of a rank above half of the last one is summed
+# directly.
 _LOOKS = (96, 192, 384, 768)
-# What a column of the table adds, over the largest one, that is rounding; and what the skeleton may
-# miss at other places.
+# A column that adds less than this, relative to the largest, is rounding. `_MISSED` is the largest
+# error of the skeleton at other places.
 _RANK = 1e-15
 _MISSED = 1e-12
-# Nodes on each zone that show how many modes the kernel has there, in turn; coefficients of which
-# are rounding; and places of the skeleton at which that is looked at.
+# Nodes on each zone, in turn, that show the number of modes of the kernel there; coefficients below
+# `_ROUNDING` are noise; `_FROM` places of the skeleton are sampled for that.
 _NODES = (24, 48, 96, 192, 384, 768)
 _ROUNDING = 1e-14
 _FROM = 8
-# Skeletons that a kernel keeps.
+# Skeletons kept with a kernel.
 _KEPT = 4
 
 
 @record
 class Skeleton(Kept):
-    """Places s (r,) that stand for all sources, and rows: a function (regular part or potential, 0
-    or 1) and a place x each; factors: of the kernel there; scale: of both functions.
+    """Places s (r,) that stand for all sources, and rows that determine the shares of others.
+
+    of_row, x_of_row: function (0: regular part, 1: potential) and place x of each row; factors: LU
+    factors of the kernel there; scale: largest values of both functions.
     """
 
     kernel: Kernel
@@ -54,13 +56,11 @@ class Skeleton(Kept):
 
     @property
     def size(self) -> int:
-        """How many moments there are."""
+        """Number of moments."""
         return len(self.places)
 
     def modes(self, half: Array) -> Index:
-        """How many modes of each zone the kernel sees, or makes; half: their half widths, which are
-        those of `zones`.
-        """
+        """Number of modes by which the kernel acts on each zone of `zones`."""
         return self._modes
 
     @cached_property
@@ -111,7 +111,7 @@ class Skeleton(Kept):
 
 
 class Seen:
-    """Points (n,) and what a skeleton makes of them."""
+    """Points (n,) with the skeleton's matrices for them."""
 
     def __init__(self, skeleton: Skeleton, x: Array) -> None:
         self.skeleton, self.x = skeleton, x
@@ -123,7 +123,7 @@ class Seen:
         return self.skeleton.shares(self.x)
 
     def as_targets(self, potential: bool) -> Array:
-        """The kernel or its potential at the points, by the places of the skeleton (n, r)."""
+        """The kernel or its potential between the points and the places of the skeleton (n, r)."""
         if potential not in self._targets:
             kernel = self.skeleton.kernel
             function = kernel.regular_potential if potential else kernel.regular
@@ -136,8 +136,8 @@ class Seen:
 
 
 def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
-    """The skeleton of the kernel's regular part on zones; None where its rank is too high."""
-    # Too high a rank is not asked for again while as many zones move: to find it takes the longest.
+    """The skeleton of the kernel's regular part on zones; None if its rank is too high."""
+    # To find that the rank is too high takes longest, so it is not tried again for as many zones.
     key, too_high = zones.table.tobytes(), ("rank", len(zones))
     if too_high in kernel.kept_panels:
         return None
@@ -168,7 +168,7 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
             continue
         chosen = table[:, order[:rank]]
         rows = linalg.qr(chosen.T, mode="r", pivoting=True, check_finite=False)[1][:rank]
-        # Of a kernel that is zero any place stands for all.
+        # For a kernel that is zero, any place serves.
         factors = linalg.lu_factor(
             chosen[rows] if size[0] > 0.0 else np.eye(rank), check_finite=False
         )
@@ -181,9 +181,7 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
 
 
 def _misses(skeleton: Skeleton, x: Array, xi: Array) -> float:
-    """How far the kernel is from what its skeleton makes of it at other places, over its largest
-    value.
-    """
+    """Largest error of the skeleton at other places, over the kernel's largest value."""
     shares, worst = skeleton.shares(xi), 0.0
     for function, size in zip(_functions(skeleton.kernel), skeleton.scale, strict=True):
         off = np.asarray(function(x[:, None], skeleton.places)) @ shares.T - function(
@@ -204,8 +202,10 @@ def _functions(kernel: Kernel) -> list[Any]:
 
 
 def _some(zones: Zones, count: int, shift: int) -> Array:
-    """About so many places on zones, other ones for another shift: on each as many as its width
-    asks for, but at least two; of very many zones on some of them.
+    """About `count` places on zones; another shift gives other places.
+
+    Each zone gets places in proportion to its width, but at least two. Of very many zones only some
+    are taken.
     """
     number = min(len(zones), count // 3)
     chosen = np.unique(

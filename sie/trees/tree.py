@@ -1,9 +1,9 @@
-"""A binary tree over ascending intervals, and which of its nodes see each other from afar.
+"""A binary tree over ascending intervals, and which pairs of its nodes are far from each other.
 
-Nodes are the hulls of what they hold; a node is split at the middle of its hull, and a leaf is one
-interval. Two nodes are *far* if the gap between them is at least `SEPARATION` times the larger half
-width: then z >= 1 + SEPARATION from either side, and series of `TERMS` Chebyshev terms leave
-rho^TERMS < 1e-16, rho = z - sqrt(z^2 - 1).
+Nodes are the hulls of the intervals they hold. A node is split at the middle of its hull, and a
+leaf is one interval. Two nodes are *far* if the gap between them is at least `SEPARATION` times the
+larger half width. Then z >= 1 + SEPARATION from either side, and series of `TERMS` Chebyshev terms
+leave rho^TERMS < 1e-16, rho = z - sqrt(z^2 - 1).
 """
 
 from __future__ import annotations
@@ -16,18 +16,20 @@ from sie.basis.data import Array, Index, record
 
 TERMS = 24
 SEPARATION = 1.45
-# A node is cut no farther from the middle of its hull than this part of its intervals, and than so
-# many.
+# The cut of a node is moved from the middle of its hull by at most this part of its intervals, and
+# by at most `_FARTHEST` intervals.
 _ASIDE = 8
 _FARTHEST = 24
 
 
 @record
 class Tree:
-    """Nodes (n,) level by level, the root first: hull [lo, hi], half width, children (-1 for a
-    leaf), parent, and the interval of a leaf (-1 for the others). levels: first node of every
-    level, and n. rest: what rounding has cut off the ends of the intervals, of leaves (2, n).
-    parted: of neighbours, the hull of the smallest node that holds both.
+    """Nodes (n,) of the tree, level by level, the root first.
+
+    lo, hi: their hulls; left, right: children (-1 for a leaf); parent; item: the interval of a leaf
+    (-1 for other nodes); levels: first node of every level, and n; rest: part of the intervals'
+    ends below the last digit, of leaves (2, n); parted: for each pair of neighbours, the hull of
+    the smallest node that holds both.
     """
 
     lo: Array
@@ -46,8 +48,8 @@ class Tree:
 
     @classmethod
     def over(cls, a: Array, b: Array, rest: Array | None = None) -> Tree:
-        """The tree over the ascending intervals [a, b]. rest: what rounding has cut off their ends
-        (2, n).
+        """The tree over the ascending intervals [a, b]; rest: part of their ends below the last
+        digit (2, n).
         """
         middle, parted = 0.5 * (a + b), np.zeros(max(len(a) - 1, 0))
         narrower = np.minimum((b - a)[1:], (b - a)[:-1])
@@ -93,8 +95,10 @@ class Tree:
 
 
 def _between_wide(cut: Index, first: Index, last: Index, narrower: Array) -> Index:
-    """Cuts moved a little to where both neighbours are wide: those are told apart by sums that are
-    rounded to parts of the whole node, which narrow ones would feel the most.
+    """Cuts moved to where both neighbours are wide.
+
+    Sums separate the neighbours of a cut with a rounding that is a part of the whole node, which
+    narrow intervals would feel most.
     """
     reach = np.minimum((last - first + 1) // _ASIDE, _FARTHEST)
     out = cut.copy()
@@ -110,7 +114,7 @@ def _between_wide(cut: Index, first: Index, last: Index, narrower: Array) -> Ind
 
 @record
 class Pairs:
-    """Pairs (target, source) with the source moved by `shift`."""
+    """Pairs (target, source), with the source moved by `shift`."""
 
     target: Index
     source: Index
@@ -118,7 +122,7 @@ class Pairs:
 
     @classmethod
     def joined(cls, parts: list[Pairs]) -> Pairs:
-        """All pairs, by target."""
+        """All pairs of several parts, sorted by target."""
         target = np.concatenate([p.target for p in parts])
         order = np.argsort(target, kind="stable")
         source, shift = (
@@ -131,8 +135,8 @@ class Pairs:
 
 
 def interactions(targets: Tree, sources: Tree, shifts: tuple[float, ...]) -> tuple[Pairs, Pairs]:
-    """(far pairs of nodes, near pairs of intervals) that together cover every target and every
-    source once a shift.
+    """(far pairs of nodes, near pairs of intervals) that cover every target and source once per
+    shift.
     """
     far, near = [], []
     t_half, s_half = targets.half, sources.half
@@ -150,7 +154,7 @@ def interactions(targets: Tree, sources: Tree, shifts: tuple[float, ...]) -> tup
             near.append(
                 Pairs(targets.item[t[both]], sources.item[s[both]], np.full(int(both.sum()), shift))
             )
-            # The larger node is split, and a leaf never.
+            # The larger node is split; a leaf is never split.
             cut_t = ~t_leaf & (s_leaf | (t_half[t] >= s_half[s]))
             cut_s = ~both & ~cut_t
             t, s = (
