@@ -143,7 +143,7 @@ def _causes(worst: _Worst) -> dict[str, float]:
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
     # Coefficients that decayed as far as they should are no cause, and neither are modes not yet
     # tried.
-    unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.MOST_OWN
+    unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.OPTIONS.max_nodes
     grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
     return {
         "right side": float(state.truncation[zone]) if unfallen else 0.0,

@@ -13,6 +13,9 @@ level of the left half-line is felt with the harmonic measure 1/2 - asin(s) / pi
 + g').
 """
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 
 from sie.basis import chebyshev
@@ -23,113 +26,54 @@ from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 from sie.jumps.forcing import ForcingJumps
 
-OWN_SIZES = np.array(
-    [
-        8,
-        16,
-        24,
-        32,
-        48,
-        64,
-        96,
-        128,
-        192,
-        256,
-        384,
-        512,
-        768,
-        1024,
-        1536,
-        2048,
-        3072,
-        4096,
-        6144,
-        8192,
-        12288,
-        16384,
-        24576,
-        32768,
-    ]
-)
-# Nodes at most: of one of many zones, or of one whose last coefficients are not below `_NEARLY` of
-# the largest; and of all zones together, each counted with the largest number.
-MOST_OWN = 8192
-_NEARLY = 1e-6
-_IN_ALL = 1 << 20
-# First nodes of a smooth right side. If it is singular next to the zones, as many that its
-# coefficients fall to `_FALLEN`.
-_FEW = 16
-_FALLEN = 1e-12
-# A plateau of coefficients is rounding only below this part of the largest.
-_NOISE = 1e-5
-_TO_A_PIECE = 4
-# Long series are cut if half of their coefficients are at most `_PLATEAU` times the last ones,
-# since those of a jump would fall to half. `_LEFT` more are kept at least.
-_LONG = 96
-_PLATEAU = 1.5
-_LEFT = 8
-# Places rounded to less than this part of a zone count as exact.
-_FINE = 1e-14
-# Decay of a zone without neighbours: exp(-690) is the smallest number.
-ALONE = 690.0
-# The largest coefficient of a jump's part is among so many.
-_LEADING = 8
-COUPLED_SIZES = np.array(
-    [
-        0,
-        4,
-        6,
-        8,
-        10,
-        12,
-        16,
-        20,
-        24,
-        32,
-        40,
-        48,
-        64,
-        80,
-        96,
-        128,
-        160,
-        192,
-        256,
-        320,
-        384,
-        512,
-        640,
-        768,
-        1024,
-        1280,
-        1536,
-        2048,
-        2560,
-        3072,
-    ]
-)
-# Modes at most: as a rule; for a regular kernel that needs more, or next to narrow gaps with fixed
-# ends; and numbers in the matrix for which the second holds. Zones with moving ends need not more,
-# since narrow gaps between them are slits.
-_MOST = 768
-_MOST_KNOWN = 3072
-_OF_FEW = 4e7
-# Rounding of a regular kernel's coefficients over its size.
-_KERNEL_ROUNDING = 2e-15
-# A user's kernel may be noisier. Noise is what half as many modes again do not halve, where the
-# last coefficients are below this part of the largest: those of a kernel as rough as |x - xi| fall
-# by more.
-_KERNEL_NOISE = 1e-5
-# First modes per half width over the length of a regular kernel: coefficients fall to exp(-12).
-_PER_LENGTH = 12.0
-# First modes of a wide zone per square root of that: its density varies over the length next to the
-# ends only, where modes are as dense. 24 leave about 1e-12, and modes grow where they are too few.
-_PER_ROOT = 24.0
+OWN_SIZES = np.sort(np.concatenate((8 * 2 ** np.arange(13), 24 * 2 ** np.arange(11))))
+
+
+@dataclass(frozen=True)
+class ModeOptions:
+    """Limits and tolerances of the numbers of modes."""
+
+    # Nodes at most: of one of many zones, or of one whose last coefficients are not below `nearly_decayed` of
+    # the largest; and of all zones together, each counted with the largest number.
+    max_nodes: int = 8192
+    nearly_decayed: float = 1e-6
+    max_nodes_together: int = 1 << 20
+    # First nodes of a smooth right side. If it is singular next to the zones, as many that its
+    # coefficients fall to `first_decay`.
+    first_nodes: int = 16
+    first_decay: float = 1e-12
+    # A plateau of coefficients is noise only below this part of the largest. Coefficients of a kernel as
+    # rough as |x - xi| fall by more than half with half as many modes again.
+    noise_plateau: float = 1e-5
+    nodes_per_piece: int = 4
+    # Places rounded to less than this part of a zone count as exact.
+    exact_places: float = 1e-14
+    # The largest coefficient of a jump's part is among so many.
+    leading_coefficients: int = 8
+    # Modes at most: as a rule; for a regular kernel that needs more, or next to narrow gaps with fixed
+    # ends; and numbers in the matrix for which the second holds. Zones with moving ends need not more,
+    # since narrow gaps between them are slits.
+    max_modes: int = 768
+    max_modes_regular: int = 3072
+    max_matrix_numbers: float = 4e7
+    # Rounding of a regular kernel's coefficients over its size.
+    kernel_rounding: float = 2e-15
+    # First modes of a zone per square root of its half width over the length of a regular kernel: the
+    # density varies over the length next to the ends only, where modes are as dense. 24 leave about
+    # 1e-12, and modes grow where they are too few.
+    first_modes_per_root: float = 24.0
+
+
+OPTIONS = ModeOptions()
+
+# Decay of a zone without neighbours: exp(-ALONE) is the smallest number.
+ALONE = -math.log(np.finfo(float).tiny)
+COUPLED_SIZES = np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 12]).ravel()))
 
 
 def most(kernel: Kernel) -> int:
     """Largest number of coupled modes of a zone."""
-    return _MOST if np.isinf(kernel.length) else _MOST_KNOWN
+    return OPTIONS.max_modes if np.isinf(kernel.length) else OPTIONS.max_modes_regular
 
 
 def enough(kernel: Kernel, tolerance: float) -> float:
@@ -138,7 +82,9 @@ def enough(kernel: Kernel, tolerance: float) -> float:
     Where they fall exponentially, more costs little. What is left of them may count more than it
     seems if the regular part nearly cancels the poles.
     """
-    return max(10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance, _KERNEL_ROUNDING)
+    return max(
+        10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance, OPTIONS.kernel_rounding
+    )
 
 
 @record
@@ -169,7 +115,7 @@ class Growth:
         grew = m > self.m
         kept = np.where(grew, self.tails[1:], self.tails[:2])
         # With fewer modes than the right side has, what follows may be more than noise.
-        noisy = grew & (m > own) & (tails < _KERNEL_NOISE) & (tails > 0.5 * kept[0])
+        noisy = grew & (m > own) & (tails < OPTIONS.noise_plateau) & (tails > 0.5 * kept[0])
         # Noise differs from one solution to the next, so four times it is taken.
         return Growth(
             m,
@@ -182,14 +128,14 @@ def least(zones: Zones, kernel: Kernel) -> Index:
     """First coupled modes of each zone if the kernel's regular part is a user's own."""
     lengths = zones.half / kernel.length
     return np.maximum(
-        16, np.ceil(np.minimum(_PER_LENGTH * lengths, _PER_ROOT * np.sqrt(lengths)))
+        OPTIONS.first_nodes, np.ceil(OPTIONS.first_modes_per_root * np.sqrt(lengths))
     ).astype(np.intp)
 
 
 def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Index:
     """First number of nodes of each zone."""
     if len(singular_at) == 0:
-        return np.full(len(zones), _FEW)
+        return np.full(len(zones), OPTIONS.first_nodes)
     at = np.sort(wrapped(singular_at, float(zones.a[0]), period))
     at = np.concatenate(
         (
@@ -204,7 +150,12 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
         at[np.searchsorted(at, zones.b, side="right")],
     )
     by = decay_rate(np.minimum(np.minimum(zones.a - left, right - zones.b) / zones.half, 1e300))
-    return OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(-np.log(_FALLEN) / by, _FEW, MOST_OWN))]
+    return OWN_SIZES[
+        np.searchsorted(
+            OWN_SIZES,
+            np.clip(-np.log(OPTIONS.first_decay) / by, OPTIONS.first_nodes, OPTIONS.max_nodes),
+        )
+    ]
 
 
 def most_own(zones: Zones) -> int:
@@ -212,7 +163,9 @@ def most_own(zones: Zones) -> int:
     return int(
         OWN_SIZES[
             np.searchsorted(
-                OWN_SIZES, np.clip(_IN_ALL / len(zones), MOST_OWN, OWN_SIZES[-1]), side="right"
+                OWN_SIZES,
+                np.clip(OPTIONS.max_nodes_together / len(zones), OPTIONS.max_nodes, OWN_SIZES[-1]),
+                side="right",
             )
             - 1
         ]
@@ -225,13 +178,15 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
     They are at least `least`.
     """
     by = decay(zones, kernel)
-    most_here = _MOST if zones.moves.any() else _MOST_KNOWN
+    most_here = OPTIONS.max_modes if zones.moves.any() else OPTIONS.max_modes_regular
     want = np.minimum(
         np.where(by < ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here
     )
     # Zones that need the most give way first.
-    while want.max(initial=0.0) > _MOST and want.sum() ** 2 > _OF_FEW:
-        want = np.minimum(want, max(_MOST, 0.8 * want.max()))
+    while (
+        want.max(initial=0.0) > OPTIONS.max_modes and want.sum() ** 2 > OPTIONS.max_matrix_numbers
+    ):
+        want = np.minimum(want, max(OPTIONS.max_modes, 0.8 * want.max()))
     return COUPLED_SIZES[
         np.searchsorted(COUPLED_SIZES, np.maximum(want, np.minimum(least, most(kernel))))
     ]
@@ -276,7 +231,7 @@ def sample(
     than their sum.
     """
     own = own.copy()
-    subtracted = np.abs(jumps.t_coefficients(zones, _LEADING)).max(axis=1)
+    subtracted = np.abs(jumps.t_coefficients(zones, OPTIONS.leading_coefficients)).max(axis=1)
     knots = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     bent = knots > 0
     bent[jumps.kinked] = False
@@ -311,7 +266,7 @@ def sample(
             grow = (
                 last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))
             ) & (n < largest)
-            grow &= (n < MOST_OWN) | (last <= _NEARLY * scale)
+            grow &= (n < OPTIONS.max_nodes) | (last <= OPTIONS.nearly_decayed * scale)
             # A jump of g leaves coefficients ~ 1/n and rounding ~ 1/sqrt(n): what falls no faster
             # is rounding. Sizes two steps apart have the ratio two; next to knots, two successive
             # sizes may differ by chance.
@@ -322,7 +277,11 @@ def sample(
             sizes[group, 1], tails[group, 1] = n, last
             # Too few nodes do not resolve the pieces between jumps, and do not show how
             # coefficients fall.
-            calm[group] += slow & (last < _NOISE * scale) & (n >= _TO_A_PIECE * knots[group])
+            calm[group] += (
+                slow
+                & (last < OPTIONS.noise_plateau * scale)
+                & (n >= OPTIONS.nodes_per_piece * knots[group])
+            )
             found.append((group, g))
             grow &= calm[group] < 3
             bad = group[grow]
@@ -333,26 +292,11 @@ def sample(
     for group, g in found:
         table[group, 1 : g.shape[1] + 1] = g
     tail = np.maximum(tails[:, 1], 0.0)
-    _cut(table, own, tail, zones.solved)
     if zones.symmetric:
         mirror(zones, table)
         left = np.arange(len(zones) // 2)
         own[left], tail[left] = own[::-1][left], tail[::-1][left]
     return Samples(table, own, tail, evaluations)
-
-
-def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
-    """Cut long series that have stopped falling half way: the rest is rounding.
-
-    Next to an end their sum grows as n^1.5, and that of fewer coefficients from as many nodes by
-    less.
-    """
-    for zone in zones[own[zones] >= _LONG]:
-        n = int(own[zone])
-        size = np.abs(table[zone, : n + 1])
-        if size[n // 2 : n - n // 8].max() <= _PLATEAU * tail[zone] <= _NOISE * size.max():
-            told = int(np.flatnonzero(size > 2 * tail[zone]).max(initial=0))
-            table[zone, told + max(_LEFT, told // 8) + 1 :] = 0.0
 
 
 def place_rounding(zones: Zones, group: Index) -> Array:
@@ -382,7 +326,7 @@ def _values(
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
     # The nodes of each zone, one zone after the other.
     of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
-    if float(place_rounding(zones, group).max()) > _FINE:
+    if float(place_rounding(zones, group).max()) > OPTIONS.exact_places:
         # What a jump adds to the slope does not belong to g on either side.
         levels = jumps.level_part(*of_jumps).reshape(len(group), -1)
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)

@@ -12,6 +12,8 @@ by Gauss-Legendre rules on the stretches between jumps, where g is smooth. The u
 those of the whole density, with the T_l coefficients of the jumps' parts.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from sie.basis.data import Array, Index, legendre
@@ -21,11 +23,20 @@ from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 from sie.jumps.forcing import ForcingJumps
 
-# With this number of jumps in a zone the truncated powers are some ten times the right side.
-MANY_JUMPS = 32
-# Nodes on a stretch, and the largest angle by which sin(k theta) turns on it: the rule is then
-# exact to rounding.
-_NODES = 16
+
+@dataclass(frozen=True)
+class MomentOptions:
+    """Options of the coefficients by integrals between jumps."""
+
+    # With this number of jumps in a zone the truncated powers are some ten times the right side.
+    min_jumps: int = 32
+    # Nodes on a stretch, and the largest angle by which sin(k theta) turns on it: the rule is then
+    # exact to rounding.
+    nodes: int = 16
+
+
+OPTIONS = MomentOptions()
+
 _TURN = 2 * np.pi
 
 
@@ -34,10 +45,10 @@ def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
     if len(forcing.jumps) == 0:
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
-    count[list(jumps.splines)] += MANY_JUMPS
+    count[list(jumps.splines)] += OPTIONS.min_jumps
     # Near algebraic points the right side is not smooth between its jumps.
     count[list(jumps.poles.by_zone)] = 0
-    return np.asarray(zones.solved[count[zones.solved] >= MANY_JUMPS])
+    return np.asarray(zones.solved[count[zones.solved] >= OPTIONS.min_jumps])
 
 
 def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
@@ -46,7 +57,7 @@ def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
     """
     cuts = np.concatenate(([0.0], np.sort(jumps.angles(zone)), [np.pi]))
     parts = np.maximum(np.ceil(np.diff(cuts) * (highest / _TURN)), 1.0).astype(np.intp)
-    return legendre(cuts, _NODES, parts)
+    return legendre(cuts, OPTIONS.nodes, parts)
 
 
 def coefficients(

@@ -21,6 +21,7 @@ from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.lag_table import regular_values
 from sie.basis.zones import Zones
+from sie.dense.modes import OPTIONS
 from sie.dense.spline_moments import coefficients as coefficients_between
 from sie.dense.spline_moments import many_jumps
 from sie.density.series import moments_of
@@ -29,11 +30,7 @@ from sie.equation.equation import Equation
 from sie.jumps.forcing import ForcingJumps
 from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
-
-# Pairs of points and nodes handled at once: 30 MB of values.
-_PAIRS = 2**22
-# Quadrature nodes of a zone for the weight of a side condition, at most.
-_LARGEST_WEIGHT = 8192
+from sie.trees.tree import CACHED, TERMS
 
 
 @record
@@ -198,7 +195,7 @@ def _add_regular(
         q = regular_size(kernel, w, m)
         count = min(m, q - 1) + 1
         nodes = middle + w * chebyshev.gauss(q)
-        for start in range(0, len(x), rows := max(1, _PAIRS // q)):
+        for start in range(0, len(x), rows := max(1, CACHED * TERMS // q)):
             some = slice(start, start + rows)
             block = chebyshev.t_means(regular_values(kernel, x[some], nodes, potential), count)
             out[some, first : first + count] += block if potential else w * block
@@ -436,7 +433,10 @@ class System(Rows):
             return self._moments(weight, zone, degree + 2)[: degree + 1]
         while True:
             values = self._moments(weight, zone, size)
-            if np.abs(values[-8:]).max() <= 1e-14 * np.abs(values).max() or size >= _LARGEST_WEIGHT:
+            if (
+                np.abs(values[-8:]).max() <= 1e-14 * np.abs(values).max()
+                or size >= OPTIONS.max_nodes
+            ):
                 return values
             size *= 2
 

@@ -112,17 +112,28 @@ class FreeEnds:
         return out
 
 
-# Steps of Arnoldi's method for the growth rate: between two checks, and at most. It has converged
-# when it changes by less than `_KNOWN` of itself.
-_LOOK = 8
-_MOST = 64
-_KNOWN = 0.02
-# Relative tolerance of motions: what is left of a Newton step is for the next one. `_RESPONSE` is
-# the tolerance of responses for the growth rate.
-STEP = 1e-6
-_RESPONSE = 1e-4
-# If the residual stays above this part, some motion leaves the intensities unchanged.
-_LOST = 1e-3
+@dataclass(frozen=True)
+class MotionOptions:
+    """Options of the motions of ends."""
+
+    # Steps of Arnoldi's method for the growth rate: between two checks, and at most. It has converged
+    # when it changes by less than `growth_change` of itself.
+    arnoldi_check: int = 8
+    max_arnoldi: int = 64
+    growth_change: float = 0.02
+    # Relative tolerance of motions: what is left of a Newton step is for the next one. `response` is
+    # the tolerance of responses for the growth rate.
+    step: float = 1e-6
+    response: float = 1e-4
+    # If the residual stays above this part, some motion leaves the intensities unchanged.
+    max_residual: float = 1e-3
+    # From this condition number on, the inverse of the rates is rounding.
+    max_condition: float = 1e14
+    # Beyond this number of unknowns a matrix costs more than one iterative solution for each end.
+    max_matrix_unknowns: int = 8000
+
+
+OPTIONS = MotionOptions()
 
 
 class IteratedMotions(FreeEnds):
@@ -208,10 +219,10 @@ class IteratedMotions(FreeEnds):
     def responses(self, d: Array) -> list[Array]:
         """See `DirectMotions.responses`."""
         none = np.zeros(self.solver.size)
-        folded = [self.solver(-self._applied(none, one)[0], None, _RESPONSE) for one in d.T]
+        folded = [self.solver(-self._applied(none, one)[0], None, OPTIONS.response) for one in d.T]
         return [self.system.symmetry.unfold(one) for one in folded]
 
-    def meeting(self, change: Array, tolerance: float = STEP) -> Array:
+    def meeting(self, change: Array, tolerance: float = OPTIONS.step) -> Array:
         """Motions of the ends (E,) that change K by these values; nan where none are found."""
         count = self.solver.size
 
@@ -232,7 +243,7 @@ class IteratedMotions(FreeEnds):
         right = precondition(np.zeros(count), change)
         found = gmres(apply, right, tolerance * float(norm(right)))
         self.solver.iterations += found.steps
-        if not found.residual <= max(_LOST, tolerance) * float(norm(right)):
+        if not found.residual <= max(OPTIONS.max_residual, tolerance) * float(norm(right)):
             return np.full(len(self.ends), np.nan)
         return np.asarray(found.x[count:] * self.width)
 
@@ -244,7 +255,9 @@ class IteratedMotions(FreeEnds):
         """
         size = np.abs(np.linalg.inv(self._local)).max(axis=(1, 2))[self.zone] * self.width
         found = (
-            self.meeting(size * np.random.default_rng(1).standard_normal(len(self.ends)), _RESPONSE)
+            self.meeting(
+                size * np.random.default_rng(1).standard_normal(len(self.ends)), OPTIONS.response
+            )
             / self.width
         )
         return float(np.abs(found).max()) if np.all(np.isfinite(found)) else np.inf
@@ -259,7 +272,7 @@ class IteratedMotions(FreeEnds):
         driving = signs[self.side]
 
         def driven(d: Array) -> Array:
-            out = driving * self.rates(d, _RESPONSE)[0]
+            out = driving * self.rates(d, OPTIONS.response)[0]
             if normal is None or by_value is None:
                 return np.asarray(out)
             return np.asarray(out - by_value * (normal @ out) / (normal @ by_value))
@@ -272,7 +285,7 @@ class IteratedMotions(FreeEnds):
 
         count = len(self.ends)
         v = along(np.random.default_rng(0).standard_normal(count))
-        most = min(_MOST, count - (normal is not None))
+        most = min(OPTIONS.max_arnoldi, count - (normal is not None))
         basis, h, last = [v / norm(v)], np.zeros((most + 1, most)), np.inf
         for k in range(most):
             w = driven(basis[k])
@@ -283,20 +296,14 @@ class IteratedMotions(FreeEnds):
                 w = along(w - part @ np.array(basis))
             h[k + 1, k] = norm(w)
             # The rest is the error of the responses: the Krylov space is closed.
-            whole = k + 1 == most or h[k + 1, k] <= 10 * _RESPONSE * size
-            if whole or (k + 1) % _LOOK == 0:
+            whole = k + 1 == most or h[k + 1, k] <= 10 * OPTIONS.response * size
+            if whole or (k + 1) % OPTIONS.arnoldi_check == 0:
                 found = float(np.linalg.eigvals(h[: k + 1, : k + 1]).real.max())
-                if whole or abs(found - last) <= _KNOWN * abs(found):
+                if whole or abs(found - last) <= OPTIONS.growth_change * abs(found):
                     return found
                 last = found
             basis.append(w / h[k + 1, k])
         return last
-
-
-# From this condition number on, the inverse of the rates is rounding.
-_NEUTRAL_FROM = 1e14
-# Beyond this number of unknowns a matrix costs more than one iterative solution for each end.
-_MANY = 8000
 
 
 @dataclass(frozen=True, eq=False)
@@ -369,7 +376,7 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
     system, zones, layout = state.system, state.density.zones, state.system.layout
     free, solved, levels = FreeEnds(state), zones.solved, np.zeros((len(zones.solved), 0))
     each = np.eye(len(free.ends))
-    if state.iteration is not None and layout.size > _MANY:
+    if state.iteration is not None and layout.size > OPTIONS.max_matrix_unknowns:
         motions = IteratedMotions(state, state.iteration)
         columns = [motions.rates(one) for one in each]
         if system.wants_levels and len(columns):
@@ -456,7 +463,10 @@ class DirectMotions(FreeEnds):
         super().__init__(state)
         self._rates, self._responses = _rates_and_responses(state)
         # Rounding keeps the rates of a motion that changes nothing from being exactly zero.
-        neutral = len(self.ends) > 0 and not np.linalg.cond(self._rates.intensities) < _NEUTRAL_FROM
+        neutral = (
+            len(self.ends) > 0
+            and not np.linalg.cond(self._rates.intensities) < OPTIONS.max_condition
+        )
         self._inverse = (
             np.full_like(self._rates.intensities, np.nan)
             if neutral

@@ -18,13 +18,15 @@ from sie.basis.data import Array, Index
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.ends.limits import DomainLimit, domain_limit, pinned_at_limits, released
-from sie.ends.motions import STEP, DirectMotions, IteratedMotions, motions_of
+from sie.ends.motions import OPTIONS as MOTIONS
+from sie.ends.motions import DirectMotions, IteratedMotions, motions_of
 from sie.ends.options import NewtonOptions, WarmStart
 from sie.ends.progress import Convergence, Progress, Step
 from sie.ends.steps import NewtonStep, corners_of, damped, growth_of, newton_step, place_rounding
 from sie.equation.equation import Equation
 from sie.slits.system import AnyDensity, AnyState, solve_zones
-from sie.states.rounding import RANDOM_SAMPLES, density_changes
+from sie.states.rounding import OPTIONS as ROUNDING
+from sie.states.rounding import density_changes
 from sie.states.sizes import Sizes, first_sizes, sizes_like
 from sie.states.solve import SingularSystem
 from sie.states.state import State
@@ -132,7 +134,7 @@ class Free:
         if not self.density.zones.follow_ends:
             return np.zeros(len(self.density.zones))
         errors = self._motions.of((self.end_error + self.end_truncation).T * self._width)
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(errors), RANDOM_SAMPLES))
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(errors), ROUNDING.samples))
         return density_changes(self.state.whole, self._motions.responses(errors[:, None] * signs))
 
     @cached_property
@@ -214,7 +216,7 @@ class _Search:
         gaps = modes.gaps(zones, equation.kernel)[1]
         self.progress = Progress(options, tolerance, zones.b - zones.a, gaps, start.initial_error)
         self.sizes = _sizes_at_first(equation, zones, start.modes_like)
-        # The density caused by a unit of the open condition's value; None: to be found.
+        # The density caused by a unit of the open condition's value, on the last zones.
         self.value_response: AnyDensity | None = None
 
     def step(self) -> Free | None:
@@ -269,10 +271,8 @@ class _Search:
 
     def _newton_step(self, state: AnyState) -> NewtonStep | None:
         """The next Newton step; None if the intensities do not determine the ends."""
-        opened, response = self.equation.open_condition, self.value_response
-        if opened is not None and (
-            response is None or _moved_part(state, response) > self.options.max_response_move
-        ):
+        opened = self.equation.open_condition
+        if opened is not None:
             # Its error is one of the step, so the square root of the solution's is small enough.
             tolerance = float(np.sqrt(self.sizes.linear))
             self.value_response = state.response(state.values(opened), tolerance)
@@ -302,7 +302,7 @@ class _Search:
         if options.allow_loss and changes < len(zones) and not zones.symmetric:
             # Vanishing zones bear little: the search continues with the others.
             self.zones, kept = zones.changed(lost, met, equation.kernel.period)
-            self.value_response, self.sizes = None, self.sizes.of(kept)
+            self.sizes = self.sizes.of(kept)
             self.progress.continue_with(
                 self.zones, modes.gaps(self.zones, equation.kernel)[1], kept
             )
@@ -367,7 +367,7 @@ class _Search:
         amplification = motions.amplification()
         if amplification > _MAX_AMPLIFICATION:
             return None
-        errors = motion.noise + STEP * np.abs(motion.delta)
+        errors = motion.noise + MOTIONS.step * np.abs(motion.delta)
         error = (amplification * errors / (zones.b - zones.a)).T
         growth = growth_of(motions, self.options.signs, self.value_response)
         motion = replace(motion, branch=replace(motion.branch, growth=growth))
@@ -410,17 +410,3 @@ def _sizes_at_first(equation: Equation, zones: Zones, modes_like: AnyState | Siz
     if isinstance(modes_like, Sizes):
         return sizes_like(modes_like, equation, zones, True)
     return sizes_like(modes_like.sizes, equation, zones, False)
-
-
-def _moved_part(state: AnyState, response: AnyDensity) -> float:
-    """Part of all widths by which the ends have moved since a response was found.
-
-    It is infinite if the zones, or the gaps that are treated as slits, are not the same.
-    """
-    tables = [
-        (one.zones.table, other.zones.table)
-        for one, other in ((state.density, response), (state.whole.density, response.whole))
-    ]
-    if any(len(now) != len(then) for now, then in tables):
-        return np.inf
-    return max(float(np.abs(now - then).sum() / np.diff(then).sum()) for now, then in tables)

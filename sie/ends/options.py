@@ -65,9 +65,6 @@ class NewtonOptions:
     # An end this close to the border of the domain of g, over its zone's width, has no root before
     # it. Nearer ends would take more nodes than a zone may have.
     border_distance: float = 1e-6
-    # The response to the value of the open condition is kept while all ends together move by less
-    # than this part of all widths. It then changes a step by the same relative amount.
-    max_response_move: float = 0.01
 
     # Inexact Newton (S. C. Eisenstat and H. F. Walker, SIAM J. Sci. Comput. 17, 1996, 16-32): the
     # linear system is solved to `forcing` * step^3, so that its error stays below that of two more
@@ -83,12 +80,13 @@ class NewtonOptions:
     step_margin: float = 1.5
     # Steps below this are rounding where they no longer become smaller.
     rounding_step: float = 1e-6
-    # Steps without progress after which rounding is asked whether it is the reason.
+    # After so many steps without progress, rounding may be the reason. With `allow_loss`, zones with
+    # the wrong sign of the density are given up after as many steps, once these are small.
     stalled_steps: int = 5
     # Steps after which ends that still move by half of their zones are given up.
     wandering_steps: int = 20
-    # A guess is a close one if its first step is below this, and each step below this part of the
-    # step before.
+    # Small steps are below this. A guess is a close one if its first step is, and each further step
+    # is below this part of the step before.
     close_step: float = 0.3
 
     # A zone or a gap that has shrunk to this part of its first size has vanished.
@@ -101,10 +99,6 @@ class NewtonOptions:
     closing_gap: float = 0.05
     # A zone below this part of the zone next to it is hardly felt by the others.
     slight_zone: float = 0.01
-    # With `allow_loss`, zones with the wrong sign of the density are replaced after so many steps,
-    # once all steps are below `settled_step`.
-    doubtful_steps: int = 4
-    settled_step: float = 0.1
 
 
 @dataclass(frozen=True, eq=False)

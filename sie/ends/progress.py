@@ -143,7 +143,7 @@ class Progress:
         """
         options, move = self.options, self.trace[-1].move
         if not certain:
-            settled = len(self.trace) > options.doubtful_steps and move < options.settled_step
+            settled = len(self.trace) >= options.stalled_steps and move < options.close_step
             if options.allow_loss and settled:
                 return True
             stays = self.stalled >= 3 * options.stalled_steps and self._stays()

@@ -10,10 +10,6 @@ from sie.trees.hierarchical import Inverse
 # Accuracy of the hierarchical inverse: below the bending of zones that the coarse problem leaves
 # out.
 _COARSE = 1e-4
-# A coarse inverse is kept from one set of zones to the next while the ends of nearly all zones move
-# by less than this part of a width, and of the others by no more than the width.
-_KEPT = 0.1
-_NEARLY = 0.99
 
 
 class CoarseOperator:
@@ -59,14 +55,3 @@ class CoarseOperator:
         if kernel.regular_potential is not None:
             out += kernel.regular_potential(x, xi)
         return np.asarray(w * (out - self.lowered))
-
-    def near(self, system: IterativeSystem) -> bool:
-        """Whether the zones of a system, and what it asks of them, are still about the same."""
-        zones = system.zones
-        if len(zones) != len(self.zones) or zones.symmetric != self.zones.symmetric:
-            return False
-        if np.any(np.abs(system.springs - self.springs) > _KEPT * np.abs(self.springs)):
-            return False
-        moved = np.maximum(np.abs(zones.a - self.zones.a), np.abs(zones.b - self.zones.b))
-        part = moved / (self.zones.b - self.zones.a)
-        return bool(part.max() <= 1.0 and np.mean(part <= _KEPT) >= _NEARLY)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import norm
@@ -13,18 +14,25 @@ from sie.fast.preconditioner import TwoLevelPreconditioner
 from sie.fast.system import Applied, IterativeSystem
 from sie.trees.krylov import gmres
 
-# A correction reduces the residual by this factor; there are so many corrections at most. One that
-# leaves more than `_STAGNANT` of the residual is the last: rough sums leave much less, so it is
-# rounding.
-_CORRECTED = 1e-6
-_CORRECTIONS = 6
-_STAGNANT = 1e-3
-# From the square of this number of zones on, the tolerance is that of each.
-_ALIKE = 10.0
-# Residual by rounding, over the size of the solution.
-_ROUNDING = 3e-16
-# Zones with less than this part of the largest coefficient are scaled as if they had it.
-_LIGHTEST = 1e-4
+
+@dataclass(frozen=True)
+class IterationOptions:
+    """Options of preconditioned GMRES."""
+
+    # A correction reduces the residual by this factor; there are so many corrections at most. One that
+    # leaves more than `stagnant` of the residual is the last: rough sums leave much less, so it is
+    # rounding.
+    correction: float = 1e-6
+    max_corrections: int = 6
+    stagnant: float = 1e-3
+    # Zones with less than this part of the largest coefficient are scaled as if they had it.
+    min_scale: float = 1e-4
+    # For more zones than these, the tolerance of the norm grows so that it stays that of each zone.
+    norm_zones: int = 100
+
+
+_OPTIONS = IterationOptions()
+EPS = float(np.finfo(float).eps)
 
 
 class Iterative:
@@ -96,17 +104,16 @@ class Iterative:
         plain = self.preconditioner(right) if near is None else near
         scale = self.scale_of(plain)
         # The norm adds up the errors of all zones.
-        count = math.sqrt(len(self.system.zones.solved))
-        wanted = max(
-            (self.tolerance if tolerance is None else tolerance) * max(count / _ALIKE, 1.0),
-            4 * _ROUNDING * count,
-        )
+        count = len(self.system.zones.solved)
+        norm_of_many = math.sqrt(max(count / _OPTIONS.norm_zones, 1.0))
+        wanted = self.tolerance if tolerance is None else tolerance
+        wanted = max(wanted * norm_of_many, 4 * EPS * math.sqrt(count))
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
         before = float(norm(left_over))
-        for _ in range(_CORRECTIONS):
+        for _ in range(_OPTIONS.max_corrections):
             # Rough sums are accurate enough for a partial reduction.
-            part = max(wanted, _CORRECTED * before)
+            part = max(wanted, _OPTIONS.correction * before)
             found = gmres(
                 lambda v: self.preconditioner(rows(v * scale, rough=True)) / scale, left_over, part
             )
@@ -117,7 +124,7 @@ class Iterative:
             left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
             size, before = before, float(norm(left_over))
-            if found.steps == 0 or before <= 4 * wanted or before > _STAGNANT * size:
+            if found.steps == 0 or before <= 4 * wanted or before > _OPTIONS.stagnant * size:
                 break
         return x
 
@@ -146,6 +153,6 @@ class Iterative:
         )
         out = np.ones(self.size)
         out[: int(size.sum())] = np.repeat(
-            np.maximum(largest, _LIGHTEST * top if top > 0 else 1.0), size
+            np.maximum(largest, _OPTIONS.min_scale * top if top > 0 else 1.0), size
         )
         return out

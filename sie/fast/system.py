@@ -9,6 +9,7 @@ their number does not grow with that of the zones.
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -25,20 +26,28 @@ from sie.fast.zone_sums import ZoneSums
 from sie.jumps.forcing import ForcingJumps
 from sie.trees.far import reaches
 
-# Rows at most of conditions that not every zone has: a small dense system couples them.
-_FEW_ROWS = 64
-# Gauss-Legendre nodes for the integral of g over `_LENGTHS` lengths of its resolution. For a wave
-# of that length the error is 1e-19.
-_GAUSS = 16
-_LENGTHS = 2
+
+@dataclass(frozen=True)
+class QuadratureOptions:
+    """Options of the rows that are applied by sums."""
+
+    # Rows at most of conditions that not every zone has: a small dense system couples them.
+    max_dense_conditions: int = 64
+    # Gauss-Legendre nodes for the integral of g over `lengths_per_panel` lengths of its resolution. For a wave
+    # of that length the error is 1e-19.
+    gauss_nodes: int = 16
+    lengths_per_panel: int = 2
+
+
+_OPTIONS = QuadratureOptions()
 
 
 @lru_cache(maxsize=1)
 def _gauss_legendre() -> tuple[Array, Array, Array]:
     """(nodes, weights, D), where values @ D is the slope of their polynomial at the nodes."""
-    t, weights = np.polynomial.legendre.leggauss(_GAUSS)
-    basis = np.polynomial.legendre.legvander(t, _GAUSS - 1)
-    orders = np.eye(_GAUSS)
+    t, weights = np.polynomial.legendre.leggauss(_OPTIONS.gauss_nodes)
+    basis = np.polynomial.legendre.legvander(t, _OPTIONS.gauss_nodes - 1)
+    orders = np.eye(_OPTIONS.gauss_nodes)
     slopes = np.polynomial.legendre.legval(t, np.polynomial.legendre.legder(orders)).T
     return (
         np.asarray(t),
@@ -56,7 +65,10 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     if not reaches(equation.kernel, zones):
         return "the kernel is too general"
     per_zone = [c for c in equation.conditions if by_zone(c, zones) is not None]
-    if sum(c.count(zones) for c in equation.conditions if c not in per_zone) > _FEW_ROWS:
+    if (
+        sum(c.count(zones) for c in equation.conditions if c not in per_zone)
+        > _OPTIONS.max_dense_conditions
+    ):
         return "there are too many conditions that are of no zone by itself"
     held = sorted(sum(zones.fixed_bounded, []))
     if len(per_zone) + bool(held) != 1 or (held and held != list(range(len(zones.solved)))):
@@ -213,7 +225,9 @@ class IterativeSystem(System):
         forcing = self.equation.forcing
         assert forcing.resolution.length is not None
         start, rest, length = self._gaps
-        panels = np.ceil(length / (_LENGTHS * forcing.resolution.length)).astype(np.intp)
+        panels = np.ceil(length / (_OPTIONS.lengths_per_panel * forcing.resolution.length)).astype(
+            np.intp
+        )
         gap = np.repeat(np.arange(len(length)), panels)
         number = numbered(panels)
         size = (length / panels)[gap]

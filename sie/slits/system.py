@@ -542,9 +542,7 @@ def solve_zones(
         inner.least = least
     if inner.carried is not None:
         slack = slit_system.slack(series, False)
-        inner.carried = sizes.carried = Carried.of(
-            inner.carried.coarse, wide.system, wide.unknowns, slack
-        )
+        inner.carried = sizes.carried = Carried.of(wide.system, wide.unknowns, slack)
     sizes.wide = inner
     sizes.solves += 1
     sizes.profile_evaluations += inner.profile_evaluations - profile

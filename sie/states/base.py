@@ -193,17 +193,15 @@ class Solved(Answered):
         )
 
 
-# The largest coefficient of a jump's part is among the first ones: its coefficients fall as 1/n.
-LEADING_COEFFICIENTS = 8
-
-
 def coefficient_sizes(density: Density, start: int = 0) -> Array:
     """The largest coefficient of the density on each zone (Z,), jumps included, from `start` on."""
     sizes = row_sizes(density.coefficients[:, start:])
     if len(density.jumps) == 0:
         return sizes
-    leading = density.first(LEADING_COEFFICIENTS)[:, start:]
-    return np.maximum(row_sizes(leading), row_sizes(density.coefficients[:, LEADING_COEFFICIENTS:]))
+    leading = density.first(modes.OPTIONS.leading_coefficients)[:, start:]
+    return np.maximum(
+        row_sizes(leading), row_sizes(density.coefficients[:, modes.OPTIONS.leading_coefficients :])
+    )
 
 
 def density_of(system: System, y: Array) -> Density:

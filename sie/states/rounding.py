@@ -7,6 +7,8 @@ heights, and have the rounding of these. So a lightly loaded zone between heavy 
 the rounding of all heights.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from sie.basis.chebyshev import bounded_part
@@ -19,20 +21,29 @@ from sie.equation.conditions import speaks_of_levels
 from sie.equation.equation import Forcing
 from sie.states.base import Solved
 
-EPS = 2.2e-16
-# The largest of some hundred rounding errors is about four times their root mean square.
-SAFETY = 4.0
-# Relative tolerance of the iterative answer to random errors. A looser one would miss the few
-# motions that nearly dependent conditions enlarge.
-_LOOSE = 1e-2
-RANDOM_SAMPLES = 4
-# Samples of random errors, and angles of each zone at which the density is evaluated.
-_SHAKEN = 12
-_ANGLES = 24
-# Distance from an end, over the half width, within which singular parts are left out.
-_BESIDE = 0.03
-# Ends at which the rounding of the primitive is measured.
-_LOOKS = 32
+EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class RoundingOptions:
+    """Options of the random errors of rows."""
+
+    # The largest of some hundred rounding errors is about four times their root mean square.
+    safety: float = 4.0
+    # Relative tolerance of the iterative answer to random errors. A looser one would miss the few
+    # motions that nearly dependent conditions enlarge.
+    solution: float = 1e-2
+    # Samples of random errors: the estimate is below a quarter of the true size once in a hundred times.
+    samples: int = 4
+    # Angles of each zone at which the density is evaluated.
+    angles: int = 24
+    # Distance from an end, over the half width, within which singular parts are left out.
+    end_distance: float = 0.03
+    # Ends at which the rounding of the primitive is measured.
+    primitive_samples: int = 32
+
+
+OPTIONS = RoundingOptions()
 
 
 def intensity_rounding(state: Solved) -> Array:
@@ -57,7 +68,7 @@ def intensity_rounding(state: Solved) -> Array:
         )
     if state.direct is None or _stands_alone(state):
         return np.array([own, own])
-    return np.asarray(own + SAFETY * _through_rows(state))
+    return np.asarray(own + OPTIONS.safety * _through_rows(state))
 
 
 def _stands_alone(state: Solved) -> bool:
@@ -95,7 +106,7 @@ def _of_others(state: Solved) -> Array | float:
     assert state.iteration is not None
     out[zones.solved] = state.iteration.system.felt(shaken)
     out = np.maximum(out, out[::-1]) if zones.symmetric else out
-    return np.asarray(SAFETY * edge_scale(zones.half) * out)
+    return np.asarray(OPTIONS.safety * edge_scale(zones.half) * out)
 
 
 def _of_levels(state: Solved) -> Array | float:
@@ -175,7 +186,7 @@ def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array)
 
 
 def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
-    """Answers to `RANDOM_SAMPLES` random errors of the rows, as unknowns, by iteration.
+    """Answers to `OPTIONS.samples` random errors of the rows, as unknowns, by iteration.
 
     The errors of the rows are those of `_row_truncation`, the rounding of their terms, and what the
     iteration has left of the totals. Each row has a random sign of its own. With one sign for each
@@ -189,7 +200,7 @@ def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
     chance, last, stated = np.random.default_rng(0), state.system.last_unknowns, iteration.error
     solved = state.density.zones.solved
     changes = []
-    for _ in range(RANDOM_SAMPLES):
+    for _ in range(OPTIONS.samples):
         wrong = EPS * state.folded_unknowns * chance.standard_normal(symmetry.size)
         lacking = np.where(state.system.layout.m[solved] > 0, missing[solved], 0.0)
         wrong[last] += lacking * chance.choice([-1.0, 1.0], len(last))
@@ -200,7 +211,7 @@ def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
         some, of_low = _low_rows(state, low)
         rows[some] += of_low
         right = rows * chance.choice([-1.0, 1.0], len(rows))
-        changes.append(symmetry.unfold(iteration(right, None, _LOOSE)))
+        changes.append(symmetry.unfold(iteration(right, None, OPTIONS.solution)))
     iteration.error, iteration.random_changes = stated, (asked, changes)
     return changes
 
@@ -245,9 +256,9 @@ def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
     chance = np.random.default_rng(0)
     rounding, levels = _of_rows(state, solver)
     rounding = np.hypot(rounding, _row_truncation(state, solver, missing, low))
-    shaken = rounding[:, None] * chance.standard_normal((solver.size, _SHAKEN))
+    shaken = rounding[:, None] * chance.standard_normal((solver.size, OPTIONS.samples))
     shaken[state.conditions_from :] += state.level_rows @ (
-        levels[:, None] * chance.standard_normal((_SHAKEN, len(levels))).T
+        levels[:, None] * chance.standard_normal((OPTIONS.samples, len(levels))).T
     )
     return density_changes(state, [state.symmetry.unfold(change) for change in solver(shaken).T])
 
@@ -258,7 +269,7 @@ def density_changes(state: Solved, unknowns: list[Array]) -> Array:
         np.concatenate([state.system.layout.padded(one) for one in unknowns])
     ).reshape(len(unknowns), -1)
     return np.asarray(
-        SAFETY * root_of_squares(largest.T, np.full(len(unknowns), len(unknowns) ** -0.5))
+        OPTIONS.safety * root_of_squares(largest.T, np.full(len(unknowns), len(unknowns) ** -0.5))
     )
 
 
@@ -266,16 +277,16 @@ def _largest(coefficients: Array) -> Array:
     """Largest value on each zone of sum c_k T_k / sqrt(1 - t^2), and of its bounded part, at a few
     angles.
 
-    Places closer to the ends than _BESIDE do not count.
+    Places closer to the ends than OPTIONS.end_distance do not count.
     """
     k = np.arange(max(coefficients.shape[1], 2))
     # The angles are denser next to the ends, where high modes add up.
-    theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, _ANGLES)[:, None]) ** 2
+    theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, OPTIONS.angles)[:, None]) ** 2
     u = bounded_part(coefficients)[2]
     whole = (
         coefficients
         @ np.cos(theta * k[: coefficients.shape[1]]).T
-        / np.maximum(np.sin(theta), np.sqrt(2 * _BESIDE)).T
+        / np.maximum(np.sin(theta), np.sqrt(2 * OPTIONS.end_distance)).T
     )
     bounded = u @ np.sin(theta * k[1 : u.shape[1] + 1]).T
     return np.asarray(np.maximum(np.abs(whole).max(axis=1), np.abs(bounded).max(axis=1)))
@@ -309,7 +320,7 @@ def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> 
     heights = np.asarray(
         forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between)))
     )
-    look = ends[:: max(1, len(ends) // _LOOKS)]
+    look = ends[:: max(1, len(ends) // OPTIONS.primitive_samples)]
     near = look[:, None] + 4 * np.spacing(np.abs(look))[:, None] * np.arange(-4, 5)
     bend = 0.5 * np.abs(
         np.diff(np.asarray(forcing.primitive(near.ravel())).reshape(near.shape), 2, axis=1)

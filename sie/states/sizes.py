@@ -13,7 +13,6 @@ from sie.dense import modes
 from sie.dense.system import Layout, System
 from sie.equation.checks import check_functions
 from sie.equation.equation import Equation
-from sie.fast.coarse import CoarseOperator
 from sie.fast.system import IterativeSystem
 from sie.trees.panels import panels_over
 
@@ -69,12 +68,11 @@ class Carried:
     zone and the field of the others on it. What the right side adds to the coefficients is known on
     any zones.
 
-    coarse: coarse operator with its inverse; middle, half: of the zones (n,); totals: of each, over
+    middle, half: of the zones (n,); totals: of each, over
     pi (n,); field: coefficients k = 1 ... m of U_{k-1} of the others' fields on each zone, at
     offset + k, with those of its slits beyond the coupled modes; amplitudes: of the columns.
     """
 
-    coarse: CoarseOperator | None
     middle: Array
     half: Array
     totals: Array
@@ -83,9 +81,7 @@ class Carried:
     amplitudes: Array
 
     @classmethod
-    def of(
-        cls, coarse: CoarseOperator | None, system: System, y: Array, slits: dict[int, Array]
-    ) -> Carried:
+    def of(cls, system: System, y: Array, slits: dict[int, Array]) -> Carried:
         """The totals and fields of a solution; slits: what slits add to the coefficients of their
         zones.
         """
@@ -102,9 +98,7 @@ class Carried:
         for zone, s in slits.items():
             first = int(layout.offset[zone])
             field[first + coupled.m[zone] + 1 : first + len(s)] = s[coupled.m[zone] + 1 :]
-        return cls(
-            coarse, zones.middle, zones.half, totals, field, layout, y[coupled.coefficients :]
-        )
+        return cls(zones.middle, zones.half, totals, field, layout, y[coupled.coefficients :])
 
     def near(self, system: IterativeSystem) -> Array:
         """Predicted unknowns of another system, as the first guess of its iteration."""

@@ -4,7 +4,7 @@ A few unknowns are solved for by the LU factors of a matrix, many by fast sums a
 (`sie.fast`).
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import lapack
@@ -25,12 +25,20 @@ from sie.states.base import Solver, coefficient_sizes, density_of
 from sie.states.sizes import Carried, Sizes, first_sizes
 from sie.states.state import State, field_tails
 
-# A reciprocal condition number below this is round-off, since the rows are of size one.
-_DEPENDENT = 1e-15
-# From this number of unknowns on, fast sums cost less than a matrix (measured on one core).
-MANY_UNKNOWNS = 600
-# A matrix of this size and its factors take more than six gigabytes.
-MOST_UNKNOWNS = 20_000
+
+@dataclass(frozen=True)
+class SolveOptions:
+    """When fast sums take the place of a matrix."""
+
+    # A reciprocal condition number below this is round-off, since the rows are of size one.
+    dependent: float = 1e-15
+    # From this number of unknowns on, fast sums cost less than a matrix (measured on one core).
+    min_fast_unknowns: int = 600
+    # A matrix of this size and its factors take more than six gigabytes.
+    max_matrix_unknowns: int = 20_000
+
+
+OPTIONS = SolveOptions()
 
 
 class SingularSystem(ArithmeticError):
@@ -125,10 +133,10 @@ def solve_fixed(
             "a matrix is asked for"
             if direct
             else unfit(equation, zones)
-            if unknowns > MANY_UNKNOWNS
+            if unknowns > OPTIONS.min_fast_unknowns
             else "too few of them"
         )
-        if lacking and unknowns > MOST_UNKNOWNS:
+        if lacking and unknowns > OPTIONS.max_matrix_unknowns:
             raise TooLarge(
                 f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for "
                 f"fast sums {lacking}"
@@ -183,8 +191,8 @@ def _solve_once(
         raise SingularSystem(_not_finite(equation, system))
     solver = Factored.of(matrix)
     if (
-        _condition(solver, matrix) < _DEPENDENT
-        and _condition(Factored.of(rows := _even(matrix)), rows) < _DEPENDENT
+        _condition(solver, matrix) < OPTIONS.dependent
+        and _condition(Factored.of(rows := _even(matrix)), rows) < OPTIONS.dependent
     ):
         raise SingularSystem(_singular(equation))
     folded = solver(right)
@@ -284,9 +292,7 @@ def _solve_iterated(
         if sizes.carried is not None and len(sizes.carried.amplitudes) == system.layout.columns
         else None
     )
-    coarse = carried.coarse if carried is not None else None
-    if system.levelled and (coarse is None or not coarse.near(system)):
-        coarse = CoarseOperator(zones, system)
+    coarse = CoarseOperator(zones, system) if system.levelled else None
     solver = Iterative(system, coarse, sizes.linear, sizes.value)
     right = solver.right()
     if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right))):
@@ -307,7 +313,7 @@ def _solve_iterated(
         samples,
         sizes,
     )
-    sizes.carried = Carried.of(coarse, system, state.unknowns, {})
+    sizes.carried = Carried.of(system, state.unknowns, {})
     return state
 
 

@@ -18,14 +18,24 @@ from sie.states.rounding import density_rounding, intensity_rounding, truncation
 _AT_ENDS = 0.73
 # Sampling at nodes folds the neglected coefficients back onto the kept ones: they count twice.
 _FOLDED = 2.0
-# Neglected coefficients are assumed to fall with this part of the observed rate.
-_SLOWER = 0.9
+
+
+@dataclass(frozen=True)
+class ErrorOptions:
+    """Options of the stated error."""
+
+    # Neglected coefficients are assumed to fall with this part of the observed rate.
+    slower_fall: float = 0.9
+    # Long series are checked next to the ends too, where all that they neglect adds up. The angles are
+    # these over the number of coefficients.
+    long_series: int = 96
+
+
+_OPTIONS = ErrorOptions()
+
 # Rounding of n last coefficients, next to an end that moves so that no 1/sqrt(d) is left: 0.42
 # n^1.5 times their mean size, which is a third of the largest; _FOLDED counts the other half.
 _OF_ROUNDING = 0.08
-# Long series are checked next to the ends too, where all that they neglect adds up. The angles are
-# these over the number of coefficients.
-_LONG = 96
 _ADDING_UP = np.array([0.5, 1.0, 2.0])
 # Points of every zone at which the residual is evaluated; none of them is a node.
 LOOKS = 15
@@ -271,7 +281,9 @@ class State(Solved):
             return self.truncation
         head, last = self._ends_of_series
         with np.errstate(divide="ignore", invalid="ignore"):
-            fall = np.where(head > 0, np.maximum(last / head, 1e-300), 1.0) ** (2.0 * _SLOWER / n)
+            fall = np.where(head > 0, np.maximum(last / head, 1e-300), 1.0) ** (
+                2.0 * _OPTIONS.slower_fall / n
+            )
         rest = 1 / np.maximum(1 - fall, 1.0 / n)
         flat, following = np.array(
             [_continued(row, one) for row, one in zip(self._some_up_to(1.0), fall, strict=True)]
@@ -331,7 +343,7 @@ def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array
     There all neglected coefficients add up. kept: number of coefficients of each; residual: times
     sqrt(1 - t^2), of given zones (k,) at angles (k, points).
     """
-    out, long = np.zeros(len(kept)), np.flatnonzero(kept >= _LONG)
+    out, long = np.zeros(len(kept)), np.flatnonzero(kept >= _OPTIONS.long_series)
     if len(long):
         theta = _ADDING_UP / kept[long, None]
         out[long] = np.abs(residual(long, np.concatenate((theta, np.pi - theta), axis=1))).max(

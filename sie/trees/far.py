@@ -15,12 +15,8 @@ from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.trees.panels import panels_over
-from sie.trees.tree import TERMS, Tree, interactions
+from sie.trees.tree import CACHED, TERMS, Tree, interactions
 
-# Pairs handled at once, so that their powers stay in the cache.
-_BLOCK = 512
-# Nodes (an even number) whose matrices are computed together where they are not kept.
-_SIBLINGS = 1 << 13
 # This many terms leave 1e-7 of a sum, at a quarter of the time: enough inside GMRES.
 ROUGH = 12
 _TWICE = np.array([1.0] + [2.0] * (TERMS - 1))
@@ -77,8 +73,8 @@ class Nested:
         every = self._place[0][nodes], self._place[1][nodes]
         a = np.zeros((TERMS, TERMS, len(every[0])))
         a[0, 0], a[1, 0], a[1, 1] = 1.0, *every
-        for start in range(0, len(every[0]), _BLOCK):
-            here = slice(start, start + _BLOCK)
+        for start in range(0, len(every[0]), (CACHED // TERMS)):
+            here = slice(start, start + (CACHED // TERMS))
             (alpha, beta), part = (one[here] for one in every), a[:, :, here]
             for j in range(1, TERMS - 1):
                 row, new = part[j, : j + 1], part[j + 1, : j + 2]
@@ -100,8 +96,8 @@ class Nested:
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
 
     def _slices(self) -> list[slice]:
-        """The levels of the tree, in parts of `_SIBLINGS` nodes where matrices are not kept."""
-        levels, most = self.tree.levels, len(self.tree) if self.kept else _SIBLINGS
+        """The levels of the tree, in parts of `CACHED` nodes where matrices are not kept."""
+        levels, most = self.tree.levels, len(self.tree) if self.kept else CACHED
         bounds = zip(levels[1:-1], levels[2:], strict=True)
         return [
             slice(s, min(s + most, end)) for start, end in bounds for s in range(start, end, most)
@@ -200,7 +196,7 @@ class FarSum:
         count = len(self.targets.tree)
         values, middle = np.zeros((terms, count)), np.zeros(count)
         moments_twice = np.ascontiguousarray((moments * _TWICE[:terms]).T)
-        block = _BLOCK if terms == TERMS else 4 * _BLOCK
+        block = CACHED // terms
         for s in range(0, len(self.far), block):
             here = slice(s, min(s + block, len(self.far)))
             target, source = self.far.target[here], self.far.source[here]

@@ -7,6 +7,7 @@ approximation with partial pivoting (M. Bebendorf, Numer. Math. 86, 2000, 565-58
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,8 +16,16 @@ from sie.basis.data import Array, Index
 Entries = Callable[[Index, Index], Array]
 """entries(rows, columns): the block, broadcast."""
 
-_LEAF = 128
-_MOST_RANK = 40
+
+@dataclass(frozen=True)
+class InverseOptions:
+    """Options of the hierarchical inverse."""
+
+    leaf_size: int = 128
+    max_rank: int = 40
+
+
+_OPTIONS = InverseOptions()
 
 
 class Inverse:
@@ -24,7 +33,7 @@ class Inverse:
 
     def __init__(self, entries: Entries, first: int, end: int, tolerance: float) -> None:
         self.count = end - first
-        if self.count <= _LEAF:
+        if self.count <= _OPTIONS.leaf_size:
             here = np.arange(first, end)
             # Inverses are applied faster than factors, and their errors are far below `tolerance`.
             self.inverse = np.linalg.inv(entries(here[:, None], here))
@@ -55,12 +64,12 @@ class Inverse:
 
 def cross(entries: Entries, rows: Index, columns: Index, tolerance: float) -> tuple[Array, Array]:
     """(U, V) with U V' close to the block, by crosses through its rows and columns."""
-    u, v = np.zeros((len(rows), _MOST_RANK)), np.zeros((len(columns), _MOST_RANK))
+    u, v = np.zeros((len(rows), _OPTIONS.max_rank)), np.zeros((len(columns), _OPTIONS.max_rank))
     unused = np.ones(len(rows), dtype=bool)
     # The row next to the other half differs most from the rest.
     pivot = len(rows) - 1 if rows[0] < columns[0] else 0
     size = 0.0
-    for k in range(min(_MOST_RANK, len(rows), len(columns))):
+    for k in range(min(_OPTIONS.max_rank, len(rows), len(columns))):
         unused[pivot] = False
         row = entries(rows[pivot], columns) - v[:, :k] @ u[pivot, :k]
         j = int(np.argmax(np.abs(row)))

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -25,44 +26,57 @@ from sie.basis import chebyshev
 from sie.basis.data import Array, Complex, Index, Kept, by_rows, record
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.trees.skeleton import Skeleton, skeleton_of
+from sie.trees.skeleton import SKELETON, Skeleton, skeleton_of
+from sie.trees.tree import CACHED, TERMS
 
 Function = Callable[[Array, Array], Array]
 
-TERMS = 24
-# Panels over the zones, or over half a period, at most: a kernel that varies faster is summed
-# directly. Very many zones may have `_EACH` panels each. From `_ZONES` zones on, a kernel that does
-# not depend on the lag alone has a skeleton.
-_MOST = 512
-_EACH = 8
-_ZONES = 32
-# Decayed coefficients, relative to the largest. Coefficients below `_ROUNDING` that halving a panel
-# does not reduce to `_FALLS` are the kernel's own rounding.
-_DECAYED = 1e-15
-_ROUNDING = 1e-12
-_FALLS = 0.3
-# Pairs of points and nodes, and lags, that are handled at once.
-_BLOCK = 200_000
-_LAGS = 64
-# Panels kept with a kernel: more than one choice of panels needs, and few enough for memory.
-_KEPT = 24
-# Rounding of a place, relative to a panel.
-_AT_END = 1e-9
-# A series that falls by _DECAYED in TERMS terms has no singularity closer to the line than this
+
+@dataclass(frozen=True)
+class PanelOptions:
+    """Options of the panels of a smooth kernel."""
+
+    # Panels over the zones, or over half a period, at most: a kernel that varies faster is summed
+    # directly. Very many zones may have `panels_per_zone` panels each. From `min_zones_of_skeleton` zones on, a kernel that does
+    # not depend on the lag alone has a skeleton.
+    max_panels: int = 512
+    panels_per_zone: int = 8
+    min_zones_of_skeleton: int = 32
+    # Decayed coefficients, relative to the largest. Coefficients below `SKELETON.max_error` that halving a panel
+    # does not reduce to `noise_fall` are the kernel's own rounding.
+    noise_fall: float = 0.3
+    # Rounding of a place, relative to a panel.
+    place_rounding: float = 1e-9
+
+
+OPTIONS = PanelOptions()
+
+# A series that falls by SKELETON.decayed in TERMS terms has no singularity closer to the line than this
 # many widths of a panel.
-_REACH = 0.5 * math.sinh(-math.log(_DECAYED) / TERMS)
+_REACH = 0.5 * math.sinh(-math.log(SKELETON.decayed) / TERMS)
 
 
 def panels_over(kernel: Kernel, zones: Zones) -> Panels | Skeleton | None:
     """Fast sums of a kernel's regular part over all zones; None if they do not serve it."""
-    if kernel.regular is None or kernel.sure or not (kernel.of_lag or len(zones) >= _ZONES):
+    if (
+        kernel.regular is None
+        or kernel.sure
+        or not (kernel.of_lag or len(zones) >= OPTIONS.min_zones_of_skeleton)
+    ):
         return None
     if not kernel.of_lag:
         return skeleton_of(kernel, zones)
-    return panels_of(kernel, float(zones.a[0]), float(zones.b[-1]), max(_MOST, _EACH * len(zones)))
+    return panels_of(
+        kernel,
+        float(zones.a[0]),
+        float(zones.b[-1]),
+        max(OPTIONS.max_panels, OPTIONS.panels_per_zone * len(zones)),
+    )
 
 
-def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels | None:
+def panels_of(
+    kernel: Kernel, lo: float, hi: float, most: int = OPTIONS.max_panels
+) -> Panels | None:
     """At most `most` panels of the regular part over [lo, hi]; None if these are too few."""
     if kernel.regular is None or kernel.sure or not hi > lo:
         return None
@@ -84,12 +98,16 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels
             return None
         key = step, origin, first, count
         if key not in kernel.kept_panels:
-            if len(kernel.kept_panels) >= _KEPT:  # those of zones that have moved since
+            if (
+                len(kernel.kept_panels) >= SKELETON.kept_with_kernel
+            ):  # those of zones that have moved since
                 kernel.kept_panels.clear()
             kernel.kept_panels[key] = Panels(kernel, step, origin, first, count, farthest)
         found: Panels = kernel.kept_panels[key]
         tail = found.tail
-        if tail <= _DECAYED or (tail <= _ROUNDING and tail > _FALLS * before):
+        if tail <= SKELETON.decayed or (
+            tail <= SKELETON.max_error and tail > OPTIONS.noise_fall * before
+        ):
             return found
         step, before = 0.5 * step, tail
 
@@ -111,7 +129,7 @@ class Panels(Kept):
     def modes(self, half: Array) -> Index:
         """Number of modes by which the kernel acts on zones of given half widths, or sees them."""
         fall = np.arcsinh(_REACH * self.step / half)
-        return np.asarray(np.ceil(-math.log(_DECAYED) / fall), dtype=np.intp) + 2
+        return np.asarray(np.ceil(-math.log(SKELETON.decayed) / fall), dtype=np.intp) + 2
 
     @cached_property
     def tail(self) -> float:
@@ -120,7 +138,11 @@ class Panels(Kept):
         Only neighbouring panels are sampled at first, and all if these have decayed.
         """
         few = _tail(self._few())
-        return _tail(self._table(False).reshape(-1, TERMS, TERMS)) if few <= _ROUNDING else few
+        return (
+            _tail(self._table(False).reshape(-1, TERMS, TERMS))
+            if few <= SKELETON.max_error
+            else few
+        )
 
     def _few(self) -> Array:
         """K between neighbouring panels."""
@@ -131,8 +153,8 @@ class Panels(Kept):
         nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
         out = np.empty((high - low, TERMS, TERMS))
         with np.errstate(all="ignore"):  # too far off, until panels are short enough
-            for start in range(low, high, _LAGS):
-                lags = np.arange(start, min(start + _LAGS, high))
+            for start in range(low, high, CACHED // TERMS):
+                lags = np.arange(start, min(start + CACHED // TERMS, high))
                 # Panels are counted from the first one, where the kernel holds.
                 target, source = np.maximum(lags, 0)[:, None], np.maximum(-lags, 0)[:, None]
                 out[lags - low] = self._coefficients(
@@ -252,7 +274,7 @@ class Panels(Kept):
             by_rows(
                 lambda some: function(some[:, None], nodes) @ weights,
                 x,
-                max_rows=max(1, _BLOCK // len(nodes)),
+                max_rows=max(1, CACHED * TERMS // len(nodes)),
             )
         )
 
@@ -280,7 +302,9 @@ class Spread(Kept):
         panel = np.floor(place)
         # The right end of the last panel belongs to it.
         last = panels.first + panels.count - 1
-        panel = np.where((panel == last + 1) & (place - panel < _AT_END), last, panel)
+        panel = np.where(
+            (panel == last + 1) & (place - panel < OPTIONS.place_rounding), last, panel
+        )
         theta = np.arccos(np.clip(2 * (place - panel) - 1, -1.0, 1.0))
         table = np.cos(theta[:, None] * np.arange(TERMS))
         order = np.argsort(panel, kind="stable")

@@ -12,6 +12,8 @@ pieces (`far`) and from closed forms of the pieces near the cell,
 So no number is larger than f itself, whereas truncated powers of n jumps grow to n^2 times it.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -20,21 +22,27 @@ from sie.basis.data import Array, Index, by_rows
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.trees.far import FarSum, Nested
-from sie.trees.tree import SEPARATION, TERMS, Tree
+from sie.trees.tree import CACHED, SEPARATION, TERMS, Tree
 
 # Jumps closer to a cell than this part of its length are closed forms: series of TERMS terms
 # resolve the others.
 _MARGIN = 0.5 * SEPARATION
-# A cell is halved where more jumps than this are near, or two that are closer to each other than
-# `_LEAST` of it: their closed forms over its length would be much larger than f.
-_MOST = 12
-_LEAST = 0.2
+
+
+@dataclass(frozen=True)
+class CellOptions:
+    """Options of the cells of a piecewise function."""
+
+    # A cell is halved where more jumps than this are near, or two that are closer to each other than
+    # `min_distance` of it: their closed forms over its length would be much larger than f.
+    max_jumps: int = 12
+    min_distance: float = 0.2
+
+
+_OPTIONS = CellOptions()
+
 # Beyond this distance, in half widths, the closed form of a piece cancels, and moments serve.
 _CLOSE = 1 + SEPARATION
-# Points, pairs of cells, and points of a series handled at once, so that they stay in the cache.
-_BLOCK = 1 << 14
-_PAIRS = 1 << 12
-_CACHED = 1 << 13
 
 
 class PiecewiseTransform:
@@ -123,15 +131,15 @@ class PiecewiseTransform:
         series = far(moments)[0]
         near, (left, right) = far.near, chebyshev.gauss_sides(TERMS)
         values = np.zeros((len(w), TERMS))
-        for s in range(0, len(near), _PAIRS):
-            here = slice(s, s + _PAIRS)
+        for s in range(0, len(near), CACHED):
+            here = slice(s, s + CACHED)
             found = self._from(
                 near.target[here], near.source[here], near.shift[here], local, moments
             )
             np.add.at(values, near.target[here], found)
         cells = np.arange(len(w))
-        for s in range(0, len(w), _PAIRS):
-            some = cells[s : s + _PAIRS, None]
+        for s in range(0, len(w), CACHED):
+            some = cells[s : s + CACHED, None]
             values[some[:, 0]] -= self._near(some, w[some] * left, w[some] * right)
         return np.asarray(series + values @ chebyshev.to_series(TERMS))
 
@@ -197,7 +205,7 @@ class PiecewiseTransform:
     def __call__(self, x: ArrayLike) -> Array:
         """The transform at points from the first end to the last."""
         x = np.asarray(x, dtype=float)
-        return np.reshape(by_rows(self._at_points, x.ravel(), max_rows=_BLOCK), x.shape)
+        return np.reshape(by_rows(self._at_points, x.ravel(), max_rows=CACHED), x.shape)
 
     def _at_points(self, x: Array) -> Array:
         cell = np.clip(np.searchsorted(self.ends, x, side="right") - 1, 0, len(self) - 1)
@@ -211,8 +219,8 @@ class PiecewiseTransform:
 def clenshaw(table: Array, cell: Index, t: Array) -> Array:
     """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence, in blocks that stay in the cache."""
     out = np.empty(len(t))
-    for start in range(0, len(t), _CACHED):
-        here = slice(start, start + _CACHED)
+    for start in range(0, len(t), CACHED):
+        here = slice(start, start + CACHED)
         of, x = cell[here], t[here]
         twice, one, two, new = 2 * x, np.zeros(len(x)), np.zeros(len(x)), np.empty(len(x))
         for row in table[:0:-1]:
@@ -231,10 +239,10 @@ def _cells(ends: Array, at: Array) -> Array:
         length = np.diff(ends)
         first = np.searchsorted(at, ends[:-1] - _MARGIN * length)
         near = np.searchsorted(at, ends[1:] + _MARGIN * length, side="right") - first
-        dense = near > _MOST
-        for k in range(_MOST - 1):
+        dense = near > _OPTIONS.max_jumps
+        for k in range(_OPTIONS.max_jumps - 1):
             of = np.flatnonzero((near > k + 1) & ~dense)
-            dense[of[between[first[of] + k] < _LEAST * length[of]]] = True
+            dense[of[between[first[of] + k] < _OPTIONS.min_distance * length[of]]] = True
         many = np.flatnonzero(dense)
         if len(many) == 0:
             return ends

@@ -11,6 +11,7 @@ only, and off them where a value there is asked for.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -22,20 +23,25 @@ from sie.basis.data import Array, Index, Kept, record
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
-# Numbers of sampled places, in turn. A kernel of a rank above half of the last one is summed
-# directly.
-_LOOKS = (96, 192, 384, 768)
-# A column that adds less than this, relative to the largest, is rounding. `_MISSED` is the largest
-# error of the skeleton at other places.
-_RANK = 1e-15
-_MISSED = 1e-12
-# Nodes on each zone, in turn, that show the number of modes of the kernel there; coefficients below
-# `_ROUNDING` are noise; `_FROM` places of the skeleton are sampled for that.
-_NODES = (24, 48, 96, 192, 384, 768)
-_ROUNDING = 1e-14
-_FROM = 8
-# Skeletons kept with a kernel.
-_KEPT = 4
+
+@dataclass(frozen=True)
+class SkeletonOptions:
+    """Options of the skeleton of a smooth kernel."""
+
+    # A column that adds less than this, relative to the largest, is rounding. `max_error` is the largest
+    # error of the skeleton at other places.
+    decayed: float = 1e-15
+    max_error: float = 1e-12
+    # Nodes on each zone, in turn, that show the number of modes of the kernel there; coefficients below
+    # `rounding` are noise; `sampled_places` places of the skeleton are sampled for that.
+    sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
+    rounding: float = 1e-14
+    sampled_places: int = 8
+    # Skeletons kept with a kernel.
+    kept_with_kernel: int = 24
+
+
+SKELETON = SkeletonOptions()
 
 
 @record
@@ -65,20 +71,20 @@ class Skeleton(Kept):
 
     @cached_property
     def _modes(self) -> Index:
-        some = self.places[:: max(1, len(self.places) // _FROM)]
+        some = self.places[:: max(1, len(self.places) // SKELETON.sampled_places)]
         regular = _functions(self.kernel)[0]
         out, pending, largest = (
-            np.full(len(self.zones), _NODES[-1]),
+            np.full(len(self.zones), SKELETON.sizes[-1]),
             np.arange(len(self.zones)),
             self.scale[0],
         )
-        for q in _NODES:
+        for q in SKELETON.sizes:
             x = self.zones.middle[pending, None] + self.zones.half[pending, None] * chebyshev.gauss(
                 q
             )
             values = np.array([regular(x, some[:, None, None]), regular(some[:, None, None], x)])
             size = np.abs(chebyshev.t_means(values)).max(axis=(0, 1))
-            seen = (size > _ROUNDING * largest) * np.arange(q)
+            seen = (size > SKELETON.rounding * largest) * np.arange(q)
             last = seen.max(axis=1)
             known = last < q - q // 6
             out[pending[known]] = last[known] + 2
@@ -142,7 +148,7 @@ def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
     if too_high in kernel.kept_panels:
         return None
     if key not in kernel.kept_panels:
-        if len(kernel.kept_panels) >= _KEPT:
+        if len(kernel.kept_panels) >= SKELETON.kept_with_kernel:
             kernel.kept_panels.clear()
         kernel.kept_panels[key] = _made(kernel, zones)
     found: Skeleton | None = kernel.kept_panels[key]
@@ -153,7 +159,7 @@ def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
 
 def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
     functions = _functions(kernel)
-    for count in _LOOKS:
+    for count in SKELETON.sizes[2:]:
         x, xi = _some(zones, count, 0), _some(zones, count, 1)
         tables = [np.asarray(function(x[:, None], xi), dtype=float) for function in functions]
         scale = np.array([np.abs(table).max() for table in tables])
@@ -163,7 +169,7 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
         table = np.concatenate([one / size for one, size in zip(tables, scale, strict=True)])
         triangle, order = linalg.qr(table, mode="r", pivoting=True, check_finite=False)
         size = np.abs(np.diagonal(triangle))
-        rank = max(int(np.count_nonzero(size > _RANK * size[0])), 1)
+        rank = max(int(np.count_nonzero(size > SKELETON.decayed * size[0])), 1)
         if rank > len(xi) // 2:
             continue
         chosen = table[:, order[:rank]]
@@ -175,7 +181,7 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
         found = Skeleton(
             kernel, zones, xi[order[:rank]], rows // len(x), x[rows % len(x)], factors, scale
         )
-        if _misses(found, _some(zones, count, 2), _some(zones, count, 3)) <= _MISSED:
+        if _misses(found, _some(zones, count, 2), _some(zones, count, 3)) <= SKELETON.max_error:
             return found
     return None
 

@@ -17,7 +17,7 @@ from contact.search.topology import loop
 from sie.fast.iteration import Iterative
 from sie.fast.system import IterativeSystem
 from sie.slits import slits as cuts
-from sie.states import solve as engine
+from sie.states.solve import SolveOptions
 
 T = np.array([-0.99, -0.6, 0.0, 0.4, 0.95])
 
@@ -37,7 +37,7 @@ def rough(kmax, seed=1):
 
 def solve(scene, monkeypatch, unknowns, tol=1e-9):
     """With a matrix up to a number of unknowns."""
-    monkeypatch.setattr(engine, "MANY_UNKNOWNS", unknowns)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=unknowns))
     return contact.solve(scene, tol=tol)
 
 
@@ -161,7 +161,7 @@ def test_narrow_gaps_among_many_zones_cost_the_iteration_nothing(monkeypatch):
 
 def test_by_iteration_a_total_width_takes_hardly_more_than_a_total(monkeypatch):
     """The width asks for the response to the load too, but no more exactly than a step needs it."""
-    monkeypatch.setattr(engine, "MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     scene = replace(rough(400), E_star=2.0, mean_pressure=0.01)
     solution, profile = contact.solve(scene, tol=1e-10), scene.profile
     counts, once = [], Iterative.__call__
@@ -190,7 +190,7 @@ def test_by_iteration_a_total_width_takes_hardly_more_than_a_total(monkeypatch):
 
 def test_first_steps_take_rough_sums_and_what_is_found_does_not(monkeypatch):
     """Each solution of the search, and whether all of its sums were rough."""
-    monkeypatch.setattr(engine, "MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     seen, summed = [], IterativeSystem.applied
 
     def told(self, y, rough=False):
@@ -215,7 +215,7 @@ def solved_with_its_equation(tol):
 
 def test_ends_that_are_known_well_are_solved_for_tightly_at_once(monkeypatch):
     """With what they are off by told, one solution fewer."""
-    monkeypatch.setattr(engine, "MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     solution, equation = solved_with_its_equation(1e-10)
     start = sie.Zones.of(solution.zones + 1e-6 * np.diff(solution.zones) * np.array([0.4, -0.7]))
     plain, told = (
@@ -336,7 +336,7 @@ def test_a_first_look_waits_for_no_more_than_three_steps(monkeypatch):
 
 def test_a_search_goes_on_from_what_the_last_one_has_left(monkeypatch):
     """On about the same zones half as many iterations are enough."""
-    monkeypatch.setattr(engine, "MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     solution, equation = solved_with_its_equation(1e-8)
     beside = sie.Zones.of(solution.zones + 1e-5 * np.diff(solution.zones) * np.array([0.4, -0.7]))
     left = sie.find_ends(equation, sie.Zones.of(solution.zones), 1e-7).state.sizes

@@ -8,6 +8,7 @@ from hypothesis import assume, given, settings
 
 import contact
 from contact.reference.inverse import design, random_problem
+from sie.states.solve import SolveOptions
 from tests.contact.judge import counterparts, relative, solve, true_error
 from tests.contact.strategies import designed_contacts
 from tests.tiers import quick
@@ -67,7 +68,7 @@ class TestInverseDesign:
                 contact.Fourier(1.0, waves.real, waves.imag), 1.0, PERIODIC, mean_pressure=2e-3
             )
         by_matrix = contact.solve(scene, tol=1e-9)
-        monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 50)
+        monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=50))
         by_sums = contact.solve(scene, tol=1e-9)
         assert by_sums.plan["fast sums"].used and not by_matrix.plan["fast sums"].used
         allowed = (by_sums.error + by_matrix.error) * by_matrix.zone_widths[:, None]

@@ -12,6 +12,7 @@ from scipy.interpolate import BSpline
 
 import sie
 from sie.jumps.density import DensityJumps
+from sie.states.solve import SolveOptions
 
 KNOTS = 300
 ZONES = sie.Zones.of([[9.7, 10.3], [12.4, 270.6], [273.1, 273.9]])
@@ -36,7 +37,7 @@ def crowded() -> sie.Equation:
 
 @pytest.fixture
 def state(monkeypatch) -> sie.State:
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 1)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=1))
     return sie.solve_fixed(crowded(), ZONES, 1e-11)
 
 
@@ -48,7 +49,7 @@ def test_the_unknowns_are_of_the_size_of_the_density_and_it_is_the_one_that_its_
     assert state.iterated and np.abs(state.density.coefficients).max() > 1e3 * np.abs(values).max()
     assert np.abs(state.unknowns).max() < np.abs(values).max()
     monkeypatch.setattr("sie.dense.system.many_jumps", lambda *_: np.zeros(0, dtype=np.intp))
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 10**6)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10**6))
     parts = sie.solve_fixed(crowded(), ZONES, 1e-11)
     assert np.abs(parts.unknowns).max() > 1e3 * np.abs(values).max()
     assert values == pytest.approx(

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import sie
-from sie.ends.motions import DirectMotions, IteratedMotions
+from sie.ends.motions import DirectMotions, IteratedMotions, MotionOptions
+from sie.states.solve import SolveOptions
 
 BUMPS = sie.Forcing(
     lambda x: np.sin(2 * np.pi * x) / (2 * np.pi),
@@ -33,9 +34,9 @@ def problem(count, name):
 
 
 def both(monkeypatch, solve):
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 10**9)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10**9))
     direct = solve()
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 1)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=1))
     return direct, solve()
 
 
@@ -47,7 +48,7 @@ def test_motions_do_the_same_by_fast_sums_and_by_the_matrix(monkeypatch, name, s
     direct, iterated = both(monkeypatch, lambda: sie.solve_fixed(equation, zones))
     assert iterated.iterated and not direct.iterated
     one, by_matrix = sie.end_rates(direct), sie.end_rates(iterated)
-    monkeypatch.setattr("sie.ends.motions._MANY", 1)
+    monkeypatch.setattr("sie.ends.motions.OPTIONS", MotionOptions(max_matrix_unknowns=1))
     for other in (by_matrix, sie.end_rates(iterated)):
         assert one.ends == other.ends
         assert other.intensities == pytest.approx(one.intensities, abs=1e-13)
@@ -103,7 +104,7 @@ def test_ends_that_the_intensities_do_not_tell_are_not_called_known(monkeypatch)
         sie.free_with_intensity(-1.2),
         sie.free_with_intensity(1.2),
     )
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 1)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=1))
     found = sie.find_ends(even, zones, 1e-9, sie.NewtonOptions(signs=(-1.0, 1.0)))
     width = np.diff(found.density.zones.table, axis=1)
     assert not found.converged or found.end_error.max() > 1e-8 * width.max()
@@ -112,7 +113,7 @@ def test_ends_that_the_intensities_do_not_tell_are_not_called_known(monkeypatch)
 @pytest.mark.parametrize("name", ["loads", "level"])
 def test_steps_do_not_grow_with_the_number_of_zones(monkeypatch, name):
     counts = []
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 1)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=1))
     for count in (12, 96):
         equation, table = problem(count, name)
         state = sie.solve_fixed(equation, sie.Zones.of(table, ADHERING, ADHERING))
@@ -126,7 +127,7 @@ def test_what_is_carried_to_moved_ends_is_off_by_the_square_of_their_motion(monk
     """With ends that are free a density changes so, at fixed places: from there the next solution
     by iteration starts.
     """
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 1)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=1))
     equation, table = problem(6, "level")
     found = sie.find_ends(equation, sie.Zones.of(table), 1e-13).density.zones
     direction = np.random.default_rng(2).uniform(0.5, 1.0, (2, 6))

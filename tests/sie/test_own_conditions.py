@@ -14,6 +14,7 @@ from sie.basis import chebyshev
 from sie.equation.conditions import Condition, by_zone
 from sie.slits.system import SlitState
 from sie.states.sizes import first_sizes
+from sie.states.solve import SolveOptions
 from sie.trees.krylov import gmres
 
 T = np.linspace(-0.97, 0.97, 15)
@@ -84,9 +85,9 @@ def difference(one, other):
 
 
 def by_matrix_and_by_sums(monkeypatch, equation, zones):
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 10**9)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10**9))
     direct = sie.solve_zones(equation, zones)
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 1)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=1))
     iterated = sie.solve_zones(equation, zones)
     assert iterated.iterated and not direct.iterated
     assert np.all(iterated.intensity_noise < 1e-12)
@@ -124,8 +125,8 @@ def test_held_ends_are_solved_by_fast_sums_too(monkeypatch, sides, kernel):
 
 
 def test_what_is_too_large_for_a_matrix_and_has_no_fast_sums_is_refused_by_name(monkeypatch):
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 10)
-    monkeypatch.setattr("sie.states.solve.MOST_UNKNOWNS", 100)
+    options = SolveOptions(min_fast_unknowns=10, max_matrix_unknowns=100)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", options)
     both = [sie.Total(1.0)] + [sie.Weighted(lambda x, k=k: x**k, 0.0) for k in range(1, 12)]
     with pytest.raises(sie.SingularSystem, match="every zone needs one condition of its own"):
         sie.solve_zones(
@@ -391,7 +392,7 @@ def test_high_modes_keep_the_digits_of_their_angles():
 
 
 def test_an_iteration_that_does_not_come_to_rest_is_the_reason_told(monkeypatch):
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 1)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=1))
     monkeypatch.setattr(
         "sie.fast.iteration.gmres", lambda apply, b, tolerance: gmres(apply, b, tolerance, 2)
     )
@@ -424,7 +425,7 @@ def test_the_same_condition_of_ones_own_serves_a_matrix_fast_sums_and_narrow_gap
     stated = direct.density_error + iterated.density_error
     assert difference(direct, iterated) < stated < 1e-8
     if name == "levels":
-        monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 10**9)
+        monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10**9))
         with_slits = sie.solve_zones(
             sie.Equation(sie.cauchy(), WAVE, (sie.Total(0.3), sie.EqualPotential())), zones
         )

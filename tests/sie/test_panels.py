@@ -11,7 +11,8 @@ import pytest
 
 import sie
 from sie.states import solve as fixed
-from sie.trees.panels import Spread, panels_of, panels_over
+from sie.states.solve import SolveOptions
+from sie.trees.panels import PanelOptions, Spread, panels_of, panels_over
 from sie.trees.skeleton import Skeleton
 
 FEW = np.array([[-1.0, -0.5], [-0.2, 0.3], [0.35, 1.0]])
@@ -136,10 +137,10 @@ def test_a_mode_beyond_the_coupled_ones_acts_through_the_smooth_part(period):
 @pytest.mark.parametrize("period", [None, PERIOD])
 def test_many_zones_are_summed_and_iterated_like_few(period, monkeypatch):
     zones, x = sie.Zones.of(scattered(30)), np.linspace(-1.1, 1.1, 301)
-    monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 10**9)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10**9))
     direct = sie.solve_fixed(equation(kernel(0.8, 0.1, period)), zones)
     assert not direct.iterated
-    monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 50)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=50))
     by_sums = sie.solve_fixed(equation(kernel(0.8, 0.1, period)), zones)
     assert by_sums.iterated
     size = np.abs(direct.density.coefficients).max()
@@ -193,11 +194,11 @@ def test_a_kernel_is_asked_no_more_often_for_points_that_lie_farther_apart():
 )
 def test_a_kernel_of_both_places_is_of_low_rank_over_many_zones(of, monkeypatch):
     zones, x = sie.Zones.of(scattered(34)), np.linspace(-1.1, 1.1, 201)
-    monkeypatch.setattr("sie.trees.panels._ZONES", 1000)
+    monkeypatch.setattr("sie.trees.panels.OPTIONS", PanelOptions(min_zones_of_skeleton=1000))
     direct = sie.solve_fixed(equation(of), zones)
     assert not direct.iterated
-    monkeypatch.setattr("sie.trees.panels._ZONES", 32)
-    monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 50)
+    monkeypatch.setattr("sie.trees.panels.OPTIONS", PanelOptions(min_zones_of_skeleton=32))
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=50))
     by_sums = sie.solve_fixed(equation(of), zones)
     assert by_sums.iterated
     size = np.abs(direct.density.coefficients).max()
@@ -245,9 +246,9 @@ def test_where_nothing_asks_for_potentials_many_zones_need_none_of_the_kernel(mo
         replace(VARIED, regular_potential=None),
     )
     right = sie.Forcing(np.sin, lambda x: -np.cos(x))
-    monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 10**9)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10**9))
     direct = sie.solve_fixed(sie.Equation(VARIED, right, (sie.ZoneTotals(0.1),)), zones)
-    monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 50)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=50))
     by_sums = sie.solve_fixed(sie.Equation(without, right, (sie.ZoneTotals(0.1),)), zones)
     assert by_sums.iterated and not direct.iterated
     assert by_sums.density.at_t(5, 0.3) == pytest.approx(direct.density.at_t(5, 0.3), rel=1e-11)

@@ -12,6 +12,7 @@ from contact.reference.inverse import design
 from sie.fast.iteration import Iterative
 from sie.slits.slits import merge, outside_slit
 from sie.slits.system import SlitState, solve_zones
+from sie.states.solve import SolveOptions
 from tests.tiers import quick
 
 T = np.array([-0.999, -0.9, -0.5, 0.1, 0.7, 0.999])
@@ -328,7 +329,7 @@ def test_a_solution_with_more_modes_starts_from_what_slits_bend_beyond_those_of_
     monkeypatch,
 ):
     """They bend their zone far beyond what the distance of other zones asks for."""
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     problem, zones = many(3e-4, 3e-4)
     few, more = (solve_zones(problem, zones, tolerance) for tolerance in (1e-5, 1e-12))
     start, found = few.sizes.carried.near(more.whole.system), more.whole.folded_unknowns
@@ -339,7 +340,7 @@ def test_many_zones_by_fast_sums_have_the_same_slits(monkeypatch):
     """Without a matrix, from the same profile and zones."""
     problem, zones = many(1e-5, 1e-6)
     direct = solve_zones(problem, zones)
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     iterated = solve_zones(problem, zones)
     assert isinstance(iterated.solver, Iterative) and not isinstance(direct.solver, Iterative)
     size = np.abs(direct.density.coefficients).max()
@@ -366,7 +367,7 @@ def test_zones_far_from_the_origin_keep_the_digits_that_their_places_lose(
     """Moved by 4096 a zone of 1e-7 is told by its place to 1e-5 of it: what that has cut off is
     kept, in slits and in far sums too.
     """
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", most)
+    monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=most))
     table = np.cumsum(np.random.default_rng(3).uniform(0.5, 1.5, 48)).reshape(24, 2) / 60
     table[5, 0], table[17, 0], table[9, 1] = (
         table[4, 1] + 1e-5,

@@ -95,7 +95,7 @@ def test_the_density_is_the_one_that_truncated_powers_give(kernel, monkeypatch):
     _, forcing = rough(100)
     equation = sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
     state = sie.solve_fixed(equation, ZONES)
-    monkeypatch.setattr(module, "MANY_JUMPS", 10**6)
+    monkeypatch.setattr(module, "OPTIONS", module.MomentOptions(min_jumps=10**6))
     plain = sie.solve_fixed(equation, ZONES)
     assert len(state.system.by_moments) == 2 and len(plain.system.by_moments) == 0
     t = np.linspace(-0.98, 0.98, 41)
@@ -112,7 +112,7 @@ def test_levels_lose_their_digits_to_truncated_powers(monkeypatch):
     spline, forcing = rough(120)
     exact = [exactly(spline, zone, lambda a: 1, derivative=False) for zone in (0, 1)]
     between = system(forcing, sie.cauchy())._forcing_means()
-    monkeypatch.setattr(module, "MANY_JUMPS", 10**6)
+    monkeypatch.setattr(module, "OPTIONS", module.MomentOptions(min_jumps=10**6))
     powers = system(forcing, sie.cauchy())._forcing_means()
     assert np.abs(between - exact).max() < 1e-15 * np.abs(spline.c[3]).max()
     assert np.abs(powers - exact).max() > 100 * np.abs(between - exact).max()

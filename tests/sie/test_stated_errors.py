@@ -5,6 +5,7 @@ import pytest
 
 import sie
 from contact.studies.engine_problems import ANGLES, Parts, judged, problem
+from sie.states.solve import SolveOptions
 
 # Widths over ten decades and prescribed intensities: all kinds of kernels, conditions and ends are
 # among them. With truncation counted where it arises alone, the errors of 28, 36 and 40 are 2, 16
@@ -27,7 +28,9 @@ def test_errors_enlarged_by_the_conditions_are_stated_by_a_matrix_and_by_iterati
     monkeypatch: pytest.MonkeyPatch, seed: int, tol: float, iterated: bool
 ) -> None:
     """Faint zones beside strong ones: the errors of all rows reach them through the conditions."""
-    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 600 if iterated else 10**9)
+    monkeypatch.setattr(
+        "sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=600 if iterated else 10**9)
+    )
     one = judged(seed, tol)
     assert one.fault != "exception", one.message
     assert max(one.ratio, one.zone_ratio) <= 1.0, one
