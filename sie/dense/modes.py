@@ -46,6 +46,11 @@ class ModeOptions:
     # rough as |x - xi| fall by more than half with half as many modes again.
     noise_plateau: float = 1e-5
     nodes_per_piece: int = 4
+    # Series from this length on are cut if half of their coefficients are at most `plateau_ratio`
+    # times the last ones, since those of a jump would fall to half. `kept_beyond` more are kept.
+    long_series: int = 96
+    plateau_ratio: float = 1.5
+    kept_beyond: int = 8
     # Places rounded to less than this part of a zone count as exact.
     exact_places: float = 1e-14
     # The largest coefficient of a jump's part is among so many.
@@ -292,11 +297,28 @@ def sample(
     for group, g in found:
         table[group, 1 : g.shape[1] + 1] = g
     tail = np.maximum(tails[:, 1], 0.0)
+    _cut(table, own, tail, zones.solved)
     if zones.symmetric:
         mirror(zones, table)
         left = np.arange(len(zones) // 2)
         own[left], tail[left] = own[::-1][left], tail[::-1][left]
     return Samples(table, own, tail, evaluations)
+
+
+def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
+    """Cut long series that have stopped falling half way: the rest is rounding.
+
+    Next to an end their sum grows as n^1.5, and that of fewer coefficients from as many nodes by
+    less.
+    """
+    for zone in zones[own[zones] >= OPTIONS.long_series]:
+        n = int(own[zone])
+        size = np.abs(table[zone, : n + 1])
+        last_half = size[n // 2 : n - n // 8].max()
+        noise = OPTIONS.noise_plateau * size.max()
+        if last_half <= OPTIONS.plateau_ratio * tail[zone] <= noise:
+            last = int(np.flatnonzero(size > 2 * tail[zone]).max(initial=0))
+            table[zone, last + max(OPTIONS.kept_beyond, last // 8) + 1 :] = 0.0
 
 
 def place_rounding(zones: Zones, group: Index) -> Array:

@@ -26,9 +26,6 @@ class ErrorOptions:
 
     # Neglected coefficients are assumed to fall with this part of the observed rate.
     slower_fall: float = 0.9
-    # Long series are checked next to the ends too, where all that they neglect adds up. The angles are
-    # these over the number of coefficients.
-    long_series: int = 96
 
 
 _OPTIONS = ErrorOptions()
@@ -36,6 +33,8 @@ _OPTIONS = ErrorOptions()
 # Rounding of n last coefficients, next to an end that moves so that no 1/sqrt(d) is left: 0.42
 # n^1.5 times their mean size, which is a third of the largest; _FOLDED counts the other half.
 _OF_ROUNDING = 0.08
+# Long series are checked next to the ends too, where all that they neglect adds up. The angles are
+# these over the number of coefficients.
 _ADDING_UP = np.array([0.5, 1.0, 2.0])
 # Points of every zone at which the residual is evaluated; none of them is a node.
 LOOKS = 15
@@ -343,7 +342,7 @@ def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array
     There all neglected coefficients add up. kept: number of coefficients of each; residual: times
     sqrt(1 - t^2), of given zones (k,) at angles (k, points).
     """
-    out, long = np.zeros(len(kept)), np.flatnonzero(kept >= _OPTIONS.long_series)
+    out, long = np.zeros(len(kept)), np.flatnonzero(kept >= modes.OPTIONS.long_series)
     if len(long):
         theta = _ADDING_UP / kept[long, None]
         out[long] = np.abs(residual(long, np.concatenate((theta, np.pi - theta), axis=1))).max(
