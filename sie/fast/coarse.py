@@ -1,5 +1,7 @@
 """The coarse problem of the preconditioner: zones as flat punches that feel each other's loads."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from sie.basis.data import Array, Index
@@ -7,9 +9,21 @@ from sie.basis.zones import Zones
 from sie.fast.system import IterativeSystem
 from sie.trees.hierarchical import Inverse
 
-# Accuracy of the hierarchical inverse: below the bending of zones that the coarse problem leaves
-# out.
-_COARSE = 1e-4
+
+@dataclass(frozen=True)
+class CoarseOptions:
+    """Options of the coarse problem."""
+
+    # Accuracy of the hierarchical inverse: below the bending of zones that the coarse problem
+    # leaves out.
+    tolerance: float = 1e-4
+    # An inverse is kept for other zones while the ends of nearly all zones, this fraction of them,
+    # have moved by less than this part of a width, and of the others by less than a width.
+    kept_move: float = 0.1
+    kept_fraction: float = 0.99
+
+
+_OPTIONS = CoarseOptions()
 
 
 class CoarseOperator:
@@ -31,7 +45,7 @@ class CoarseOperator:
             ).max()
         )
         self.springs = system.springs
-        self.inverse = Inverse(self.entries, 0, len(solved), _COARSE)
+        self.inverse = Inverse(self.entries, 0, len(solved), _OPTIONS.tolerance)
 
     def entries(self, rows: Index, columns: Index) -> Array:
         solved, count = self.zones.solved, len(self.zones)
@@ -55,3 +69,14 @@ class CoarseOperator:
         if kernel.regular_potential is not None:
             out += kernel.regular_potential(x, xi)
         return np.asarray(w * (out - self.lowered))
+
+    def serves(self, system: IterativeSystem) -> bool:
+        """Whether the zones of a system, and what it asks of them, are about the same."""
+        zones, move = system.zones, _OPTIONS.kept_move
+        if len(zones) != len(self.zones) or zones.symmetric != self.zones.symmetric:
+            return False
+        if np.any(np.abs(system.springs - self.springs) > move * np.abs(self.springs)):
+            return False
+        moved = np.maximum(np.abs(zones.a - self.zones.a), np.abs(zones.b - self.zones.b))
+        part = moved / (self.zones.b - self.zones.a)
+        return bool(part.max() <= 1.0 and np.mean(part <= move) >= _OPTIONS.kept_fraction)

@@ -13,6 +13,7 @@ from sie.dense import modes
 from sie.dense.system import Layout, System
 from sie.equation.checks import check_functions
 from sie.equation.equation import Equation
+from sie.fast.coarse import CoarseOperator
 from sie.fast.system import IterativeSystem
 from sie.trees.panels import panels_over
 
@@ -22,7 +23,8 @@ class Sizes:
     """Numbers of modes to start from, kept from one solve to the next so that growth is paid once.
 
     own, least: coefficients of the right side, and coupled modes, of each zone. carried: see
-    `Carried`. primitive_rounding: rounding of the right side's primitive, once it is known. linear:
+    `Carried`. coarse: operator of an iteration, kept while it serves. primitive_rounding: rounding
+    of the right side's primitive, once it is known. linear:
     relative tolerance of an iteration; 0: as tight as rounding allows. rough: whether its sums need
     be accurate to 1e-7 only. start: whether the solution is only the start of another one.
     iterations, solves, profile_evaluations, kernel_evaluations: counts so far. value: of the open
@@ -41,6 +43,7 @@ class Sizes:
     value: float = 0.0
     iterations: int = 0
     carried: Carried | None = None
+    coarse: CoarseOperator | None = None
     primitive_rounding: float | None = None
     growth: modes.Growth | None = None
     wide: Sizes | None = None
@@ -183,7 +186,10 @@ def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Siz
     alike = len(left.own) == len(zones)
     if last:
         # The mask of slits holds only for the same number of zones.
-        kept = {name: getattr(left, name) for name in ("carried", "solves", "primitive_rounding")}
+        kept = {
+            name: getattr(left, name)
+            for name in ("carried", "coarse", "solves", "primitive_rounding")
+        }
         return replace(first_sizes(equation, zones), joined=left.joined if alike else None, **kept)
     if not alike:
         return first_sizes(equation, zones)

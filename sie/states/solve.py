@@ -292,7 +292,9 @@ def _solve_iterated(
         if sizes.carried is not None and len(sizes.carried.amplitudes) == system.layout.columns
         else None
     )
-    coarse = CoarseOperator(zones, system) if system.levelled else None
+    coarse = sizes.coarse
+    if system.levelled and (coarse is None or not coarse.serves(system)):
+        coarse = sizes.coarse = CoarseOperator(zones, system)
     solver = Iterative(system, coarse, sizes.linear, sizes.value)
     right = solver.right()
     if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right))):

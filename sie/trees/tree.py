@@ -17,7 +17,7 @@ from sie.basis.data import Array, Index, record
 TERMS = 24
 SEPARATION = 1.45
 # Numbers handled at once, so that they stay in the cache; times measured on one core are flat.
-CACHED = 1 << 13
+CACHED = 1 << 14
 # The cut of a node is moved from the middle of its hull by at most this part of its intervals, and
 # by at most `_FARTHEST` intervals.
 _ASIDE = 8
