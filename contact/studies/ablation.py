@@ -101,7 +101,7 @@ def _no_gap_steps(old: Any) -> Any:
 
 
 def _plain_steps(old: Any) -> Any:
-    return lambda forcing, zones, period, k, slopes, plain, *rest: plain
+    return lambda self, k, slopes, plain: plain
 
 
 def _first_argument(old: Any) -> Any:
@@ -119,9 +119,11 @@ def _no_context(old: Any) -> Any:
 # Every mechanism: what it does, and the replacements that switch it off.
 MECHANISMS: dict[str, tuple[Switch, ...]] = {
     "Newton steps of ends across a narrow gap": (
-        Switch("sie.ends.near_steps:gap_steps", _no_gap_steps),
+        Switch("sie.ends.step_models:gap_steps", _no_gap_steps),
     ),
-    "Newton steps of ends near a jump": (Switch("sie.ends.near_steps:bent_steps", _plain_steps),),
+    "Newton steps of ends near a jump": (
+        Switch("sie.ends.step_models:StepAtJumps.steps", _plain_steps),
+    ),
     "narrow gaps as slits": (Switch("sie.slits.slits:merge", returning(None)),),
     "splines for many jumps": (
         Switch("sie.jumps.spline:OPTIONS", with_fields(min_jumps=10**9, min_density_jumps=10**9)),
