@@ -216,7 +216,7 @@ class _Search:
         gaps = modes.gaps(zones, equation.kernel)[1]
         self.progress = Progress(options, tolerance, zones.b - zones.a, gaps, start.initial_error)
         self.sizes = _sizes_at_first(equation, zones, start.modes_like)
-        # The density caused by a unit of the open condition's value, on the last zones.
+        # The density caused by a unit of the open condition's value; None: to be found.
         self.value_response: AnyDensity | None = None
 
     def step(self) -> Free | None:
@@ -271,8 +271,10 @@ class _Search:
 
     def _newton_step(self, state: AnyState) -> NewtonStep | None:
         """The next Newton step; None if the intensities do not determine the ends."""
-        opened = self.equation.open_condition
-        if opened is not None:
+        opened, response = self.equation.open_condition, self.value_response
+        if opened is not None and (
+            response is None or _moved_part(state, response) > self.options.max_response_move
+        ):
             # Its error is one of the step, so the square root of the solution's is small enough.
             tolerance = float(np.sqrt(self.sizes.linear))
             self.value_response = state.response(state.values(opened), tolerance)
@@ -302,7 +304,7 @@ class _Search:
         if options.allow_loss and changes < len(zones) and not zones.symmetric:
             # Vanishing zones bear little: the search continues with the others.
             self.zones, kept = zones.changed(lost, met, equation.kernel.period)
-            self.sizes = self.sizes.of(kept)
+            self.value_response, self.sizes = None, self.sizes.of(kept)
             self.progress.continue_with(
                 self.zones, modes.gaps(self.zones, equation.kernel)[1], kept
             )
@@ -410,3 +412,17 @@ def _sizes_at_first(equation: Equation, zones: Zones, modes_like: AnyState | Siz
     if isinstance(modes_like, Sizes):
         return sizes_like(modes_like, equation, zones, True)
     return sizes_like(modes_like.sizes, equation, zones, False)
+
+
+def _moved_part(state: AnyState, response: AnyDensity) -> float:
+    """Part of all widths by which the ends have moved since a response was found.
+
+    It is infinite if the zones, or the gaps that are treated as slits, are not the same.
+    """
+    tables = [
+        (one.zones.table, other.zones.table)
+        for one, other in ((state.density, response), (state.whole.density, response.whole))
+    ]
+    if any(len(now) != len(then) for now, then in tables):
+        return np.inf
+    return max(float(np.abs(now - then).sum() / np.diff(then).sum()) for now, then in tables)

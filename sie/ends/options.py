@@ -65,6 +65,9 @@ class NewtonOptions:
     # An end this close to the border of the domain of g, over its zone's width, has no root before
     # it. Nearer ends would take more nodes than a zone may have.
     border_distance: float = 1e-6
+    # The response to the value of the open condition is kept while all ends together move by less
+    # than this part of all widths. It then changes a step by the same relative amount.
+    max_response_move: float = 0.01
 
     # Inexact Newton (S. C. Eisenstat and H. F. Walker, SIAM J. Sci. Comput. 17, 1996, 16-32): the
     # linear system is solved to `forcing` * step^3, so that its error stays below that of two more
