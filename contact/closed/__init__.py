@@ -1,1 +1,1 @@
-"""One symmetric zone in closed form: in, a symmetric profile and loads; out, ends, pressure, error."""
+"""One symmetric zone in closed form: in, a symmetric profile and loads; out, its Solution."""

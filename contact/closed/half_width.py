@@ -1,18 +1,17 @@
-"""One symmetric zone about the origin: its half width in closed form up to quadrature, and the
-branch from zero load.
+"""The half width of one symmetric zone about the origin, and the branch from zero load.
 
-Isolated, with xi = a t, and periodic, with sin(pi xi/L) = sin(pi a/L) t, both by Gauss-Chebyshev in
-t:
+With xi = a t alone, and sin(pi xi/L) = sin(pi a/L) t with all periods, u = pi xi/L, A = pi a/L,
 
-    P = int g(xi) xi / sqrt(a^2 - xi^2) dxi                       level = (P/pi) ln(a / 2d) - mean F
-    P = int g(xi) sin u / sqrt(sin^2 A - sin^2 u) dxi             level = (P/pi) ln sin A - mean F,   u = pi xi/L, A = pi a/L
+    P = int g(xi) xi / sqrt(a^2 - xi^2) dxi                     level = (P/pi) ln(a / 2d) - mean F
+    P = int g(xi) sin u / sqrt(sin^2 A - sin^2 u) dxi           level = (P/pi) ln sin A - mean F
 
-The first is Shtaerman's (1949); the second follows from it by the map tan u, which turns the
-Hilbert kernel into Cauchy's; the levels from the equilibrium measure of the zone. Localization adds
-its correction (16). Newton has little left to do.
+by Gauss-Chebyshev quadrature in t. The first line is Shtaerman's (1949). The second follows from it
+by the map tan u, which turns the Hilbert kernel into Cauchy's. The levels follow from the
+equilibrium measure of the zone. The localized model adds its correction (16).
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,32 +23,47 @@ from contact.formulation.problem import Problem
 from contact.formulation.roots import smooth_root
 from sie import Array
 
-_T = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # the positive half of 16 Gauss nodes
-_SCAN = 40
-_WITHIN = np.geomspace(1e-10, 1.0, 41)  # half widths over the widest possible one
-_ANYWHERE = np.geomspace(1e-12, 1e12, 97)
+NODES = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # positive half of 16 Gauss-Chebyshev nodes
+
+
+@dataclass(frozen=True)
+class BranchOptions:
+    """Options of the scan over half widths; a guess needs two digits, the branch's maximum nine."""
+
+    points_per_decade: int = 4  # the controlled quantity is smooth in the logarithm
+    decades: int = 12  # below the widest zone; and above and below 1 where nothing limits it
+    branch_points: int = 40  # solved along the branch from zero load
+    maximum_tolerance: float = 1e-9  # of the half width at the maximum; the load is flat there
+
+
+OPTIONS = BranchOptions()
 
 
 def guess_half_width(problem: Problem, control: Control) -> float:
-    """Scaled half width at which one zone would carry about the control; the widest that still
-    gains if none does.
+    """The scaled half width at which one zone carries about the control.
+
+    If no zone carries it, the half width at the first maximum of the controlled quantity.
     """
     if control.half_width is not None:
         return control.half_width
     if control.width is not None:
         return 0.5 * control.width
     limit = widest(problem)
-    a = limit * _WITHIN if math.isfinite(limit) else _ANYWHERE
+    decades, density = OPTIONS.decades, OPTIONS.points_per_decade
+    if math.isfinite(limit):
+        a = limit * np.logspace(-decades, 0, decades * density + 1)
+    else:
+        a = np.logspace(-decades, decades, 2 * decades * density + 1)
     value = _carried(problem, control, a)
     above = np.flatnonzero(value >= control.value)
     if len(above) == 0:
-        # A maximum between two of them may still reach it.
+        # A maximum between two scanned half widths may still reach it.
         k = int(np.clip(np.argmax(value), 1, len(a) - 2))
         top = require("scipy.optimize").minimize_scalar(
             lambda x: -float(_carried(problem, control, np.array([x]))[0]),
             bounds=(float(a[k - 1]), float(a[k + 1])),
             method="bounded",
-            options={"xatol": 1e-9 * float(a[k])},
+            options={"xatol": OPTIONS.maximum_tolerance * float(a[k])},
         )
         if -top.fun < control.value:
             return float(top.x)
@@ -66,7 +80,7 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         carried = float(_carried(problem, control, np.array([math.exp(logarithm)]))[0])
         return math.log(carried / control.value) if carried > 0 else -math.inf
 
-    # In the logarithms, where a power law is straight.
+    # A power law is a straight line in the logarithms.
     known = {
         math.log(a): math.log(carried / control.value)
         for a, carried in ((low, at_low), (high, at_high))
@@ -75,23 +89,23 @@ def guess_half_width(problem: Problem, control: Control) -> float:
 
 
 def widest(problem: Problem) -> float:
-    """Scaled half width that no zone about the origin exceeds; inf where nothing limits it."""
+    """The scaled half width that no zone about the origin exceeds; inf if nothing limits it."""
     cell = 0.4999 * problem.cell if problem.cell is not None else math.inf
     return min(cell, problem.borders[1], problem.corners[1])
 
 
 def _carried(problem: Problem, control: Control, a: Array) -> Array:
-    """The controlled quantity of half widths a, -inf beyond its first maximum."""
+    """The controlled quantity at half widths a; -inf beyond its first maximum."""
     period, poles = problem.period, len(problem.kernel.poles)
     if period is not None and poles > 1:
         sine = np.sin(np.pi * a / period)
-        u = np.arcsin(sine[:, None] * _T)
-        x, weight, size = u * period / np.pi, _T / np.cos(u), sine * period / np.pi
+        u = np.arcsin(sine[:, None] * NODES)
+        x, weight, size = u * period / np.pi, NODES / np.cos(u), sine * period / np.pi
     else:
-        x, weight, size = a[:, None] * _T, _T, a
+        x, weight, size = a[:, None] * NODES, NODES, a
     with np.errstate(over="ignore", invalid="ignore"):
         g = problem.forcing.value(x.ravel()).reshape(x.shape)
-        value = size * np.pi / len(_T) * (g * weight).sum(axis=1)
+        value = size * np.pi / len(NODES) * (g * weight).sum(axis=1)
         if period is not None and poles <= 1:
             root = np.sqrt(np.maximum(1 - (2 * a / period) ** 2, 1e-300))
             value = value * (2 - root) if problem.interaction.follows_isolated else value / root
@@ -111,9 +125,7 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
 
 
 def carried_by(problem: Problem, control: Control, a: float) -> float:
-    """The controlled quantity, load or approach, of one zone of half width a, bounded at both ends:
-    one linear solve.
-    """
+    """The load or approach of one zone of half width a with bounded ends, by one linear solve."""
     zones = sie.Zones.of([[-a, a]], problem.held_end, problem.held_end, symmetric=True)
     state = sie.solve_fixed(problem.equation(HalfWidth(a)), zones, 1e-13)
     if control.load is not None:
@@ -122,17 +134,15 @@ def carried_by(problem: Problem, control: Control, a: float) -> float:
 
 
 def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
-    """(half widths, the controlled quantity at them) along the branch from zero load up to its
-    first maximum, which is the last.
-    """
+    """Half widths and the controlled quantity, from zero load to its first maximum."""
     limit = widest(problem)
     if not math.isfinite(limit):
         limit = 1e3 * guess_half_width(problem, control)
     # Even steps where the period limits the width, geometric ones where nothing does.
     a = limit * (
-        np.linspace(0, 1, _SCAN + 1)[1:]
+        np.linspace(0, 1, OPTIONS.branch_points + 1)[1:]
         if problem.cell is not None
-        else np.geomspace(1e-4, 1, _SCAN)
+        else np.geomspace(1e-4, 1, OPTIONS.branch_points)
     )
     values = np.array([carried_by(problem, control, float(x)) for x in a])
     falls = np.flatnonzero(np.diff(values) < 0)
@@ -144,6 +154,6 @@ def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
         lambda x: -carried_by(problem, control, x),
         bounds=(low, high),
         method="bounded",
-        options={"xatol": 1e-9 * high},
+        options={"xatol": OPTIONS.maximum_tolerance * high},
     )
     return np.append(a[: max(k, 1)], best.x), np.append(values[: max(k, 1)], -best.fun)

@@ -1,12 +1,12 @@
 """Odd Chebyshev series on one interval, and what follows from samples of the right side.
 
-G = sum g_k T_k(t) over odd k gives Phi = sqrt(1 - t^2) sum g_k U_{k-1}(t), bounded at both ends. Its
-integral is pi g_1/2 times the half length. Off the interval its transform is sum g_k rho^k with
+G = sum g_k T_k(t) over odd k gives Phi = sqrt(1 - t^2) sum g_k U_{k-1}(t), bounded at both ends.
+Its integral is pi g_1/2 times the half length. Off the interval its transform is sum g_k rho^k with
 rho = t - sgn(t) sqrt(t^2 - 1).
 
-A longer interval raises Phi by q(1) / sqrt(1 - t^2) per unit of half length, q = sum g_k U_{k-1}. So
-the integral grows with the half length at the rate pi q(1). A Newton step needs no more than these
-two sums over the samples.
+With q = sum g_k U_{k-1}, a longer interval raises Phi by q(1) / sqrt(1 - t^2) per unit of half
+length. So the integral grows with the half length at the rate pi q(1). A Newton step needs no more
+than these two sums over the samples.
 """
 
 from functools import lru_cache

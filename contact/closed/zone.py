@@ -98,9 +98,9 @@ class OneZoneProblem:
 class ClosedZone:
     """One zone, of one load in numbers or of several in rows.
 
-    half_width [m]; half: half length on the line; g: coefficients (..., orders); tail: the last ones
-    and those left off; end_error: error of ln half; punch: load over E*/2 and
-    pi half, of a flat punch; found: whether Newton's method converged to a zone below the limit.
+    half_width [m]. half: half length on the line. g: coefficients (..., orders). tail: sum of the
+    last ones and of those left off. end_error: error of ln half. punch: load over E*/2 and
+    pi half of a flat punch. found: whether Newton's method converged to a zone below the limit.
     """
 
     problem: OneZoneProblem

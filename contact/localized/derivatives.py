@@ -32,9 +32,10 @@ OPTIONS = DerivativeOptions()
 
 
 @record
-class At:
-    """Contacts of the strip and of its profile alone; unknowns: centre, nominal pressure and load,
-    scaled.
+class TwoContacts:
+    """The contacts of the strip and of its profile alone.
+
+    unknowns: scaled centre, nominal pressure and load of the strip (3,).
     """
 
     unknowns: Array
@@ -49,18 +50,16 @@ class At:
 
     @property
     def cut_off(self) -> Mask:
-        """Whether the profile alone is in contact at the left and at the right border of the strip."""
+        """Whether the profile alone touches the left and the right border of the strip (2,)."""
         zones = self.alone.free.density.zones
         return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.cut)
 
 
 @record
-class Rates(sie.Kept):
-    """Outward motions of the ends (2, Z) of both contacts, and the approach, by a unit of each
-    unknown.
-    """
+class ContactRates(sie.Kept):
+    """Derivatives of both contacts by the unknowns: outward motions (2, Z) of ends, approach."""
 
-    at: At
+    at: TwoContacts
 
     @property
     def _density(self) -> sie.AnyDensity:
@@ -78,22 +77,22 @@ class Rates(sie.Kept):
 
     @cached_property
     def by_centre(self) -> Array:
-        """Ends of the strip by its centre."""
+        """Motion of the strip's ends per unit of its centre."""
         return moves_by(self._shifted.density, self._density)
 
     @cached_property
     def by_pressure(self) -> Array:
-        """Ends of the strip by the nominal pressure."""
+        """Motion of the strip's ends per unit of nominal pressure."""
         return moves_by(self._pressed.density, self._density)
 
     @cached_property
     def by_load(self) -> Array:
-        """Ends of the strip by its load."""
+        """Motion of the strip's ends per unit of its load."""
         return moved_ends(self.at.strip.fields.state, 0, tolerance=OPTIONS.tolerance)
 
     @cached_property
     def approach(self) -> Array:
-        """The approach by all three unknowns (3,)."""
+        """Derivatives of the approach by the three unknowns (3,)."""
         state = self.at.strip.fields.state
         by_load = float(state.level_rates(state.values()).mean())
         return -np.array([self._shifted.levels.mean(), self._pressed.levels.mean(), by_load])
@@ -103,24 +102,23 @@ class Rates(sie.Kept):
         return step[0] * self.by_centre + step[1] * self.by_pressure + step[2] * self.by_load
 
     def of_ends(self, off: Array) -> Array:
-        """Largest motions of the ends (Z, 2), over the widths of their zones, by unknowns that are
-        off.
-        """
+        """Bounds of the errors of ends (Z, 2) over their zones' widths, by errors of unknowns."""
         by = np.abs(self.by_centre), np.abs(self.by_pressure), np.abs(self.by_load)
         moved = sum(abs(part) * rate for part, rate in zip(off, by, strict=True))
         return np.asarray(np.asarray(moved).T / np.diff(table_of(self.at.strip), axis=1))
 
     @cached_property
     def alone(self) -> Array:
-        """Ends of the profile alone by the nominal pressure, whose load over a period it bears."""
+        """Motion of the ends of the profile alone per unit of nominal pressure."""
         return self.at.period * moved_ends(
             self.at.alone.fields.state, 0, tolerance=OPTIONS.tolerance
         )
 
     @cached_property
     def alone_by_centre(self) -> Array:
-        """Ends of the profile alone by the centre: an end at a border moves with it, and the others
-        react.
+        """Motion of the ends of the profile alone per unit of the centre.
+
+        An end at a border of the strip moves with it, and the others react.
         """
         alone, at_border = self.at.alone, self.at.cut_off
         problem, zones = alone.fields.problem, alone.free.density.zones
@@ -128,38 +126,37 @@ class Rates(sie.Kept):
         if not at_border.any():
             return moved
         moved[[0, 1], [0, -1]] = at_border * (-1.0, 1.0)
-        away, own = OPTIONS.shift * float(room_beside(zones.table, None)[[0, -1]].min()), []
+        away, sides = OPTIONS.shift * float(room_beside(zones.table, None)[[0, -1]].min()), []
         for shift in (away, -away):
             equation = problem.about(problem.centre + shift).equation(alone.control)
             density = sie.solve_zones(
                 equation, zones.moved(shift * moved), OPTIONS.difference_tolerance
             ).density
-            own.append(moves_by(density, density))
-        return np.asarray(moved + (own[0] - own[1]) / (2 * away))
+            sides.append(moves_by(density, density))
+        return np.asarray(moved + (sides[0] - sides[1]) / (2 * away))
 
     @cached_property
     def matrix(self) -> Array:
-        """(W - W0, middle of the outermost ends - centre) by the centre and the nominal pressure
-        (2, 2).
-        """
+        """Jacobian (2, 2) of (W - W0, middle - centre) by centre and nominal pressure."""
         wider = (
             self.by_centre.sum() - self.alone_by_centre.sum(),
             self.by_pressure.sum() - self.alone.sum(),
         )
-        return np.array([wider, (aside(self.by_centre) - 1.0, aside(self.by_pressure))])
+        return np.array(
+            [wider, (middle_motion(self.by_centre) - 1.0, middle_motion(self.by_pressure))]
+        )
 
     @cached_property
     def following(self) -> Array:
-        """How the unknowns grow with the load (3,)."""
+        """ContactRates of the unknowns with the load (3,)."""
         return np.append(
-            -np.linalg.solve(self.matrix, (float(self.by_load.sum()), aside(self.by_load))), 1.0
+            -np.linalg.solve(self.matrix, (float(self.by_load.sum()), middle_motion(self.by_load))),
+            1.0,
         )
 
 
 def _shifted(strip: SolvedZones) -> sie.AnyState:
-    """What a unit of motion of the strip's centre adds to its density on the same zones: a central
-    difference.
-    """
+    """The density that a unit motion of the centre adds, by a central difference."""
     # A strip may be its own mirror image; the difference is not.
     problem, zones = (
         strip.fields.problem,
@@ -193,15 +190,13 @@ class _Difference:
         return (self.ahead(x) - self.behind(x)) * self.factor
 
 
-def aside(moved: Array) -> float:
-    """Motion of the middle of the outermost ends by outward motions (2, Z) of all ends."""
+def middle_motion(moved: Array) -> float:
+    """Motion of the middle of the outermost ends, from outward motions (2, Z) of all ends."""
     return 0.5 * float(moved[1, -1] - moved[0, 0])
 
 
 def spread(table: Array, moved: Array, part: float) -> Array:
-    """Zones after outward motions (2, Z) of their ends, which close at most a part of a zone or a
-    gap.
-    """
+    """Zones after outward motions (2, Z) of their ends, limited to a part of each zone and gap."""
     outward = np.clip(moved.T, -part * np.diff(table), part * room_beside(table, None))
     return np.asarray(table + outward * [-1, 1])
 

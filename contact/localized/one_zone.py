@@ -1,26 +1,25 @@
-"""The first-order closure of one zone: the nominal pressure is the isolated load P0 of the same
-width, over the period.
+"""First-order closure of one zone: the nominal pressure is the isolated load P0 of its width.
 
     pbar = P0(W) / L,      W = width of the zone of the strip under this nominal pressure
 
-(Goryacheva & Tsukanov 2020, (16) with P_s = P0). For given W both problems are ordinary ones, so
-that what is controlled is a function of W, whose root is taken on the branch that starts at zero
-load and ends at the first maximum: by Newton's steps, kept on that branch. Of several zones:
-first_order_several.
+(Goryacheva & Tsukanov 2020, (16) with P_s = P0). For a given W both contacts are ordinary problems,
+so the controlled quantity is a function of W. Its root is taken on the branch that starts at zero
+load and ends at the first maximum, by Newton's method in a bracket.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, HalfWidth, Load, Width
 from contact.formulation.problem import Problem
-from contact.localized.derivatives import At, Rates, table_of
+from contact.localized.derivatives import ContactRates, TwoContacts, table_of
+from contact.localized.several_zones import no_isolated_load
 from contact.model.interactions.isolated import Isolated
 from contact.search.topology.failure import EXACT
 from contact.verify.error import SolvedZones
@@ -28,30 +27,34 @@ from sie import Array, record
 
 Search = Callable[[Problem, Control, Array | None], SolvedZones]
 
-# Widths tried; part of the period up to which there are any, step over the width that is taken at
-# the rates of the last one, one that rounding may keep from falling, and widths as good as one: on
-# the way to the widest, to a maximum, and to zones that another search tells as well.
-_STEPS = 80
-_WIDEST = 0.9998
-_LAST = 1e-8
-_ROUNDED = 1e-6
-_CLOSED = 1e-9
-_AT_MAXIMUM = 1e-7
-_ELSEWHERE = 1e-2
-# Part of a bracket that is left on either side, and towards a width that has no contact.
-_INSIDE = 0.1
-_CAREFUL = 0.25
+
+# Round-off of a computed width.
+WIDTH_ROUND_OFF = 64 * float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class WidthOptions:
+    """Options of Newton's method for the width of one zone."""
+
+    max_steps: int = 80  # five are usual, more beside the maximum of the load
+    widest: float = 0.9998  # fraction of the period up to which the column is resolved
+    converged_step: float = 1e-8  # over the width; the rates then give the rest
+    stalled_step: float = 1e-6  # over the width; below it round-off may keep steps from falling
+    at_maximum: float = 1e-4  # bracket of the maximum over the width; the load is flat there
 
 
 @record
 class _AtWidth:
-    """The contacts of a width: what they have of what is controlled, and what is wanted of it; how
-    the first grows with the width and with the load, and centre and nominal pressure with the load.
+    """Both contacts at one width.
+
+    present, wanted: the controlled quantity, and the value asked for. slope, by_load: rates of the
+    controlled quantity with the width and with the load. following: rates of centre, nominal
+    pressure and load with the load (3,).
     """
 
-    at: At
+    at: TwoContacts
     width: float
-    has: float
+    present: float
     wanted: float
     slope: float
     by_load: float
@@ -59,32 +62,39 @@ class _AtWidth:
 
     @property
     def miss(self) -> float:
-        return self.has - self.wanted
+        return self.present - self.wanted
 
     @property
     def step(self) -> float:
-        """Newton's, of the width."""
+        """Newton's step of the width; inf beyond the maximum."""
         return -self.miss / self.slope if self.slope > 0.0 else math.inf
 
 
-class FirstOrder:
-    """The pair of problems, and the search for the width that carries the control.
+class OneZoneClosure:
+    """The search for the width that carries the control.
 
-    strip, alone: searches for the zone of the strip under a given nominal pressure, and for that of
-    the isolated reference. first: about the zone, where it is not one about the origin.
+    strip, alone: they solve the strip under a given nominal pressure, and the profile alone.
+    first: zones near the solution; None for a zone about the origin. tol: wanted error.
     """
 
-    def __init__(self, problem: Problem, strip: Search, alone: Search, first: Array | None) -> None:
+    def __init__(
+        self, problem: Problem, strip: Search, alone: Search, first: Array | None, tol: float
+    ) -> None:
         self.problem, self.strip, self.alone, self.first = problem, strip, alone, first
+        self.tol = tol
         self.isolated = replace(
             problem, interaction=Isolated(), centre=0.0, amplitude=None, reference=True
         )
-        self.together: SolvedZones | None = None
+        self.last: SolvedZones | None = None
+        self.options = WidthOptions()
 
     def found(self, control: Control, guess: float) -> SolvedZones:
-        """The zone that carries the control. guess: of its width, which a half width gives."""
+        """The zone that carries the control, from a guess of its width."""
         given = control.half_width is not None
-        here = self._at_width(control, guess) if given else self._carrying(control, guess)
+        here = self._at_width(control, guess) if given else self._root(control, guess)
+        condition = here.slope * here.width / abs(here.present)
+        if not given and WIDTH_ROUND_OFF * condition > self.tol:
+            raise no_isolated_load()
         strip, rate, more = (
             here.at.strip,
             float(here.following[1]),
@@ -103,122 +113,82 @@ class FirstOrder:
         return self.problem.period
 
     def _at_width(self, control: Control, width: float) -> _AtWidth:
-        """Zones of the strip of this total width under P0 of the same width."""
+        """The strip with a zone of this width, under the nominal pressure P0 of the same width."""
         of_width = HalfWidth(0.5 * width) if self.first is None else Width(width)
-        start = _widened(self.first if self.together is None else table_of(self.together), width)
+        start = _widened(self.first if self.last is None else table_of(self.last), width)
         alone = self.alone(self.isolated, of_width, start)
         pressure = alone.fields.density.total / self._period
-        problem = self.problem if self.together is None else self.together.fields.problem
-        strip = self.together = self.strip(problem.with_amplitude(pressure), of_width, start)
-        at = At(
+        problem = self.problem if self.last is None else self.last.fields.problem
+        strip = self.last = self.strip(problem.with_amplitude(pressure), of_width, start)
+        at = TwoContacts(
             np.array([strip.fields.problem.centre, pressure, strip.fields.density.total]),
             strip,
             alone,
         )
-        rates = Rates(at)
+        rates = ContactRates(at)
         grows = rates.following
-        has, by_load = float(at.unknowns[2]), 1.0
+        present, by_load = float(at.unknowns[2]), 1.0
         if control.approach is not None:
-            has, by_load = -strip.fields.level, float(rates.approach @ grows)
+            present, by_load = -strip.fields.level, float(rates.approach @ grows)
         return _AtWidth(
             at,
             width,
-            has,
+            present,
             control.value,
             by_load / float(grows[1] * rates.alone.sum()),
             by_load,
             grows,
         )
 
-    def _carrying(self, control: Control, guess: float) -> _AtWidth:
-        """At the root: Newton's steps within a bracket, whose lower end, once there is one, carries
-        too little and lies on the branch.
+    def _root(self, control: Control, guess: float) -> _AtWidth:
+        """The contacts that carry the control: Newton's method in a bracket of the width. Its lower
+        end carries too little and lies on the branch from zero load.
         """
-        high, carries, lost = _WIDEST * self._period, False, None
-        low: _AtWidth | None = None
-        fallen: _AtWidth | None = None
+        options, low = self.options, None
+        high, carries, refusal = options.widest * self._period, False, None
         width, last = min(guess, 0.5 * high), math.inf
-        for _ in range(_STEPS):
+        for _ in range(options.max_steps):
+            here: _AtWidth | None = None
             try:
                 here = self._at_width(control, width)
-            except (OutOfRange, NotConverged) as refusal:
+            except (OutOfRange, NotConverged) as missing:
                 if low is None:
                     raise
-                high, carries, lost, fallen, here = width, False, refusal, None, low
-            else:
+                high, carries, refusal = width, False, missing
+            if here is not None:
                 step = abs(here.step)
-                if step <= _LAST * width or (step > 0.5 * last and last < _ROUNDED * width):
+                if step <= options.converged_step * width or (
+                    step > 0.5 * last and last < options.stalled_step * width
+                ):
                     return here
                 last = step
-                if here.miss > 0.0:
-                    high, carries = width, True
-                elif here.slope > 0.0:
+                if here.miss < 0.0 and here.slope > 0.0:
                     low = here
                 else:
-                    high, carries, lost, fallen = width, False, None, here
-            if low is not None and not carries and self._is_past(low, high, fallen, lost):
-                raise lost if isinstance(lost, NotConverged) else self._refused(control, low)
-            width = self._next(here, low, high, carries, fallen, lost)
+                    high, carries, refusal = width, here.miss >= 0.0, None
+            if low is not None and not carries and high - low.width < options.at_maximum * high:
+                raise refusal if isinstance(refusal, NotConverged) else self._refused(control, low)
+            least = 0.0 if low is None else low.width
+            there = math.inf if here is None else here.width + here.step
+            if not least < there < high:
+                there = 0.5 * (least + high)
+            width = min(there, 2 * width)
         raise NotConverged(
             f"not converged: the width under the first-order closure did not settle; {EXACT}"
         )
 
-    def _is_past(
-        self, low: _AtWidth, high: float, fallen: _AtWidth | None, lost: Exception | None
-    ) -> bool:
-        """Whether nothing up to an upper end is to be expected that carries what is asked for."""
-        if lost is not None:
-            # Of zones from grids another search follows, which tells more than the last digits of a
-            # width do.
-            return (
-                high - low.width
-                < (
-                    _AT_MAXIMUM
-                    if self.first is None or isinstance(lost, OutOfRange)
-                    else _ELSEWHERE
-                )
-                * high
-            )
-        if fallen is not None:
-            # It bends down there, and stays below its tangents.
-            return low.slope * (high - low.width) < min(-low.miss, _AT_MAXIMUM * low.has)
-        return high - low.width < _CLOSED
-
-    def _next(
-        self,
-        here: _AtWidth,
-        low: _AtWidth | None,
-        high: float,
-        carries: bool,
-        fallen: _AtWidth | None,
-        lost: Exception | None,
-    ) -> float:
-        """The width to look at."""
-        least = 0.0 if low is None else low.width
-        there = here.width + here.step
-        if least < there < high:
-            return min(there, 2 * here.width)
-        if low is None or carries:
-            return 0.5 * (least + high)
-        if fallen is not None:
-            # The maximum, by secants of the slope.
-            part = low.slope / (low.slope - fallen.slope)
-            return least + min(max(part, _INSIDE), 1 - _INSIDE) * (high - least)
-        return least + _CAREFUL * (high - least) if lost is not None else min(high, 2 * here.width)
-
     def _refused(self, control: Control, low: _AtWidth) -> OutOfRange:
         units = self.problem.units
-        largest = (
-            f"{low.has * control.unit(units):.6g} at total width {low.width * units.length:.6g} m"
-        )
+        largest = low.present * control.unit(units)
         return OutOfRange(
-            f"{control.described(units)} is beyond the largest that the first-order closure carries on the branch from zero "
-            f"load, {largest}; interaction = Periodic() has no such limit"
+            f"{control.described(units)} is beyond the largest that the first-order closure "
+            f"carries on the branch from zero load, {largest:.6g} at total width "
+            f"{low.width * units.length:.6g} m; interaction = Periodic() has no such limit"
         )
 
 
 def _widened(table: Array | None, width: float) -> Array | None:
-    """Zones each widened in proportion to a new total width."""
+    """Zones widened in proportion to a new total width."""
     if table is None:
         return None
     middle, half = table.mean(axis=1), 0.5 * np.diff(table, axis=1)[:, 0]

@@ -20,14 +20,21 @@ import numpy as np
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
-from contact.localized.derivatives import At, Rates, aside, spread, table_of, width_of
+from contact.localized.derivatives import (
+    ContactRates,
+    TwoContacts,
+    middle_motion,
+    spread,
+    table_of,
+    width_of,
+)
+from contact.localized.strips import no_centre
 from contact.model.interactions.isolated import Isolated
 from contact.search.context import SolveContext
-from contact.search.grid.centring import Unrest
-from contact.search.grid.nested_grids import grid_height
+from contact.search.grid.conjugate_gradient import Response
+from contact.search.grid.nested_grids import grid_height, propose
 from contact.search.grid.scaling import ScaledScene
-from contact.search.grid.strip_at_rest import ROUGHLY, AtCentre, StripsOnGrids
-from contact.search.strategies.guesses import INSTEAD, no_rest
+from contact.search.strategies.guesses import INSTEAD
 from contact.search.topology.failure import NOT_APPLICABLE, Failure
 from contact.search.topology.loop import NewtonSettings, refine_topology
 from contact.search.topology.pressure_form import PressureForm
@@ -48,11 +55,12 @@ class ClosureOptions:
         np.finfo(float).eps
     )  # d ln width / d ln pressure: round-off of a width
     jump: float = 3.0  # Newton steps from both ends over a bracket in which W - W0 jumps over zero
+    grid_tolerance: float = 1e-3  # of the first zones of the profile alone
     margin: float = 2.0  # stated error of the root over its last Newton step
 
 
 class SeveralZones:
-    """The search for the nominal pressure; `strip` solves a strip under a given nominal pressure."""
+    """The search for the nominal pressure; `strip` solves the strip under a given one."""
 
     def __init__(self, context: SolveContext, scaled: ScaledScene, strip: Strip) -> None:
         self.context, self.scaled, self.strip, self.options = (
@@ -67,25 +75,25 @@ class SeveralZones:
     def found(self, pressure: float, start: Array | None) -> SolvedZones:
         """The zones at the root: Newton's method in a bracket of the nominal pressure.
 
-        `pressure`: a first nominal pressure; `start`: zones near by.
+        `pressure`: a first nominal pressure; `start`: a first guess of the zones.
         """
         low, high, before, factor = 0.0, math.inf, math.inf, self.options.widening
-        at: At | None = None
-        asked = [0.0, 0.0]
+        at: TwoContacts | None = None
+        newton = [0.0, 0.0]  # Newton's steps from the lower and the upper end of the bracket
         for _ in range(self.options.max_steps):
             at = self._at(pressure, start, at)
-            rates = Rates(at)
+            rates = ContactRates(at)
             miss = width_of(at.strip) - width_of(at.alone)
             step = self._step(rates, miss)
             if float(rates.of_ends(step).max()) <= self.context.tolerance:
                 off = np.abs(step) + np.abs(self._step(rates, self._width_error(at)))
                 return self._solved(at, rates, rates.of_ends(self.options.margin * off))
-            asked[miss < 0.0] = abs(step[1])
+            newton[miss < 0.0] = abs(step[1])
             low, high = (pressure, high) if miss > 0.0 else (low, pressure)
-            if min(asked) > self.options.jump * (high - low):
-                raise no_rest(self.scaled.problem, self.scaled.control, Unrest.JUMP)
+            if min(newton) > self.options.jump * (high - low):
+                raise no_centre(self.scaled.problem, self.scaled.control)
             bracketed, there = low > 0.0 and high < math.inf, pressure + float(step[1])
-            # Zones that come or go change the slope: Newton's steps may then go to and fro.
+            # The slope jumps where zones come or go: Newton's method may then cycle.
             slow = abs(step[1]) > 0.5 * before
             before = abs(step[1])
             if bracketed and (slow or not low < there < high):
@@ -101,21 +109,18 @@ class SeveralZones:
         reason = f"the nominal pressure of the first-order closure did not settle; {INSTEAD}"
         raise self.context.error(Failure(reason, at.strip.free), at.strip.fields.problem)
 
-    def _step(self, rates: Rates, miss: float) -> Array:
+    def _step(self, rates: ContactRates, miss: float) -> Array:
         """Newton's step of (centre, nominal pressure, load) that adds -miss to W - W0."""
         held = np.array([0.0, 0.0, 1.0]) if self.scaled.control.load is not None else rates.approach
-        by_load = np.array([[rates.by_load.sum()], [aside(rates.by_load)]])
+        by_load = np.array([[rates.by_load.sum()], [middle_motion(rates.by_load)]])
         matrix = np.vstack((np.hstack((rates.matrix, by_load)), held))
         width, pressure = width_of(rates.at.strip), float(rates.at.unknowns[1])
         if abs(matrix[0, 1]) * pressure <= self.options.least_rate * width:
-            raise OutOfRange(
-                "under the first-order closure the zones reach from corner to corner, where every isolated load has "
-                f"their width: none is told from others; {INSTEAD}"
-            )
+            raise no_isolated_load()
         return np.asarray(np.linalg.solve(matrix, [-miss, 0.0, 0.0]))
 
-    def _solved(self, at: At, rates: Rates, ends: Array) -> SolvedZones:
-        """The strip, with how its nominal pressure follows the load and what its ends are off."""
+    def _solved(self, at: TwoContacts, rates: ContactRates, ends: Array) -> SolvedZones:
+        """The strip with the rate of its nominal pressure, and the error of its ends added."""
         follows = rates.following
         fields = replace(
             at.strip.fields,
@@ -129,23 +134,23 @@ class SeveralZones:
             control_error=at.strip.control_error + ends,
         )
 
-    def _width_error(self, at: At) -> float:
-        """By how much the difference of the widths may be off."""
+    def _width_error(self, at: TwoContacts) -> float:
+        """Bound of the error of W - W0 by the errors of both contacts."""
         missed = 0.0
         for found in (at.strip, at.alone):
             ends = found.free.end_error + found.fields.state.end_truncation
             missed += float((ends * np.diff(table_of(found), axis=1)).sum())
         return missed
 
-    def _at(self, pressure: float, start: Array | None, last: At | None) -> At:
+    def _at(self, pressure: float, start: Array | None, last: TwoContacts | None) -> TwoContacts:
         """Both contacts under a nominal pressure."""
         strip = self.strip(self.scaled.problem.with_amplitude(pressure), self.scaled.control, start)
         centre = strip.fields.problem.centre
         with self.context.plan.timed("isolated reference"):
             alone = self._alone(centre, pressure * self.period, last)
-        return At(np.array([centre, pressure, strip.fields.density.total]), strip, alone)
+        return TwoContacts(np.array([centre, pressure, strip.fields.density.total]), strip, alone)
 
-    def _alone(self, centre: float, load: float, last: At | None) -> SolvedZones:
+    def _alone(self, centre: float, load: float, last: TwoContacts | None) -> SolvedZones:
         """The profile of one strip alone, cut off at its borders."""
         problem = replace(
             self.scaled.problem,
@@ -154,10 +159,10 @@ class SeveralZones:
             reference=True,
             centre=centre,
         )
-        starts = [partial(self._from_grid, problem, load)]
+        starts = [partial(_from_grid, problem, load)]
         if last is not None:
             starts.insert(0, partial(_moved, last, problem))
-        missed = NOT_APPLICABLE
+        failure = NOT_APPLICABLE
         for start in starts:
             found = refine_topology(
                 PressureForm(problem),
@@ -168,19 +173,39 @@ class SeveralZones:
             )
             if isinstance(found, SolvedZones):
                 return found
-            missed = found
-        reason = f"the profile alone, which the first-order closure refers to: {missed.reason}; {INSTEAD}"
-        raise self.context.error(replace(missed, reason=reason), problem)
-
-    def _from_grid(self, problem: Problem, load: float) -> Array:
-        strips: StripsOnGrids[AtCentre] = StripsOnGrids(self.scaled.problem, load)
-        height = partial(grid_height, problem.profile)
-        grid = strips.proposed(height, load, problem.centre, strips.finest, ROUGHLY, None)
-        return np.asarray(problem.units.scaled(grid.zones))
+            failure = found
+        reason = (
+            "the profile alone, which the first-order closure refers to: "
+            f"{failure.reason}; {INSTEAD}"
+        )
+        raise self.context.error(replace(failure, reason=reason), problem)
 
 
-def _moved(last: At, problem: Problem) -> Array:
-    """Zones of the last reference; ends that are cut off move with the borders."""
+def no_isolated_load() -> OutOfRange:
+    """The error to raise where the isolated load hardly changes the width."""
+    return OutOfRange(
+        "under the first-order closure the zones reach from corner to corner, where every isolated "
+        f"load has their width: none is told from others; {INSTEAD}"
+    )
+
+
+def _from_grid(problem: Problem, load: float) -> Array:
+    """Zones of the profile alone on a grid between the borders of the strip."""
+    profile, units = problem.profile, problem.units
+    left, right = units.x(np.array(problem.cut))
+    found = propose(
+        partial(grid_height, profile),
+        (float(left), float(right)),
+        Response(units.E_star, False, rest=problem.operator.strip_rest),
+        resolution=None if profile.feature is None else 0.25 * profile.feature,
+        load=load * units.load,
+        tol=ClosureOptions.grid_tolerance,
+    )
+    return np.asarray(units.scaled(found.zones))
+
+
+def _moved(last: TwoContacts, problem: Problem) -> Array:
+    """Zones of the profile alone under the last pressure; ends at a border move with it."""
     table = table_of(last.alone).copy()
     table.flat[[0, -1]] = np.where(last.cut_off, np.array(problem.cut), table.flat[[0, -1]])
     return table

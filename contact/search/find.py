@@ -26,6 +26,7 @@ from contact.search.topology.failure import NOT_APPLICABLE, Failure, attempted
 
 # Imported only by the scenes that need it.
 _STRIPS = "contact.localized.strips"
+_CLOSURE = "contact.localized.closure"
 
 
 def found(context: SolveContext) -> Outcome:
@@ -156,7 +157,7 @@ def _of_scaled(context: SolveContext, scaled: ScaledScene) -> Outcome:
     """The contact of a scaled scene, in a strip or not."""
     model, warm_start, table = context.scene.interaction, context.warm_start, None
     if model.follows_isolated:
-        return require(_STRIPS).first_order(context, scaled)
+        return require(_CLOSURE).first_order(context, scaled)
     # The closed form of one zone is a better guess than a similar solution.
     if warm_start is not None and len(warm_start.zones) and not context.single:
         table = placed(scaled.problem, warm_start.zones)

@@ -139,11 +139,12 @@ def _from_same_zones(context: SolveContext, found: SolvedZones) -> SolvedZones |
         return better if isinstance(better, SolvedZones) else None
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
-    strips = require("contact.localized.strips")
     if not model.follows_isolated:
-        return strips.centred(context, scaled, table)
+        return require("contact.localized.strips").centred(context, scaled, table)
     whole = replace(problem, amplitude=None, centre=0.0)
-    return strips.first_order(context, replace(scaled, problem=whole), found)
+    return require("contact.localized.closure").first_order(
+        context, replace(scaled, problem=whole), found
+    )
 
 
 def _holds_corner(context: SolveContext, found: SolvedZones) -> bool:

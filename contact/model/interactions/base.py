@@ -60,7 +60,9 @@ class Interaction(Named):
     ...     def side_conditions(self, period):
     ...         return (sie.Amplitude(0, 0.0),)
     >>> wave = contact.Sinusoid(1e-6, 1e-4)
-    >>> bare, lone = (contact.solve(contact.Scene(wave, 1e9, model, load=1e3)) for model in (Bare(), contact.Isolated()))
+    >>> models = Bare(), contact.Isolated()
+    >>> scenes = [contact.Scene(wave, 1e9, model, load=1e3) for model in models]
+    >>> bare, lone = (contact.solve(scene) for scene in scenes)
     >>> bool(abs(bare.zones - lone.zones).max() < 1e-12)
     True
     """

@@ -50,8 +50,10 @@ class Localized(Interaction):
     --------
     >>> import contact
     >>> wave = contact.Sinusoid(1e-6, 1e-4)
-    >>> models = contact.Localized("self-consistent"), contact.Localized("self-consistent", neighbours=2), contact.Periodic()
-    >>> rough, finer, exact = (contact.solve(contact.Scene(wave, 1e9, model, load=1e3)).zones[0, 1] for model in models)
+    >>> models = [contact.Localized("self-consistent", neighbours=m) for m in (0, 2)]
+    >>> models.append(contact.Periodic())
+    >>> scenes = [contact.Scene(wave, 1e9, model, load=1e3) for model in models]
+    >>> rough, finer, exact = (contact.solve(scene).zones[0, 1] for scene in scenes)
     >>> bool(abs(finer - exact) < 0.1 * abs(rough - exact))
     True
     """

@@ -17,8 +17,9 @@ class Periodic(Interaction):
     Examples
     --------
     >>> import contact
-    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), contact_fraction=0.5)
-    >>> contact.solve(wave).zones.round(12).tolist()
+    >>> wave = contact.Sinusoid(1e-6, 1e-4)
+    >>> scene = contact.Scene(wave, 1e9, contact.Periodic(), contact_fraction=0.5)
+    >>> contact.solve(scene).zones.round(12).tolist()
     [[-2.5e-05, 2.5e-05]]
     """
 

@@ -18,7 +18,6 @@ from contact.errors import OutOfRange
 from contact.formulation.tables import in_cell, runs_of
 from contact.model.plugin_checks.declarations import require_numbers
 from contact.model.profiles.base import Profile
-from contact.search.grid.centring import Unrest
 from contact.search.grid.conjugate_gradient import GridState, Response, solve_grid
 from contact.search.topology.intervals import without
 from sie import Array, record
@@ -80,8 +79,7 @@ class Proposal:
     """Zones to start Newton from, with the grid that they come from.
 
     zones: (n, 2) [m]. points: of the last grid. touches_border: contact touches the border of what
-    is known. grid: the contact on it. unrest: why the centre of a strip does not stay. in_strip:
-    the zones are those of a strip from border to border, wherever their widest gap is.
+    is known. grid: the contact on it.
     """
 
     zones: Array
@@ -89,8 +87,6 @@ class Proposal:
     full: bool
     touches_border: bool
     grid: GridState | None = field(default=None, repr=False)
-    unrest: Unrest | None = None
-    in_strip: bool = False
 
     @property
     def width(self) -> float:

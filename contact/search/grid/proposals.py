@@ -8,7 +8,6 @@ from functools import partial
 
 import numpy as np
 
-from contact.extras import require
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
 from contact.formulation.tables import ascending, centred_on, gaps_between
@@ -27,9 +26,7 @@ class ProposalOptions:
 
     # Of the last grid: ends have an error of parts of a cell, whatever the tolerance.
     tolerance: float = 1e-5
-    centre_error: float = 0.1  # of the zones of a strip, in cells
-    # Grids of one proposal: of a strip about its middle, or with about a given contact width.
-    max_grids: int = 3
+    max_grids: int = 3  # of one proposal with about a given contact width
     # Error of a contact width on the first, coarse grids, over the smaller of contact and its
     # complement.
     width_error: float = 0.03
@@ -45,13 +42,12 @@ def proposed(
     control: Control,
     points: int | None,
     tol: float = OPTIONS.tolerance,
-    fixed_centre: bool = False,
     start: Proposal | None = None,
 ) -> Proposal:
     """Zones from a grid.
 
-    points: None: as many as the profile's resolution asks for. fixed_centre: a strip keeps its
-    centre. start: a contact under another load, to begin with.
+    points: None: as many as the profile's resolution asks for.
+    start: a contact under another load, to begin with.
     """
     problem = scaled.problem
     units, profile, by_load = problem.units, problem.profile, control.load is not None
@@ -60,7 +56,7 @@ def proposed(
         # Newton moves an end by about the length of the kernel in a step: cells are twice as long.
         cells = 2 * nested_grids.OPTIONS.per_feature
         detail = min(detail, cells * problem.kernel.length * units.length)
-    found = propose(
+    return propose(
         partial(grid_height, profile) if by_load else profile.height,
         scaled.cell,
         whole_response(problem),
@@ -72,9 +68,6 @@ def proposed(
         start=None if start is None else start.state,
         between_points=True,
     )
-    if problem.interaction.strip and found.load > 0.0:
-        return _in_strip(problem, control, points, found, fixed_centre)
-    return found
 
 
 def whole_response(problem: Problem) -> Response:
@@ -89,53 +82,6 @@ def whole_response(problem: Problem) -> Response:
         symbol=None if operator.is_plain else whole.multiplier,
         compression=operator.compression or 0.0,
     )
-
-
-def _in_strip(
-    problem: Problem, control: Control, points: int | None, whole: Proposal, fixed_centre: bool
-) -> Proposal:
-    """Zones from a grid of the strip, with the nominal pressure outside it.
-
-    The strip is first cut at the widest gap of the contact of the whole period, and then follows
-    its zones.
-    """
-    units, profile = problem.units, problem.profile
-    assert profile.period is not None
-    load = whole.state.load if control.load is None else control.load * units.load
-    nominal = problem.amplitude
-    if nominal is None:
-        nominal = load / units.load / problem.repeat_length
-    middle = cut_of(whole, profile.x0, profile.period)[0] + 0.5 * profile.period
-    if profile.support is not None:
-        middle = 0.5 * sum(profile.support)
-    if fixed_centre:
-        middle = float(units.x(np.array(problem.centre)))
-    at_rest = require("contact.search.grid.strip_at_rest")
-    wide = whole.points if points is None else points
-    strips = at_rest.PressedStrip(problem, load / units.load, nominal)
-    here = strips.about(float(units.scaled(np.array(middle))), strips.points, at_rest.ROUGHLY, None)
-    if not fixed_centre:
-        here = strips.at_rest(here, strips.farthest)
-    unrest = here.unrest
-    times = 1 if fixed_centre else OPTIONS.max_grids
-    for _ in range(0 if unrest is not None else times):
-        here = strips.about(here.centre, wide, OPTIONS.tolerance, None)
-        if abs(here.miss) <= OPTIONS.centre_error * here.cell:
-            break
-        here = replace(here, centre=here.centre + here.miss)
-    return Proposal(here.strip.zones, wide, False, here.touches, unrest=unrest, in_strip=True)
-
-
-def cut_of(whole: Proposal, x0: float, period: float) -> tuple[float, float]:
-    """The middle of the widest gap of a period, and its width.
-
-    In full contact the place of least pressure, and 0.
-    """
-    if whole.full or len(whole.zones) == 0:
-        return x0 + period * (int(np.argmin(whole.state.pressure)) + 0.5) / whole.points, 0.0
-    gaps = gaps_between(whole.zones, period)
-    left, right = gaps[np.argmax(np.diff(gaps)[:, 0])]
-    return 0.5 * float(left + right), float(right - left)
 
 
 def of_width(scaled: ScaledScene, width: float) -> Proposal:

@@ -21,7 +21,6 @@ from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.search.context import SolveContext
 from contact.search.grid import nested_grids
-from contact.search.grid.centring import Unrest
 from contact.search.grid.nested_grids import MOST_POINTS, Proposal
 from contact.search.grid.proposals import about, placed, proposed
 from contact.search.grid.scaling import ScaledScene
@@ -213,32 +212,21 @@ GUESSES: tuple[tuple[str, Guess], ...] = (
 
 
 def from_grid(
-    context: SolveContext,
-    scaled: ScaledScene,
-    fixed_centre: bool = False,
-    points: int | None = None,
-    allow_loss: bool = False,
+    context: SolveContext, scaled: ScaledScene, points: int | None = None, allow_loss: bool = False
 ) -> Outcome:
     """The contact from the zones of a coarse grid, refined until they pass the certificate.
 
-    fixed_centre: a strip keeps its centre. points: of the first grid; None: as many as the profile
-    needs. allow_loss: see `NewtonSettings`.
+    points: of the first grid; None: as many as the profile needs.
+    allow_loss: see `NewtonSettings`.
     """
-    return _GridSearch(context, scaled, fixed_centre, allow_loss).run(points)
+    return _GridSearch(context, scaled, allow_loss).run(points)
 
 
 class _GridSearch:
     """One search by ever finer grids, in windows that widen as needed."""
 
-    def __init__(
-        self, context: SolveContext, scaled: ScaledScene, fixed_centre: bool, allow_loss: bool
-    ) -> None:
-        self.context, self.scaled, self.fixed_centre, self.allow_loss = (
-            context,
-            scaled,
-            fixed_centre,
-            allow_loss,
-        )
+    def __init__(self, context: SolveContext, scaled: ScaledScene, allow_loss: bool) -> None:
+        self.context, self.scaled, self.allow_loss = context, scaled, allow_loss
         self.most = nested_grids.OPTIONS.usual_points
         self.touched, self.widened = False, 0  # the border was touched; times the window widened
         self.failure: Failure | None = None
@@ -283,19 +271,17 @@ class _GridSearch:
             )
 
     def _proposed(self, points: int | None) -> Proposal:
-        """Zones of one grid; OutOfRange if a strip has no centre that stays."""
+        """Zones of one grid."""
         context, scaled = self.context, self.scaled
-        problem, control = scaled.problem, scaled.control
+        control = scaled.control
         if context.progress is not None:
             context.progress("coarse grid", 0, None)
         part = context.plan["coarse search"]
         with context.plan.timed("coarse search"):
-            proposal = proposed(scaled, control, points, fixed_centre=self.fixed_centre)
+            proposal = proposed(scaled, control, points)
             # The pressure of very many points takes memory, and is not needed any more.
             proposal = replace(proposal, grid=None)
         part.detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
-        if proposal.unrest is not None:
-            raise no_rest(problem, control, proposal.unrest)
         return proposal
 
     def _beyond_border(self, points: int) -> int | None:
@@ -333,18 +319,14 @@ class _GridSearch:
             and (full := full_under(context, control))
         ):
             return full
-        # A strip of a symmetric profile stays about the origin, or half a period from it.
-        keeps_place = proposal.in_strip and not problem.profile.symmetric
-        table = (
-            problem.units.scaled(proposal.zones) if keeps_place else placed(problem, proposal.zones)
-        )
+        table = placed(problem, proposal.zones)
         found_by_gaps = by_gaps(context, problem, control, width, table, allow_loss=self.allow_loss)
         if isinstance(found_by_gaps, SolvedGaps):
             return found_by_gaps
         if proposal.full or not len(proposal.zones):
             return full_under(context, control, but_for_kinks=True) or NOT_APPLICABLE
-        centred = problem if self.fixed_centre else about(problem, table)
-        found = context.refine_topology(centred, control, table, allow_loss=self.allow_loss)
+        about_zones = about(problem, table)
+        found = context.refine_topology(about_zones, control, table, allow_loss=self.allow_loss)
         if isinstance(found, Failure) and found.at_border:
             raise context.error(found, problem)
         return found
@@ -372,6 +354,8 @@ class _GridSearch:
         if not (is_full or width):
             unseen = "the contact is narrower than the finest grid tells; give a load"
             return context.error(failure or Failure(unseen), problem)
+        if is_full and problem.interaction.strip:
+            return OutOfRange(_AT_STRIP)
         narrow = "the gaps are narrower than the finest grid tells from full contact"
         if has_no_inverse:
             narrow += "; the gaps themselves are solved for where the model declares its symbol"
@@ -379,15 +363,3 @@ class _GridSearch:
             if failure is not None and almost_full:
                 failure = Failure(f"{failure.reason}, and {narrow}", failure.free)
         return context.error(failure or Failure(narrow), problem)
-
-
-def no_rest(problem: Problem, control: Control, why: Unrest) -> OutOfRange:
-    """The error to raise if the centre of a strip does not stay anywhere."""
-    closure, instead = (
-        ("first-order", INSTEAD)
-        if problem.interaction.follows_isolated
-        else ("self-consistent", EXACT)
-    )
-    return OutOfRange(
-        f"{control.described(problem.units)}: under the {closure} closure {why.value}; {instead}"
-    )
