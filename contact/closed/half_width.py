@@ -31,7 +31,8 @@ class BranchOptions:
     """Options of the scan over half widths; a guess needs two digits, the branch's maximum nine."""
 
     points_per_decade: int = 4  # the controlled quantity is smooth in the logarithm
-    decades: int = 12  # below the widest zone; and above and below 1 where nothing limits it
+    decades: int = 10  # below the widest zone; loads of narrower ones are lost in round-off
+    open_decades: int = 12  # above and below 1 where nothing limits the zone
     branch_points: int = 40  # solved along the branch from zero load
     maximum_tolerance: float = 1e-9  # of the half width at the maximum; the load is flat there
 
@@ -49,11 +50,15 @@ def guess_half_width(problem: Problem, control: Control) -> float:
     if control.width is not None:
         return 0.5 * control.width
     limit = widest(problem)
-    decades, density = OPTIONS.decades, OPTIONS.points_per_decade
+    density, decades, open_decades = (
+        OPTIONS.points_per_decade,
+        OPTIONS.decades,
+        OPTIONS.open_decades,
+    )
     if math.isfinite(limit):
         a = limit * np.logspace(-decades, 0, decades * density + 1)
     else:
-        a = np.logspace(-decades, decades, 2 * decades * density + 1)
+        a = np.logspace(-open_decades, open_decades, 2 * open_decades * density + 1)
     value = _carried(problem, control, a)
     above = np.flatnonzero(value >= control.value)
     if len(above) == 0:
