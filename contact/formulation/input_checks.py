@@ -19,15 +19,13 @@ from sie import Array
 class InputCheckOptions:
     """Numbers of the check.
 
-    parts: of the widest zone, on which rises are compared with integrals.
-    nodes: of Gauss's rule on each part.
+    parts: of the widest zone, on which rises are compared with integrals; nodes of each.
     wider: intervals over the zone, where round-off is compared with larger rises.
     counts: difference over the rise that is worth a message; less is none.
     grows: largest growth of round-off over the wider intervals.
     """
 
     parts: int = 16
-    nodes: int = 12
     wider: tuple[float, ...] = (1e2, 1e3, 1e4, 1e5, 1e6)
     counts: float = 1e-7
     grows: float = 1e3
@@ -73,7 +71,7 @@ def _differences(problem: Problem, middle: float, half: float) -> tuple[float, f
 
     Returns their median, the largest rise, and the largest sum of differences.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(_OPTIONS.nodes)
+    nodes, weights = np.polynomial.legendre.leggauss(_OPTIONS.parts)
     at = middle + half * np.linspace(-1, 1, _OPTIONS.parts + 1)
     with np.errstate(all="ignore"):
         step = at[1:] - at[:-1]

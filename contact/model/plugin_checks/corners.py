@@ -76,7 +76,7 @@ def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float,
 
     The jump of a bend that is only sharp falls with the distance, that of round-off grows.
     """
-    least, found = max(64 * EPS * abs(s), CHECKS.nearest * h), None
+    least, found = max(64 * EPS * abs(s), CHECKS.bend_step * h), None
     while h > least:
         at = s + h * np.linspace(-1, 1, 17)
         h /= 4

@@ -15,7 +15,7 @@ import numpy as np
 
 from contact.model.profiles.base import Profile
 from contact.model.profiles.derive import detail_of
-from contact.model.profiles.noise import EPS
+from contact.model.profiles.noise import EPS, ROUND_OFF
 from sie import Array, Mask
 
 
@@ -29,12 +29,12 @@ class JumpOptions:
     samples: values that show whether a shape is smooth in a window.
     clear: round-off below this part of a jump still shows the jump.
     unchanged: change of a jump seen from nearer, up to which it is the same jump.
-    nearest: shortest distance from which a corner is seen, over the first one.
-    jump: jump of the slope over the largest slope; a smaller one may be a steep slope.
+    jump: jump of the slope over the largest slope; a smaller one may be a steep slope. Twice this
+        part of a declared power may be missing.
     same: difference from a declared jump of f'' or f''' that is round-off, relative.
     farthest: longest distance from which a place is seen, over the window.
-    bend_step: step of the differences that show the second derivative, over the window.
-    power: part of a declared power that may be missing.
+    bend_step: step of the differences that show the second derivative, over the window; a corner
+        is seen from no nearer, over the first distance.
     off_border: shift of a cell's border, over the period, to no likely place of a kink.
     """
 
@@ -44,12 +44,10 @@ class JumpOptions:
     samples: int = 400
     clear: float = 0.05
     unchanged: float = 0.2
-    nearest: float = 1e-8
     jump: float = 1e-3
     same: float = 1e-6
     farthest: float = 0.1
     bend_step: float = 1e-7
-    power: float = 2e-3
     off_border: float = 0.0123456789
 
 
@@ -186,7 +184,7 @@ def _declared_places(profile: Profile, lo: float, width: float) -> Array:
 
 def _one_place(width: float) -> float:
     """Distance up to which two places in a window are one."""
-    return 4096 * EPS * width
+    return ROUND_OFF * width
 
 
 def _rough(profile: Profile) -> Array:
@@ -209,7 +207,7 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
         for side, column in ((-1.0, 2), (1.0, 3)):
             n, c = points[points[:, 0] == s][:, [1, column]].T
             ratio = _missing_power(profile, float(s), side * room, n, c)
-            if ratio > CHECKS.power:
+            if ratio > 2 * CHECKS.jump:
                 terms = ", ".join(
                     f"{one:.6g} |x - s|^{power:.6g}" for power, one in zip(n, c, strict=True)
                 )
@@ -238,7 +236,7 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
         declared = float(weights @ (y[:, None] ** power @ size))
         # Places next to s are rounded, too.
         rounding = EPS * float(np.abs(weights) @ np.abs(values)) * (1.0 + abs(s) / y[0])
-        if abs(declared) > 10 * rounding / CHECKS.power:
+        if abs(declared) > 10 * rounding / (2 * CHECKS.jump):
             found.append(abs(float(weights @ values) - declared) / abs(declared))
     # Smooth parts still fall from step to step.
     return 0.0 if len(found) < 3 or found[-1] < 0.7 * found[-2] else min(found)

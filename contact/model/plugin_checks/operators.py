@@ -21,6 +21,7 @@ import sie
 from contact.errors import SceneError, shown
 from contact.model.checks import of_author, such
 from contact.model.operator import Operator, smooth_potential
+from contact.model.profiles.noise import EPS, ROUND_OFF
 from contact.model.substrates.base import Substrate
 from contact.model.symbols import WAVES, checked
 from sie import Array
@@ -48,7 +49,6 @@ class OperatorTolerances:
 
 _TOLERANCES = OperatorTolerances()
 _LAGS = np.array(_TOLERANCES.lags)
-_EPS = float(np.finfo(np.float64).eps)
 
 
 def require_elastic(operator: Operator, scale: float) -> None:
@@ -144,7 +144,7 @@ def _require_regular(kernel: sie.Kernel) -> None:
     rise = potential(_LAGS + half, zero) - potential(_LAGS - half, zero)
     within = half * np.asarray(regular(_LAGS[:, None] + half * nodes, zero)) @ weights
     # The rise is a difference of potentials: their round-off stays.
-    size = 4096 * _EPS * float(np.abs(potential(_LAGS, zero)).max())
+    size = ROUND_OFF * float(np.abs(potential(_LAGS, zero)).max())
     _require_same(rise, within, "smooth part", "is not the derivative in x of its potential", size)
 
 
@@ -205,7 +205,7 @@ def require_body(substrate: Substrate) -> None:
             "substrate",
         )
     _require_fast(values)
-    if not abs(values[-1] - 1) < 512 * _EPS:
+    if not abs(values[-1] - 1) < 512 * EPS:
         raise SceneError.of(
             "substrate.symbol(q)",
             float(values[-1]),
@@ -245,7 +245,7 @@ def _require_fast(values: Array) -> None:
     """SceneError unless L tends to 1 as an exponential does, not as a power of q."""
     rest = np.abs(values - 1)
     # The last wave at which L - 1 has digits.
-    digits = np.flatnonzero(rest > 2**16 * _EPS)
+    digits = np.flatnonzero(rest > 2**16 * EPS)
     k = int(digits[-1]) if len(digits) else 0
     if k == 0 or rest[-1] >= 0.9 * rest[k // 2]:  # another limit is another fault
         return

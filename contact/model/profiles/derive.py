@@ -32,12 +32,12 @@ class VerdictOptions:
     """How rises of a height are compared with integrals of its slope.
 
     nodes: Chebyshev points of an interval; insensitive, 7 to 13 decide the same.
-    ratio: an interval over the next smaller one.
+    ratio: an interval over the next smaller one; a checked interval covers sets of places that
+        are narrower by no more.
     finer, wider: number of intervals below and above the scale of a place.
     differs: least discrepancy of a contradiction, over truncation and round-off of both sides.
     counts: least discrepancy of a contradiction, over the rise.
     digits: most truncation of heights that have digits, over their variation.
-    covers: a checked interval covers a set of places this many times narrower.
     """
 
     nodes: int = 9
@@ -47,7 +47,6 @@ class VerdictOptions:
     differs: float = 100.0
     counts: float = 1e-6
     digits: float = 1e-3
-    covers: float = 16.0
 
 
 @dataclass(frozen=True)
@@ -138,7 +137,7 @@ class DerivedSlope:
             return None
         lo, hi = float(x.min()), float(x.max())
         known = self._checked[0] <= lo and hi <= self._checked[1]
-        if not (known and self._checked[1] - self._checked[0] <= VERDICTS.covers * (hi - lo)):
+        if not (known and self._checked[1] - self._checked[0] <= VERDICTS.ratio * (hi - lo)):
             few = np.sort(x)[
                 np.linspace(0, x.size - 1, min(x.size, DIFFERENCES.together)).astype(np.intp)
             ]

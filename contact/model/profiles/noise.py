@@ -13,6 +13,8 @@ import numpy as np
 from sie import Array
 
 EPS = float(np.finfo(np.float64).eps)
+# Numbers that differ by less than this part of them are equal but for round-off.
+ROUND_OFF = 4096 * EPS
 # Difference of sixth order of seven values.
 WEIGHTS = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
 PLACES = np.arange(len(WEIGHTS), dtype=np.float64)

@@ -9,11 +9,8 @@ from numpy.typing import ArrayLike
 from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive_or_none
 from contact.model.profiles.base import Array, Profile
-from contact.model.profiles.noise import EPS
+from contact.model.profiles.noise import ROUND_OFF
 from contact.model.registry import register_profile
-
-# A mismatch at the border below this part of the sum of the terms' sizes is round-off.
-_ROUNDING = 4096 * EPS
 
 
 @register_profile("polynomial")
@@ -59,7 +56,7 @@ class Polynomial(Profile):
             return
         half = self.period / 2
         step = polyval(half, c) - polyval(-half, c)
-        if abs(step) > _ROUNDING * float(polyval(half, np.abs(c) * (np.arange(c.size) > 0))):
+        if abs(step) > ROUND_OFF * float(polyval(half, np.abs(c) * (np.arange(c.size) > 0))):
             allowed = f"of equal height at both borders of the period (they differ by {step:.3g})"
             raise SceneError.of("coefficients", self.coefficients, allowed)
 
@@ -92,7 +89,7 @@ class Polynomial(Profile):
         for order in orders if self.period is not None else ():
             d = polyder(self._c, order)
             jump = float(polyval(self.x0, d) - polyval(-self.x0, d))
-            if abs(jump) > _ROUNDING * float(polyval(-self.x0, np.abs(d))):
+            if abs(jump) > ROUND_OFF * float(polyval(-self.x0, np.abs(d))):
                 found.append((self.x0, order, jump))
         return np.array(found, dtype=np.float64).reshape(-1, 3)
 

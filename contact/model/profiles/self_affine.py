@@ -8,10 +8,8 @@ import numpy as np
 from contact.errors import SceneError
 from contact.model.checks import integer, positive, such
 from contact.model.profiles.fourier import Fourier
-from contact.model.profiles.noise import EPS
+from contact.model.profiles.noise import ROUND_OFF
 
-# A wave this near a cut-off, relative, is within it: 1/(1/49) is 49.
-_ROUNDING = 4096 * EPS
 _MAX_HARMONICS = 1 << 22  # bounds the memory
 
 
@@ -77,9 +75,10 @@ def self_affine(
     most = length if longest is None else _wavelength("longest", longest, least, length)
     knee = length if rolloff is None else _wavelength("rolloff", rolloff, least, length)
     number = integer("seed", seed)
+    # A wave whose length is rounded is within the cut-offs: 1/(1/49) is 49.
     last, first = (
-        floor(length / least * (1 + _ROUNDING)),
-        max(1, floor(length / most * (1 - _ROUNDING)) + (most < length)),
+        floor(length / least * (1 + ROUND_OFF)),
+        max(1, floor(length / most * (1 - ROUND_OFF)) + (most < length)),
     )
     if last > _MAX_HARMONICS:
         raise SceneError.of(
@@ -106,7 +105,7 @@ def self_affine(
 def _wavelength(field: str, value: Any, least: float, period: float) -> float:
     """A wavelength between the shortest one and the period, checked."""
     wave = positive(field, value)
-    if not least <= wave <= period * (1 + _ROUNDING):
+    if not least <= wave <= period * (1 + ROUND_OFF):
         raise SceneError.of(
             field,
             value,

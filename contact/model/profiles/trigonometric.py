@@ -14,8 +14,9 @@ import scipy.fft
 
 from sie import Array, Complex, record
 
-_WIDTH = 16
-_HALF = 0.5 * _WIDTH
+# Half width and width of the kernel, in cells.
+_HALF = 8
+_WIDTH = _HALF + _HALF
 # Steepness b for an oversampling of two (their section 4).
 _STEEP = 0.98 * np.pi * _WIDTH * 0.75
 # Points handled at once, so that their kernels stay in the cache.
