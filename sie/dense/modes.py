@@ -33,8 +33,9 @@ OWN_SIZES = np.sort(np.concatenate((8 * 2 ** np.arange(13), 24 * 2 ** np.arange(
 class ModeOptions:
     """Limits and tolerances of the numbers of modes."""
 
-    # Nodes at most: of one of many zones, or of one whose last coefficients are not below `nearly_decayed` of
-    # the largest; and of all zones together, each counted with the largest number.
+    # Nodes at most: of one of many zones, or of one whose last coefficients are not below
+    # `nearly_decayed` of the largest; and of all zones together, each counted with the largest
+    # number.
     max_nodes: int = 8192
     nearly_decayed: float = 1e-6
     max_nodes_together: int = 1 << 20
@@ -42,8 +43,8 @@ class ModeOptions:
     # coefficients fall to `first_decay`.
     first_nodes: int = 16
     first_decay: float = 1e-12
-    # A plateau of coefficients is noise only below this part of the largest. Coefficients of a kernel as
-    # rough as |x - xi| fall by more than half with half as many modes again.
+    # A plateau of coefficients is noise only below this part of the largest. Coefficients of a
+    # kernel as rough as |x - xi| fall by more than half with half as many modes again.
     noise_plateau: float = 1e-5
     nodes_per_piece: int = 4
     # Series from this length on are cut if half of their coefficients are at most `plateau_ratio`
@@ -55,17 +56,17 @@ class ModeOptions:
     exact_places: float = 1e-14
     # The largest coefficient of a jump's part is among so many.
     leading_coefficients: int = 8
-    # Modes at most: as a rule; for a regular kernel that needs more, or next to narrow gaps with fixed
-    # ends; and numbers in the matrix for which the second holds. Zones with moving ends need not more,
-    # since narrow gaps between them are slits.
+    # Modes at most: as a rule; for a regular kernel that needs more, or next to narrow gaps with
+    # fixed ends; and numbers in the matrix for which the second holds. Zones with moving ends need
+    # not more, since narrow gaps between them are slits.
     max_modes: int = 768
     max_modes_regular: int = 3072
     max_matrix_numbers: float = 4e7
     # Rounding of a regular kernel's coefficients over its size.
     kernel_rounding: float = 2e-15
-    # First modes of a zone per square root of its half width over the length of a regular kernel: the
-    # density varies over the length next to the ends only, where modes are as dense. 24 leave about
-    # 1e-12, and modes grow where they are too few.
+    # First modes of a zone per square root of its half width over the length of a regular kernel:
+    # the density varies over the length next to the ends only, where modes are as dense. 24 leave
+    # about 1e-12, and modes grow where they are too few.
     first_modes_per_root: float = 24.0
 
 

@@ -116,13 +116,13 @@ class FreeEnds:
 class MotionOptions:
     """Options of the motions of ends."""
 
-    # Steps of Arnoldi's method for the growth rate: between two checks, and at most. It has converged
-    # when it changes by less than `growth_change` of itself.
+    # Steps of Arnoldi's method for the growth rate: between two checks, and at most. It has
+    # converged when it changes by less than `growth_change` of itself.
     arnoldi_check: int = 8
     max_arnoldi: int = 64
     growth_change: float = 0.02
-    # Relative tolerance of motions: what is left of a Newton step is for the next one. `response` is
-    # the tolerance of responses for the growth rate.
+    # Relative tolerance of motions: what is left of a Newton step is for the next one. `response`
+    # is the tolerance of responses for the growth rate.
     step: float = 1e-6
     response: float = 1e-4
     # If the residual stays above this part, some motion leaves the intensities unchanged.

@@ -39,6 +39,44 @@ class NewtonOptions:
         cheap first look at very many zones.
     patience : int
         Newton steps granted to these ends.
+    max_shrink, max_growth, max_closing : float
+        Damping: largest part of its zone, or of the gap next to it, by which an end moves in a
+        step. Two ends that face each other across a gap must not meet, so the parts are below 1/2.
+    border_distance : float
+        An end this close to the border of the domain of g, over its zone's width, has no root
+        before it. Nearer ends would take more nodes than a zone may have.
+    max_response_move : float
+        The response to the value of the open condition is kept while all ends together move by less
+        than this part of all widths. It then changes a step by the same relative amount.
+    forcing, first_solution, last_solution : float
+        Inexact Newton (S. C. Eisenstat and H. F. Walker, SIAM J. Sci. Comput. 17, 1996, 16-32): the
+        linear system is solved to `forcing` * step^3, so that its error stays below that of two
+        more Newton steps; to `first_solution` at first, and at last to `last_solution` * tolerance.
+    rough_solution : float
+        Rough sums, accurate to this, serve solutions that are looser.
+    step_margin : float
+        The remaining error of an end is its next step, with this factor for the terms of second
+        order.
+    rounding_step : float
+        Steps below this are rounding where they no longer become smaller.
+    stalled_steps : int
+        After so many steps without progress, rounding may be the reason. With `allow_loss`, zones
+        with the wrong sign of the density are given up after as many steps, once these are small.
+    wandering_steps : int
+        Steps after which ends that still move by half of their zones are given up.
+    close_step : float
+        Small steps are below this. A guess is a close one if its first step is, and each further
+        step is below this part of the step before.
+    vanished_part : float
+        A zone or a gap that has shrunk to this part of its first size has vanished.
+    last_zone_vanished : float
+        The last zone of all keeps the given total however narrow it is: it vanishes later.
+    insistent_steps : int
+        A zone or a narrow gap has vanished if so many steps in a row ask for nothing to be left.
+    closing_gap : float
+        Such a gap is below this part of the zones next to it.
+    slight_zone : float
+        A zone below this part of the zone next to it is hardly felt by the others.
 
     Examples
     --------
@@ -57,50 +95,24 @@ class NewtonOptions:
     unresolved_fraction: float = 0.0
     patience: int = 0
 
-    # Damping: largest part of its zone, or of the gap next to it, by which an end moves in a step.
-    # Two ends that face each other across a gap must not meet, so the parts are below 1/2.
     max_shrink: float = 0.3
     max_growth: float = 0.5
     max_closing: float = 0.4
-    # An end this close to the border of the domain of g, over its zone's width, has no root before
-    # it. Nearer ends would take more nodes than a zone may have.
     border_distance: float = 1e-6
-    # The response to the value of the open condition is kept while all ends together move by less
-    # than this part of all widths. It then changes a step by the same relative amount.
     max_response_move: float = 0.01
-
-    # Inexact Newton (S. C. Eisenstat and H. F. Walker, SIAM J. Sci. Comput. 17, 1996, 16-32): the
-    # linear system is solved to `forcing` * step^3, so that its error stays below that of two more
-    # Newton steps; to `first_solution` at first, and at last to `last_solution` * tolerance.
     forcing: float = 1e-3
     first_solution: float = 1e-5
     last_solution: float = 1e-3
-    # Rough sums, accurate to this, serve solutions that are looser.
     rough_solution: float = 1e-7
-
-    # The remaining error of an end is its next step, with this factor for the terms of second
-    # order.
     step_margin: float = 1.5
-    # Steps below this are rounding where they no longer become smaller.
     rounding_step: float = 1e-6
-    # After so many steps without progress, rounding may be the reason. With `allow_loss`, zones with
-    # the wrong sign of the density are given up after as many steps, once these are small.
     stalled_steps: int = 5
-    # Steps after which ends that still move by half of their zones are given up.
     wandering_steps: int = 20
-    # Small steps are below this. A guess is a close one if its first step is, and each further step
-    # is below this part of the step before.
     close_step: float = 0.3
-
-    # A zone or a gap that has shrunk to this part of its first size has vanished.
     vanished_part: float = 1e-3
-    # The last zone of all keeps the given total however narrow it is: it vanishes later.
     last_zone_vanished: float = 1e-12
-    # A zone or a narrow gap has vanished if so many steps in a row ask for nothing to be left.
     insistent_steps: int = 3
-    # Such a gap is below this part of the zones next to it.
     closing_gap: float = 0.05
-    # A zone below this part of the zone next to it is hardly felt by the others.
     slight_zone: float = 0.01
 
 

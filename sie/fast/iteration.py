@@ -19,9 +19,9 @@ from sie.trees.krylov import gmres
 class IterationOptions:
     """Options of preconditioned GMRES."""
 
-    # A correction reduces the residual by this factor; there are so many corrections at most. One that
-    # leaves more than `stagnant` of the residual is the last: rough sums leave much less, so it is
-    # rounding.
+    # A correction reduces the residual by this factor; there are so many corrections at most. One
+    # that leaves more than `stagnant` of the residual is the last: rough sums leave much less, so
+    # it is rounding.
     correction: float = 1e-6
     max_corrections: int = 6
     stagnant: float = 1e-3

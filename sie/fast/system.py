@@ -33,8 +33,8 @@ class QuadratureOptions:
 
     # Rows at most of conditions that not every zone has: a small dense system couples them.
     max_dense_conditions: int = 64
-    # Gauss-Legendre nodes for the integral of g over `lengths_per_panel` lengths of its resolution. For a wave
-    # of that length the error is 1e-19.
+    # Gauss-Legendre nodes for the integral of g over `lengths_per_panel` lengths of its resolution.
+    # For a wave of that length the error is 1e-19.
     gauss_nodes: int = 16
     lengths_per_panel: int = 2
 

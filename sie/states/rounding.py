@@ -33,7 +33,8 @@ class RoundingOptions:
     # Relative tolerance of the iterative answer to random errors. A looser one would miss the few
     # motions that nearly dependent conditions enlarge.
     solution: float = 1e-2
-    # Samples of random errors: the estimate is below a quarter of the true size once in a hundred times.
+    # Samples of random errors: the estimate is below a quarter of the true size once in a hundred
+    # times.
     samples: int = 4
     # Angles of each zone at which the density is evaluated.
     angles: int = 24

@@ -37,13 +37,13 @@ class PanelOptions:
     """Options of the panels of a smooth kernel."""
 
     # Panels over the zones, or over half a period, at most: a kernel that varies faster is summed
-    # directly. Very many zones may have `panels_per_zone` panels each. From `min_zones_of_skeleton` zones on, a kernel that does
-    # not depend on the lag alone has a skeleton.
+    # directly. Very many zones may have `panels_per_zone` panels each. From `min_zones_of_skeleton`
+    # zones on, a kernel that does not depend on the lag alone has a skeleton.
     max_panels: int = 512
     panels_per_zone: int = 8
     min_zones_of_skeleton: int = 32
-    # Decayed coefficients, relative to the largest. Coefficients below `SKELETON.max_error` that halving a panel
-    # does not reduce to `noise_fall` are the kernel's own rounding.
+    # Decayed coefficients, relative to the largest. Coefficients below `SKELETON.max_error` that
+    # halving a panel does not reduce to `noise_fall` are the kernel's own rounding.
     noise_fall: float = 0.3
     # Rounding of a place, relative to a panel.
     place_rounding: float = 1e-9
@@ -51,8 +51,8 @@ class PanelOptions:
 
 OPTIONS = PanelOptions()
 
-# A series that falls by SKELETON.decayed in TERMS terms has no singularity closer to the line than this
-# many widths of a panel.
+# A series that falls by SKELETON.decayed in TERMS terms has no singularity closer to the line than
+# this many widths of a panel.
 _REACH = 0.5 * math.sinh(-math.log(SKELETON.decayed) / TERMS)
 
 

@@ -33,8 +33,8 @@ _MARGIN = 0.5 * SEPARATION
 class CellOptions:
     """Options of the cells of a piecewise function."""
 
-    # A cell is halved where more jumps than this are near, or two that are closer to each other than
-    # `min_distance` of it: their closed forms over its length would be much larger than f.
+    # A cell is halved where more jumps than this are near, or two that are closer to each other
+    # than `min_distance` of it: their closed forms over its length would be much larger than f.
     max_jumps: int = 12
     min_distance: float = 0.2
 

@@ -28,12 +28,12 @@ from sie.basis.zones import Zones
 class SkeletonOptions:
     """Options of the skeleton of a smooth kernel."""
 
-    # A column that adds less than this, relative to the largest, is rounding. `max_error` is the largest
-    # error of the skeleton at other places.
+    # A column that adds less than this, relative to the largest, is rounding. `max_error` is the
+    # largest error of the skeleton at other places.
     decayed: float = 1e-15
     max_error: float = 1e-12
-    # Nodes on each zone, in turn, that show the number of modes of the kernel there; coefficients below
-    # `rounding` are noise; `sampled_places` places of the skeleton are sampled for that.
+    # Nodes on each zone, in turn, that show the number of modes of the kernel there; coefficients
+    # below `rounding` are noise; `sampled_places` places of the skeleton are sampled for that.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
     rounding: float = 1e-14
     sampled_places: int = 8
