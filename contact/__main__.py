@@ -1,4 +1,4 @@
-"""`python -m contact` and the console script: the command line, or the name of a missing package."""
+"""`python -m contact` and the console script `contact`: the command line."""
 
 import sys
 

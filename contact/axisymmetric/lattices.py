@@ -139,7 +139,7 @@ class Lattice:
         return radii * self.spacing, counts
 
     def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
-        """Radii over l and numbers of spots of the rings up to `reach`, over all shifted lattices."""
+        """Radii over l and numbers of spots of the rings up to `reach`, of shifted lattices."""
         found = np.sort(np.concatenate([self.distances(s, reach) for s in shifts]))
         first = np.flatnonzero(np.diff(found, prepend=-1.0) > _SAME_DISTANCE)
         return found[first], np.diff(np.append(first, found.size))

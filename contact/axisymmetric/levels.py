@@ -312,7 +312,7 @@ def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
 
 
 def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -> _Contact:
-    """The moment at which the surface, deformed by the active levels, reaches the tip of level j."""
+    """The first touch of level j, on the surface deformed by the active levels."""
     last = inf
     try:
         for state in settled(kinds, _start(kinds, active, None, kinds[j].depth), closed_edge(j)):

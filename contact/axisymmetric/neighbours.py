@@ -96,7 +96,10 @@ class Surroundings:
     density: float
 
     def outside(self, x: ArrayLike) -> Array:
-        """sqrt(A^2 - x^2), 0 beyond A; with a kernel, minus A, which is in the kernel's constant."""
+        """sqrt(A^2 - x^2), 0 beyond A; with a kernel, A is subtracted.
+
+        The kernel's constant contains A.
+        """
         x = np.asarray(x, dtype=np.float64)
         root = np.sqrt(np.maximum((self.circle - x) * (self.circle + x), 0.0))
         if self.kernel is None:

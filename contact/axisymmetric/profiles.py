@@ -126,7 +126,10 @@ class AxisymmetricProfile(sie.Kept):
         return np.asarray(np.asarray(x) * np.sum(weight * self.slope(r), axis=-1))
 
     def line_slope(self, x: ArrayLike) -> Array:
-        """g'(x) = int_0^(pi/2) (r f')'(x sin phi) dphi + sum b J/sqrt(x^2 - b^2) over edges b < x."""
+        """The derivative g'(x) of the equivalent plane profile.
+
+        g'(x) = int_0^(pi/2) (r f')'(x sin phi) dphi + sum b J/sqrt(x^2 - b^2) over edges b < x.
+        """
         x = np.asarray(x, dtype=np.float64)
         r, weight = quarter(x, self.breakpoints)
         total = np.sum(weight * self.r_laplacian(r), axis=-1)

@@ -312,7 +312,7 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
 
 
 def room(kinds: Sequence[Kind], radii: Array) -> float:
-    """The smallest relative distance of spots from their neighbours or circle; <= 0 if they meet."""
+    """The smallest relative distance of spots from neighbours or circle; <= 0 if they meet."""
     taken = [0.0]
     for j in touching(radii):
         for i in touching(radii):

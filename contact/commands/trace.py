@@ -175,7 +175,7 @@ def show_trace(title: str, measured: Roughness, history: tuple[str, ...]) -> Non
 
 
 def show_profile(profile: Profile) -> None:
-    """Print the traces of a scene's profile that were read from a file, and its two bodies if any."""
+    """Print the traces of a profile that were read from files, and its two bodies if any."""
     pair = len(profile.bodies) > 1
     if pair:
         rows = [

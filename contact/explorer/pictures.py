@@ -1,4 +1,4 @@
-"""The data of a frame and of the load curve as sent to the browser, where pictures.js draws them."""
+"""The data of a frame and of the load curve for the browser, where pictures.js draws them."""
 
 from pathlib import Path
 from typing import Any

@@ -149,7 +149,7 @@ def _name_lines(axes: Any) -> None:
 
 
 def _stretch(solution: Solution) -> tuple[float, float]:
-    """The interval to draw: the period, or the surroundings of the peak if its zone is too narrow."""
+    """The interval to draw: the period, or the peak's surroundings if its zone is too narrow."""
     lo, hi = window(solution)
     visible = _OPTIONS.min_visible_width * (hi - lo)
     if len(solution.zones) == 0 or np.max(solution.zone_widths) >= visible:

@@ -30,7 +30,7 @@ class Curve:
         self.known: dict[float, Solution] = {}
 
     def solve_in_closed_form(self, values: Array) -> None:
-        """Solve, all at once, the values whose contact is one zone in closed form, and keep them."""
+        """Solve the values that have a closed form, all at once, and keep the solutions."""
         scenes = [self._scene(float(value)) for value in values]
         found = solve_all_closed(scenes, self.tol)
         self.known = {

@@ -133,7 +133,7 @@ def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
 
 
 def _runs(loads: Array) -> list[tuple[int, int, bool]]:
-    """(start, stop, rising) of each monotone part of the path; neighbours share their end points."""
+    """(start, stop, rising) of each monotone part of the path; neighbours share end points."""
     runs: list[tuple[int, int, bool]] = []
     start = 0
     for k in range(1, len(loads)):
@@ -215,7 +215,7 @@ def draw_curve(
 def draw_surfaces(
     axes: Any, title: str, places: Array, surface: Array, body: Array, zones: Array
 ) -> None:
-    """Draw the profile and the deformed surface, (m,) [m] each, with the zones (k, 2) [m] marked."""
+    """Draw the profile and the deformed surface, (m,) [m], with the zones (k, 2) [m] marked."""
     along, letter = prefix(float(np.abs(places).max()))
     heights = np.concatenate((surface, body))
     up, high = prefix(float(np.abs(heights[np.isfinite(heights)]).max(initial=0.0)))

@@ -30,7 +30,7 @@ def numbers(solution: Solution) -> dict[str, float]:
 
 
 def total_width(solution: Solution) -> float:
-    """Width in contact [m]: the sum over the zones, the period in full contact, 0 without contact."""
+    """Width in contact [m]: of all zones, the period in full contact, 0 without contact."""
     if len(solution.zones) == 0:
         return (solution.contact_fraction or 0.0) * (solution.scene.period or 0.0)
     return float(solution.zone_widths.sum())

@@ -80,7 +80,7 @@ def is_comment(text: str) -> bool:
 def filled(
     path: str | Path, x: Array, height: Array, lines: NDArray[np.int64], fill: str | None
 ) -> tuple[Array, Array, NDArray[np.int64], str]:
-    """Positions, heights and lines after missing heights are filled or dropped, and a note on it."""
+    """Positions, heights and lines with missing heights filled or dropped, and a note on it."""
     lost = ~np.isfinite(height)
     if not lost.any():
         return x, height, lines, ""

@@ -76,7 +76,7 @@ class Header:
 
 @dataclass(frozen=True)
 class Table:
-    """The wanted columns as in the file (n, 1 or 2), the line numbers of the rows, and the header."""
+    """The wanted columns as in the file (n, 1 or 2), the line numbers, and the header."""
 
     values: Array
     lines: NDArray[np.int64]

@@ -26,7 +26,7 @@ _MAX_UNEVENNESS = 1e-3
 
 
 def refuse_cut_offs(lambda_s: Any, lambda_c: Any) -> None:
-    """Raise SceneError if the cut-offs are not lengths [m] in the right order; None is no filter."""
+    """Raise SceneError if the cut-offs are not lengths [m] in the right order."""
     short, long = positive_or_none("lambda_s", lambda_s), positive_or_none("lambda_c", lambda_c)
     if short is not None and long is not None and not short < long:
         raise SceneError.of("lambda_s", lambda_s, f"below lambda_c = {long!r}")

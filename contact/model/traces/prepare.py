@@ -67,7 +67,7 @@ _LIMITS = TraceLimits()
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """The content of a file: positions and heights [m], line numbers, and the units as text (said)."""
+    """The content of a file: positions and heights [m], line numbers, and units as text."""
 
     path: str
     x: Array
@@ -215,7 +215,7 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
 
 
 def _upside_down(reading: Reading, by: Preparation) -> bool:
-    """Whether heights are inverted; SceneError if the file calls them depths and `invert` is None."""
+    """Whether heights are inverted; SceneError for depths without a given `invert`."""
     if reading.depth and by.invert is None:
         what = f"the heights are called {shown(reading.depth)}"
         choices = "invert = true if they grow into the body, invert = false if they grow out of it"

@@ -1,4 +1,4 @@
-"""Refusal of tables that can be read in two ways; the message shows both and the option for each."""
+"""Refusal of tables that can be read in two ways; the message shows how to choose."""
 
 import re
 from collections.abc import Iterator

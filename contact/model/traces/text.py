@@ -1,4 +1,4 @@
-"""Text files as numbered rows of cells: encodings, line endings, delimiters, quotes, decimal marks."""
+"""Text files as numbered rows of cells: encodings, line endings, delimiters, quotes, numbers."""
 
 import csv
 import re
@@ -115,7 +115,7 @@ def unquoted(line: str, delimiter: str | None) -> list[str]:
 
 
 def _is_decimals(line: str) -> bool:
-    """Whether every number of a row has decimals, so that commas of both kinds can be told apart."""
+    """Whether every number of a row has decimals, so that both kinds of commas can be told."""
     return (
         re.fullmatch(
             rf"\s*{_COMMA_DECIMALS.pattern}(\s*,\s*{_COMMA_DECIMALS.pattern})*[\s,]*", line

@@ -27,17 +27,35 @@ from contact.reference.exact import HertzLine, PeriodicParabola, localized_at_lo
 from contact.solution.solution import Solution
 from sie import Array
 
-# E* = 1, L = 1, R = L. Amplitude and slope only scale the results.
-_SCALE = 0.01
-_WAVE = Sinusoid(_SCALE, 1.0)
-_WEDGE = Wedge(_SCALE, 1.0)
-_PARABOLA = Parabola(1.0, 1.0)
-_P_STAR = np.pi * _SCALE
-FRACTIONS = (0.4, 0.7)
-PRESSURES = (0.05, 0.15)
-# Abscissas of the curves over the contact width: 2a/L, and a/L.
-_FRACTIONS = np.round(np.arange(0.02, 0.985, 0.02), 10)
-_SHARES = np.round(np.arange(0.01, 0.4925, 0.01), 10)
+
+@dataclass(frozen=True)
+class AsperitiesOfThePaper:
+    """The scenes of figures 7 to 12, with E* = 1, L = 1 and R = L."""
+
+    # Amplitude of the wave and slope of the wedge; they only scale the results.
+    scale: float = 0.01
+    # Contact widths 2a/L of the pressure curves, and mean pressures over E*.
+    fractions: tuple[float, float] = (0.4, 0.7)
+    pressures: tuple[float, float] = (0.05, 0.15)
+    # Number of points of the curves over the contact width.
+    points: int = 49
+
+    def widths(self) -> Array:
+        """Abscissas 2a/L from 0.02 to 0.98."""
+        return np.round(np.arange(1, self.points + 1) / (self.points + 1), 10)
+
+    def half_widths(self) -> Array:
+        """Abscissas a/L from 0.01 to 0.49."""
+        return np.round(np.arange(1, self.points + 1) / (2.0 * (self.points + 1)), 10)
+
+
+_SCENES = AsperitiesOfThePaper()
+_WAVE = Sinusoid(_SCENES.scale, period=1.0)
+_WEDGE = Wedge(_SCENES.scale, period=1.0)
+_PARABOLA = Parabola(radius=1.0, period=1.0)
+_P_STAR = np.pi * _SCENES.scale
+_FRACTIONS = _SCENES.widths()
+_SHARES = _SCENES.half_widths()
 _LINE = {"color": "black", "linewidth": 0.6}
 
 
@@ -146,11 +164,11 @@ def figure_7() -> Figure:
     """Pressure on a wave at two contact widths."""
     every = {
         (f, m): solved(_WAVE, m, half_width=0.5 * f)
-        for f in FRACTIONS
+        for f in _SCENES.fractions
         for m in (EXACT, FIRST, SELF, ONE)
     }
     seen = _Pressures("p/p*", "2a/L", _P_STAR, every)
-    closed = {f: localized_wave(_SCALE, 1.0, 1.0, 0.5 * f) for f in FRACTIONS}
+    closed = {f: localized_wave(_SCENES.scale, 1.0, 1.0, 0.5 * f) for f in _SCENES.fractions}
     apart = [
         seen.apart(f, model, form.pressure(seen.x))
         for f, both in closed.items()
@@ -179,14 +197,14 @@ def figure_8() -> Figure:
     written = (
         np.array(
             [
-                localized_wave(_SCALE, 1.0, 1.0, 0.5 * f).mean_pressure
+                localized_wave(_SCENES.scale, 1.0, 1.0, 0.5 * f).mean_pressure
                 for f in _FRACTIONS[np.isfinite(first)]
             ]
         )
         / _P_STAR
     )
     apart = worst(first[: len(written)], written)
-    at = localized_wave(_SCALE, 1.0, 1.0, 0.35)
+    at = localized_wave(_SCENES.scale, 1.0, 1.0, 0.35)
 
     def draw(figure: Any) -> None:
         left, right = figure.subplots(1, 2)
@@ -226,13 +244,13 @@ def figure_9() -> Figure:
     """Pressure on a wedge at two contact widths."""
     every = {
         (f, m): solved(_WEDGE, m, half_width=0.5 * f)
-        for f in FRACTIONS
+        for f in _SCENES.fractions
         for m in (EXACT, FIRST, SELF, ONE)
     }
-    seen = _Pressures("p/(E* tan b)", "2a/L", _SCALE, every)
+    seen = _Pressures("p/(E* tan b)", "2a/L", _SCENES.scale, every)
     apart, beside = [], []
-    for fraction in FRACTIONS:
-        closed = localized_wedge(_SCALE, 1.0, 1.0, 0.5 * fraction)
+    for fraction in _SCENES.fractions:
+        closed = localized_wedge(_SCENES.scale, 1.0, 1.0, 0.5 * fraction)
         for model, form in ((FIRST, closed), (EXACT, closed.exact)):
             apart.append(seen.apart(fraction, model, form.pressure(seen.x), np.abs(seen.x) > 1e-3))
         t = np.linspace(0.01, 0.99, 99)
@@ -260,14 +278,16 @@ def figure_10() -> Figure:
     mean = "mean/(E* tan b)"
     columns = {
         "2a/L": _FRACTIONS,
-        **_at_widths(_WEDGE, 0.5 * _FRACTIONS, {mean: lambda s: s.load / _SCALE}),
+        **_at_widths(_WEDGE, 0.5 * _FRACTIONS, {mean: lambda s: s.load / _SCENES.scale}),
     }
     written = (
-        np.array([localized_wedge(_SCALE, 1.0, 1.0, 0.5 * f).mean_pressure for f in _FRACTIONS])
-        / _SCALE
+        np.array(
+            [localized_wedge(_SCENES.scale, 1.0, 1.0, 0.5 * f).mean_pressure for f in _FRACTIONS]
+        )
+        / _SCENES.scale
     )
     apart = worst(columns[f"{mean} {FIRST}"], written)
-    at = localized_wedge(_SCALE, 1.0, 1.0, 0.35)
+    at = localized_wedge(_SCENES.scale, 1.0, 1.0, 0.35)
 
     def draw(figure: Any) -> None:
         left, right = figure.subplots(1, 2)
@@ -295,11 +315,11 @@ def figure_11() -> Figure:
     """Pressure on a parabola at two mean pressures, with the exact solution added."""
     every = {
         (p, m): solved(_PARABOLA, m, mean_pressure=p)
-        for p in PRESSURES
+        for p in _SCENES.pressures
         for m in (EXACT, FIRST, SELF, ALONE)
     }
     apart, t = [], np.linspace(-1.0, 1.0, 201)
-    for mean in PRESSURES:
+    for mean in _SCENES.pressures:
         exact = PeriodicParabola.from_mean_pressure(mean, period=1.0, radius=1.0, E_star=1.0)
         first = localized_at_load(HertzLine, mean, period=1.0, radius=1.0, E_star=1.0)
         for model, form in ((EXACT, exact), (FIRST, first)):

@@ -3,6 +3,7 @@
 They are computed by equations (1)-(4), and with all neighbours at their places.
 """
 
+from dataclasses import dataclass
 from math import inf, pi
 from typing import Any
 
@@ -12,11 +13,19 @@ from contact.axisymmetric import Hexagonal, Sphere, Spot, own_radius, solve_spot
 from contact.errors import OutOfRange
 from contact.paper.figures.base import Array, Figure, label_panel
 
-# E* = 1, R = 1. The caption's 0.0044 is pi P/2E*R^2, a load per spot.
-LOAD = 0.0044 * 2.0 / pi
-SPACINGS_A = (1.0, 0.25, 0.2)
-SPACINGS_B = (1.0, 0.5, 0.2)
-_SPHERE = Sphere(1.0)
+
+@dataclass(frozen=True)
+class SpotsOfThePaper:
+    """The scenes of figures 2A and 2B, with E* = 1 and R = 1."""
+
+    # The caption's 0.0044 is pi P/2E*R^2, a load per spot.
+    load: float = 0.0044 * 2.0 / pi
+    spacings_a: tuple[float, ...] = (1.0, 0.25, 0.2)
+    spacings_b: tuple[float, ...] = (1.0, 0.5, 0.2)
+    radius: float = 1.0
+
+
+_SCENES = SpotsOfThePaper()
 _COLOURS = ("#2f7fb5", "#d98e04", "#b3261e")
 # Names of the models, their rings of neighbours at their places, and line styles.
 _FIRST = "(1)-(4)"
@@ -28,18 +37,18 @@ _LINES: dict[str, Any] = {_FIRST: "-", _ALL: "--", _HERTZ: (0, (1, 1))}
 
 def _solved(spacing: float, rings: float, **control: float) -> Spot | None:
     try:
-        return solve_spot(_SPHERE, 1.0, Hexagonal(spacing), rings=rings, **control)
+        return solve_spot(Sphere(_SCENES.radius), 1.0, Hexagonal(spacing), rings=rings, **control)
     except OutOfRange:
         return None
 
 
 def figure_2a() -> Figure:
     """Pressure on one spot of a lattice under a given load per spot."""
-    alone = solve_spot(_SPHERE, 1.0, load=LOAD)
+    alone = solve_spot(Sphere(_SCENES.radius), 1.0, load=_SCENES.load)
     spots = {
-        (name, s): _solved(s, rings, load=LOAD)
+        (name, s): _solved(s, rings, load=_SCENES.load)
         for name, rings in _RINGS.items()
-        for s in SPACINGS_A
+        for s in _SCENES.spacings_a
     }
     radii = [alone.radius, *(spot.radius for spot in spots.values() if spot is not None)]
     r = np.unique(np.concatenate([a * np.sin(np.linspace(0.0, 0.5 * pi, 81)) for a in radii]))
@@ -60,7 +69,7 @@ def figure_2a() -> Figure:
     def draw(figure: Any) -> None:
         axes = figure.subplots()
         axes.plot(r, columns["p/E* Hertz"], color="#7a7a7a", linestyle=_LINES[_HERTZ], label=_HERTZ)
-        for spacing, colour in zip(SPACINGS_A, _COLOURS, strict=True):
+        for spacing, colour in zip(_SCENES.spacings_a, _COLOURS, strict=True):
             for name in _RINGS:
                 if spots[name, spacing] is not None:
                     style = {
@@ -95,7 +104,7 @@ def figure_2b() -> Figure:
             for a in shares * own_radius(Hexagonal(1.0).density)
         ]
         unit[name] = np.array([np.nan if s is None else s.nominal_pressure for s in spots])
-    for spacing in SPACINGS_B:
+    for spacing in _SCENES.spacings_b:
         lattice = Hexagonal(spacing)
         a = shares * own_radius(lattice.density)
         columns[f"a/R l/R={spacing}"] = a
@@ -117,7 +126,7 @@ def figure_2b() -> Figure:
         for axes in (left, right):
             for name in (_ALL, _HERTZ):
                 axes.plot([], [], color="black", linestyle=_LINES[name], label=name)
-            for spacing, colour in zip(SPACINGS_B, _COLOURS, strict=True):
+            for spacing, colour in zip(_SCENES.spacings_b, _COLOURS, strict=True):
                 for name, line in _LINES.items():
                     label = f"{name}, l/R = {spacing}" if name == _FIRST else None
                     of_spacing = (

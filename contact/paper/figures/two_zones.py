@@ -1,5 +1,6 @@
 """Figure 13: pairs of asperities with two zones per period."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,12 +9,18 @@ from contact.model.profiles import Biquadratic
 from contact.paper import CubicPair, LocalizedPair, PrintedCubicPair
 from contact.paper.figures.base import SELF, Figure, label_panel, on_cell, solved
 
-# E* = 1 and R = 1; L = 2.4 c as in the paper.
-RADIUS = 1.0
-HALF_SPACING = 0.05
-MEAN = 0.00109
-PERIOD = 2.4 * HALF_SPACING
-_PROFILE = Biquadratic(radius=RADIUS, spacing=2.0 * HALF_SPACING, period=PERIOD)
+
+@dataclass(frozen=True)
+class PairOfAsperities:
+    """The scene of figure 13, with E* = 1; the paper gives L = 2.4 c only."""
+
+    radius: float = 1.0
+    half_spacing: float = 0.05
+    period: float = 2.4 * 0.05
+    mean_pressure: float = 0.00109
+
+
+_SCENE = PairOfAsperities()
 
 _STYLES: dict[str, dict[str, Any]] = {
     "exact": {"color": "black", "linewidth": 1.8},
@@ -32,18 +39,19 @@ def figure_13() -> Figure:
     the exact solution.
     """
     shape: dict[str, Any] = {
-        "radius": RADIUS,
-        "spacing": 2.0 * HALF_SPACING,
-        "period": PERIOD,
+        "radius": _SCENE.radius,
+        "spacing": 2.0 * _SCENE.half_spacing,
+        "period": _SCENE.period,
         "E_star": 1.0,
-        "mean_pressure": MEAN,
+        "mean_pressure": _SCENE.mean_pressure,
     }
+    profile = Biquadratic(_SCENE.radius, 2.0 * _SCENE.half_spacing, _SCENE.period)
     printed, cubic, full = PrintedCubicPair(**shape), CubicPair(**shape), LocalizedPair(**shape)
     exact, cut, alone = (
-        solved(_PROFILE, m, mean_pressure=MEAN) for m in ("exact", SELF, "isolated")
+        solved(profile, m, mean_pressure=_SCENE.mean_pressure) for m in ("exact", SELF, "isolated")
     )
     assert exact is not None and cut is not None and alone is not None
-    x = on_cell([exact, cut, alone], 0.5 * PERIOD)
+    x = on_cell([exact, cut, alone], 0.5 * _SCENE.period)
     made: dict[str, Any] = {
         "exact": exact,
         "printed (38)": printed,
@@ -61,19 +69,19 @@ def figure_13() -> Figure:
     }
     apart = max(float(np.max(np.abs(ends[name] - e)) / (e[1] - e[0])) for name, e in closed.items())
     lines = [
-        f"{name}: a/c = {e[0] / HALF_SPACING:.5f}, b/c = {e[1] / HALF_SPACING:.5f}, (b - a)/c = "
-        f"{(e[1] - e[0]) / HALF_SPACING:.5f}, (a^2 + b^2)/2c^2 = "
-        f"{0.5 * np.sum(e**2) / HALF_SPACING**2:.4f}, "
+        f"{name}: a/c = {e[0] / _SCENE.half_spacing:.5f}, b/c = {e[1] / _SCENE.half_spacing:.5f}, (b - a)/c = "
+        f"{(e[1] - e[0]) / _SCENE.half_spacing:.5f}, (a^2 + b^2)/2c^2 = "
+        f"{0.5 * np.sum(e**2) / _SCENE.half_spacing**2:.4f}, "
         f"peak = {made[name].max_pressure:.7f} E*"
         for name, e in ends.items()
     ]
-    columns = {"x/c": x / HALF_SPACING, **{f"p/E* {name}": p for name, p in values.items()}}
+    columns = {"x/c": x / _SCENE.half_spacing, **{f"p/E* {name}": p for name, p in values.items()}}
 
     def draw(figure: Any) -> None:
         left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.25])
         for axes in (left, right):
             for name, p in values.items():
-                axes.plot(x / HALF_SPACING, 1e3 * p, label=name, **_STYLES[name])
+                axes.plot(x / _SCENE.half_spacing, 1e3 * p, label=name, **_STYLES[name])
         label_panel(left, "x/c", "1000 p/E*", legend=False, xlim=(-1.2, 1.2), ylim=(0.0, 4.9))
         label_panel(right, "x/c", "1000 p/E*", xlim=(0.7, 1.2), ylim=(0.0, 4.9))
 

@@ -131,7 +131,7 @@ class NewtonSettings:
     def ends(
         self, equation: sie.Equation, zones: sie.Zones, max_steps: int, **options: Any
     ) -> sie.Free:
-        """The ends of the intervals of an equation. options: further ones of `sie.NewtonOptions`."""
+        """The ends of the intervals of an equation; options: those of `sie.NewtonOptions`."""
         return sie.find_ends(
             equation,
             zones,

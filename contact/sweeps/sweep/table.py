@@ -112,7 +112,7 @@ class Table:
             temporary.unlink(missing_ok=True)
 
     def take_over(self, path: Path) -> None:
-        """Read the results of a file; SceneError unless its scene, keys and points fit this grid."""
+        """Read the results of a file; SceneError unless its scene and points fit this grid."""
         known = _read(path)
         dims = [axis.key for axis in self.axes]
         if sorted(map(str, known.dims)) != sorted(dims):
