@@ -143,8 +143,9 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
     if not rough[i] > _OPTIONS.stands_out * float(np.median(rough)):
         return None
     a, b = float(x[i]), float(x[i + last])
-    # The corner is enclosed more narrowly until round-off hides it.
-    while b - a > 64 * EPS * max(abs(a), abs(b)):
+    # The corner is enclosed more narrowly until round-off hides it. The width of the interval is a
+    # scale, too: a corner at 0 would be halved into underflow.
+    while b - a > 64 * EPS * max(abs(a), abs(b), hi - lo):
         x = np.linspace(a, b, 4 * last + 1)
         rough, last = _roughness(function, x)
         i = int(np.argmax(rough))
