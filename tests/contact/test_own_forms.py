@@ -91,7 +91,7 @@ def test_a_profile_of_the_right_form_is_solved():
     ("said", "fault"),
     [
         ({"slope": lambda x: 3 * np.asarray(x)}, "slope disagrees with the height"),
-        ({"height": np.abs, "slope": np.sign}, "kinks does not say so"),
+        ({"height": np.abs, "slope": np.sign}, "jumps by 2 at 0, and kinks does not say so"),
         (
             {"height": np.abs, "slope": np.sign, "kinks": np.array([[0.0, 1.0]])},
             "the slope jumps by 2 there",
@@ -100,10 +100,7 @@ def test_a_profile_of_the_right_form_is_solved():
     ids=["slope", "kink", "jump"],
 )
 def test_a_profile_that_contradicts_itself_is_told_so_where_it_leads_nowhere(said, fault):
-    with pytest.raises(
-        contact.NotConverged,
-        match=f"contradicts itself, says contact.testing.check_profile: .*{fault}",
-    ):
+    with pytest.raises(contact.NotConverged, match=fault):
         contact.solve(scene(own(**said)))
 
 

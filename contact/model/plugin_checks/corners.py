@@ -152,7 +152,8 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
         if not rough[i] > 64 * EPS * float(np.abs(function(x)).max()):
             break
         a, b = float(x[i]), float(x[i + last])
-    at = np.array([0.5 * (a + b)])
+    # A corner enclosed with 0 is at 0.
+    at = np.array([0.0 if a <= 0.0 <= b else 0.5 * (a + b)])
     room = room_around(at, np.append(declared, (lo, hi)), hi - lo, periodic=False)
     seen = jumps_at(profile, at, room, nearest=4 * (b - a))
     jump, doubt = float(seen.height[0, 0]), float(seen.doubt[0, 0])
