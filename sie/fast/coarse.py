@@ -1,4 +1,4 @@
-"""The coarse problem of the preconditioner: zones as flat punches that feel each other's loads."""
+"""The coarse problem of the preconditioner: flat punches that interact by their loads alone."""
 
 from dataclasses import dataclass
 
@@ -14,11 +14,11 @@ from sie.trees.hierarchical import Inverse
 class CoarseOptions:
     """Options of the coarse problem."""
 
-    # Accuracy of the hierarchical inverse: below the bending of zones that the coarse problem
-    # leaves out.
+    # Relative accuracy of the hierarchical inverse. The coarse problem neglects how zones bend each
+    # other, which is a larger error.
     tolerance: float = 1e-4
-    # An inverse is kept for other zones while the ends of nearly all zones, this fraction of them,
-    # have moved by less than this part of a width, and of the others by less than a width.
+    # An inverse is reused for moved zones while the ends of the fraction `kept_fraction` of zones
+    # have moved by less than `kept_move` widths, and all others by less than one width.
     kept_move: float = 0.1
     kept_fraction: float = 0.99
 
@@ -27,9 +27,10 @@ _OPTIONS = CoarseOptions()
 
 
 class CoarseOperator:
-    """The coarse matrix and its inverse: mean potential on each solved zone from each c_0.
+    """The coarse matrix and its inverse.
 
-    A constant times the total is subtracted, which makes the matrix definite.
+    The matrix gives the mean potential on each solved zone from the coefficient c_0 of each zone. A
+    constant times the total load is subtracted, which makes the matrix definite.
     """
 
     def __init__(self, zones: Zones, system: IterativeSystem) -> None:
@@ -59,8 +60,8 @@ class CoarseOperator:
     def _of(self, i: Index, j: Index) -> Array:
         zones, kernel = self.zones, self.kernel
         x, xi, w = zones.middle[i], zones.middle[j], zones.half[j]
-        # A punch raises log((d + sqrt(d^2 - w^2)) / 2) at distance d, and log(w / 2) on itself. The
-        # logarithms of all poles are one.
+        # A punch of half width w has the potential log((d + sqrt(d^2 - w^2)) / 2) at distance d,
+        # and log(w / 2) on itself. One logarithm of a product serves all poles of the kernel.
         product, away = np.ones(np.broadcast(i, j).shape), x - xi
         for shift in kernel.poles:
             d = np.maximum(np.abs(away - shift), w)
@@ -71,7 +72,7 @@ class CoarseOperator:
         return np.asarray(w * (out - self.lowered))
 
     def serves(self, system: IterativeSystem) -> bool:
-        """Whether the zones of a system, and what it asks of them, are about the same."""
+        """Whether the inverse may be reused for a system with nearly the same zones and springs."""
         zones, move = system.zones, _OPTIONS.kept_move
         if len(zones) != len(self.zones) or zones.symmetric != self.zones.symmetric:
             return False

@@ -19,15 +19,16 @@ from sie.trees.krylov import gmres
 class IterationOptions:
     """Options of preconditioned GMRES."""
 
-    # A correction reduces the residual by this factor; there are so many corrections at most. One
-    # that leaves more than `stagnant` of the residual is the last: rough sums leave much less, so
-    # it is rounding.
+    # Each run of GMRES with rough sums, a correction, reduces the residual by this factor.
     correction: float = 1e-6
     max_corrections: int = 6
+    # The corrections end when one leaves more than this fraction of the residual: the remaining
+    # residual is round-off, since the error of rough sums is much smaller.
     stagnant: float = 1e-3
-    # Zones with less than this part of the largest coefficient are scaled as if they had it.
+    # Lower bound of each zone's scale, relative to the largest unknown of all zones.
     min_scale: float = 1e-4
-    # For more zones than these, the tolerance of the norm grows so that it stays that of each zone.
+    # Above this number of zones the tolerance of the norm grows with the root of the number, so
+    # that the tolerance of each single zone stays the same.
     norm_zones: int = 100
 
 
@@ -38,9 +39,11 @@ EPS = float(np.finfo(float).eps)
 class Iterative:
     """Solves the rows of an `IterativeSystem` for any right side.
 
-    value: of an open condition, if there is one. Unknowns are scaled by the largest of their zone,
-    so that lightly loaded zones are as accurate as others. error: the error of each zone's unknowns
-    (Z,), as the last preconditioned residual has it.
+    value: the value of the open condition, if there is one. error: the error of each zone's
+    unknowns (Z,), estimated by the last preconditioned residual.
+
+    Each unknown is scaled by the largest unknown of its zone, so that lightly loaded zones are as
+    accurate as others.
     """
 
     def __init__(
@@ -55,7 +58,8 @@ class Iterative:
         self.equations = len(system.diagonal)
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
-        # Answers to random errors of the rows, with what these were made of: see `states.rounding`.
+        # Changes of the solution by random errors of the rows, with the sizes of these errors as
+        # bytes. `states.rounding` computes and stores them.
         self.random_changes: tuple[tuple[bytes, bytes], list[Array]] | None = None
 
     @property
@@ -90,8 +94,8 @@ class Iterative:
     ) -> Array:
         """The folded unknowns for a right side.
 
-        near: first guess; tolerance: if not that of the solver; taken: a linear map of the unknowns
-        that is subtracted from the rows.
+        near: a first guess; tolerance: replaces the tolerance of the solver; taken: a linear map of
+        the unknowns that is subtracted from the rows.
         """
 
         def rows(folded: Array, rough: bool = False) -> Array:
@@ -103,7 +107,8 @@ class Iterative:
 
         plain = self.preconditioner(right) if near is None else near
         scale = self.scale_of(plain)
-        # The norm adds up the errors of all zones.
+        # The norm adds up the errors of all zones: with the number of zones, the tolerance of the
+        # norm grows for the same error in each.
         count = len(self.system.zones.solved)
         norm_of_many = math.sqrt(max(count / _OPTIONS.norm_zones, 1.0))
         wanted = self.tolerance if tolerance is None else tolerance
@@ -129,7 +134,7 @@ class Iterative:
         return x
 
     def _largest(self, folded: Array) -> Array:
-        """Largest unknown of every solved zone."""
+        """Largest absolute value of the unknowns of every solved zone."""
         return np.asarray(
             np.maximum.reduceat(
                 np.abs(folded[: self.size - len(self.preconditioner.amplitudes)]),
@@ -138,14 +143,17 @@ class Iterative:
         )
 
     def _by_zone(self, folded: Array) -> Array:
-        """Largest unknown of every zone, mirrored ones included."""
+        """Largest absolute value of the unknowns of every zone, mirrored zones included."""
         zones = self.system.zones
         out = np.zeros(len(zones))
         out[zones.solved] = self._largest(folded)
         return np.maximum(out, out[::-1]) if zones.symmetric else out
 
     def scale_of(self, folded: Array) -> Array:
-        """Scale of every unknown: the largest of its zone, with a lower bound; 1 for amplitudes."""
+        """Scale of every unknown: the largest unknown of its zone, bounded below.
+
+        The scale of amplitudes is 1.
+        """
         largest = self._largest(folded)
         top = float(largest.max())
         size = np.diff(

@@ -1,4 +1,4 @@
-"""Two-level preconditioner: the own part of each zone's rows, and a coarse problem."""
+"""Two-level preconditioner: the diagonal part of each zone's rows, and a coarse problem."""
 
 import numpy as np
 
@@ -10,13 +10,14 @@ from sie.fast.system import Applied, IterativeSystem
 
 
 class TwoLevelPreconditioner:
-    """Inverse of the rows without the bending of zones by each other.
+    """Inverse of the rows, approximate because it neglects how zones bend each other.
 
-    The c_k follow from the rows of the equation, c_0 and the amplitudes from the side conditions.
-    With level = G c_0 - (amplitudes' means) on every zone, G = C + constant and C the coarse
-    operator, c_0 = C^-1 (level + unknown constant + ...). The few unknowns that are left follow
-    from the conditions that are not those of every zone. Where every zone has a held end, c_0 makes
-    K vanish there.
+    The coefficients c_k with k > 0 follow from the rows of the equation. The coefficients c_0 and
+    the amplitudes of the columns follow from the side conditions. On every zone the level is
+    G c_0 less the means of the columns, with G = C + constant and C the coarse operator. So c_0 is
+    C^-1 (level + unknown constant + ...). The few remaining unknowns follow from the conditions
+    that do not belong to single zones. Where every zone has a fixed end with a prescribed
+    intensity K, c_0 follows from K.
     """
 
     def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None) -> None:
@@ -33,15 +34,15 @@ class TwoLevelPreconditioner:
         self.held = np.array(sum(zones.fixed_bounded, []), dtype=np.intp)
         at = next((k for k, kind in enumerate(kinds) if kind is not None), None)
         self.own, self.levels = system.of_zones, system.levelled
-        # The rows that every zone has of its own: those of one condition, or of held ends, which
-        # come last.
+        # Rows of the condition that every zone has of its own. Without such a condition they are
+        # the rows of the prescribed intensities at fixed ends, which come last.
         self.rows = (
             slice(int(starts[-1]), None)
             if at is None
             else slice(int(starts[at]), int(starts[at + 1]))
         )
         self.absolute = self.own is not None and not self.own.differences
-        # The condition that every zone has of its own, if it is not one on levels.
+        # The condition that every zone has of its own, unless it is a condition on levels.
         self.closed = None if at is None or self.levels else conditions[at]
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
         layout, symmetry = system.layout, system.symmetry
@@ -54,8 +55,9 @@ class TwoLevelPreconditioner:
             self._small[:, k] = self._scalars(column)
 
     def _responses(self) -> Array:
-        """Folded unknowns, in columns, that a unit of the constant and of each amplitude brings
-        about.
+        """Columns: responses of the folded unknowns to the unknown constant and to each amplitude.
+
+        The constant is the one that levels may share. If there is one, its column is the first.
         """
         system, with_constant = self.system, int(self.levels)
         out = np.zeros((system.symmetry.size, system.layout.columns + with_constant))
@@ -70,7 +72,7 @@ class TwoLevelPreconditioner:
         return out
 
     def _close(self, folded: Array, wanted: Array) -> None:
-        """Set c_0 of every zone so that its own condition has the wanted value."""
+        """Set c_0 of every zone, in place, so that its own condition has the wanted value."""
         system = self.system
         if self.levels:
             assert self.coarse is not None
@@ -98,7 +100,7 @@ class TwoLevelPreconditioner:
             assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
-            # The term of the constant, the first column of the basis, is added by `__call__`.
+            # `__call__` adds the contribution of the constant, the first column of the basis.
             out.append(self.coarse.lowered * total)
         return np.array(out)
 

@@ -1,10 +1,11 @@
 """Rows of the equation for many zones, applied to unknowns by fast sums.
 
-The rows are those of `sie.dense.system`: each zone's own part is -c_k, and the rest couples the
-zones. The preconditioner inverts the own part and, for the zones' loads, a coarse problem: flat
-punches that feel each other through their loads alone, with the same side conditions. The
-iterations are left with how zones bend each other, which falls as the square of the distance. So
-their number does not grow with that of the zones.
+The rows are those of `sie.dense.system`: each zone's own part is -c_k, with c_k a Chebyshev
+coefficient of its density, and the rest couples the zones. The preconditioner inverts the own part.
+For the loads of the zones it solves a coarse problem: flat punches that interact through their
+loads alone, with the same side conditions. The iterations account for how zones bend each other,
+which decreases as the square of the distance. So the number of iterations does not grow with the
+number of zones.
 """
 
 import math
@@ -31,10 +32,11 @@ from sie.trees.far import reaches
 class QuadratureOptions:
     """Options of the rows that are applied by sums."""
 
-    # Rows at most of conditions that not every zone has: a small dense system couples them.
+    # Largest number of rows of conditions that do not belong to single zones. A small dense system
+    # solves them.
     max_dense_conditions: int = 64
-    # Gauss-Legendre nodes for the integral of g over `lengths_per_panel` lengths of its resolution.
-    # For a wave of that length the error is 1e-19.
+    # Gauss-Legendre nodes of each panel in the integral of the right side g over a gap. A panel is
+    # `lengths_per_panel` resolution lengths of g long. For a wave of that length the error is 1e-19.
     gauss_nodes: int = 16
     lengths_per_panel: int = 2
 
@@ -44,7 +46,10 @@ _OPTIONS = QuadratureOptions()
 
 @lru_cache(maxsize=1)
 def _gauss_legendre() -> tuple[Array, Array, Array]:
-    """(nodes, weights, D), where values @ D is the slope of their polynomial at the nodes."""
+    """(nodes, weights, matrix D) of the Gauss-Legendre rule.
+
+    The product values @ D is the slope, at the nodes, of the polynomial through the values.
+    """
     t, weights = np.polynomial.legendre.leggauss(_OPTIONS.gauss_nodes)
     basis = np.polynomial.legendre.legvander(t, _OPTIONS.gauss_nodes - 1)
     orders = np.eye(_OPTIONS.gauss_nodes)
@@ -57,9 +62,7 @@ def _gauss_legendre() -> tuple[Array, Array, Array]:
 
 
 def unfit(equation: Equation, zones: Zones) -> str | None:
-    """Why fast sums do not serve, in words: the conditions or the kernel lack something; None if
-    they do.
-    """
+    """The reason in words why fast sums cannot be used for this equation, or None if they can."""
     if len(zones.solved) < 2:
         return "one zone is too few"
     if not reaches(equation.kernel, zones):
@@ -77,9 +80,9 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
 
 
 class IterativeSystem(System):
-    """Rows applied to unknowns without a matrix.
+    """The rows of the equation, applied to unknowns without a matrix.
 
-    rough: whether the far field need be accurate to 1e-7 of the whole only.
+    rough: whether a far field with an error of 1e-7 of the whole field is accurate enough.
     """
 
     def __init__(
@@ -117,13 +120,14 @@ class IterativeSystem(System):
 
     @cached_property
     def known_intensities(self) -> tuple[Array, Array]:
-        """Part of K at the left and right ends that does not depend on the unknowns."""
+        """Part of the intensity K at the left and right ends that does not depend on unknowns."""
         return self.intensities_of(self.beyond)
 
-    # rows applied
-    # ----------------------------------------------------------------------------------------
     def applied(self, y: Array, rough: bool = False) -> "tuple[Array, Applied]":
-        """(rows of the equation, what conditions ask for) for unknowns y; rough: see `ZoneSums`."""
+        """(rows of the equation, quantities that conditions are about) for the unknowns y.
+
+        rough: see `ZoneSums`.
+        """
         rows, middle, mean = self.sums(y, rough or self.rough)
         rows -= y[self.own]
         if self.layout.columns:
@@ -131,8 +135,9 @@ class IterativeSystem(System):
         return rows[self.kept], Applied(self, y, middle, self._with_own(y, mean))
 
     def felt(self, y: Array) -> Array:
-        """Field of unknowns on the other solved zones: sum of the sizes of its coefficients on
-        each.
+        """Size of the field on each solved zone that the unknowns of the other zones cause.
+
+        It is the sum of the absolute values of the field's coefficients.
         """
         rows, count = np.abs(self.sums(y, rough=True)[0]), self.layout.m[self.zones.solved]
         zone = np.repeat(np.arange(len(count)), count)
@@ -153,13 +158,13 @@ class IterativeSystem(System):
 
     @cached_property
     def of_zones(self) -> ByZone | None:
-        """The condition that every zone has of its own, held ends excepted."""
+        """The condition that every zone has of its own; intensities at fixed ends do not count."""
         found = (by_zone(c, self.zones) for c in self.equation.conditions)
         return next((one for one in found if one is not None), None)
 
     @cached_property
     def springs(self) -> Array:
-        """Factor of c_0 in every zone's own condition on its level."""
+        """Factor of the coefficient c_0 in each zone's own condition on its level; 0 without one."""
         own = self.of_zones
         none = np.zeros(len(self.zones.solved))
         return (
@@ -197,13 +202,13 @@ class IterativeSystem(System):
     def _forcing_differences(self) -> Array:
         """Differences of the primitive's means between neighbouring zones.
 
-        Over the gap they are integrated by quadrature, over the zones from the coefficients of g,
-        since the antiderivative of U_{k-1} is T_k / k.
+        The rise across the gap comes from quadrature of the right side g. The rise along the zones
+        comes from the coefficients of g, since the antiderivative of U_{k-1} is T_k / k.
         """
         zones, solved, forcing = self.zones, self.zones.solved, self.equation.forcing
         if not self.integrated:
             return np.diff(self._forcing_means())
-        if self.rough:  # to the rounding of the primitive
+        if self.rough:  # the round-off of the primitive is accurate enough
             assert forcing.primitive is not None
             across = np.asarray(
                 forcing.primitive(zones.a[solved[1:]]) - forcing.primitive(zones.b[solved[:-1]])
@@ -217,10 +222,10 @@ class IterativeSystem(System):
 
     @cached_property
     def _across_gaps(self) -> tuple[Array, Array]:
-        """(integral of g over every gap, its error by the rounding of places).
+        """(integral of the right side g over every gap, its error by the rounding of positions).
 
-        Places are rounded to half a unit in the last digit, which the forcing's own arithmetic may
-        lose.
+        Positions are rounded to half a unit in the last digit. The error is zero if the forcing
+        takes exact positions.
         """
         forcing = self.equation.forcing
         assert forcing.resolution.length is not None
@@ -251,7 +256,7 @@ class IterativeSystem(System):
 
     @property
     def _gaps(self) -> tuple[Array, Array, Array]:
-        """(left end, its part below the last digit, length) of the gaps between solved zones."""
+        """(left end, part of it below its last digit, length) of the gaps between solved zones."""
         zones, solved = self.zones, self.zones.solved
         left, rest = zones.b[solved[:-1]], zones.rest[1, solved[:-1]]
         return left, rest, (zones.a[solved[1:]] - left) + (zones.rest[0, solved[1:]] - rest)
@@ -260,11 +265,12 @@ class IterativeSystem(System):
         return self.applied(y)[1].level
 
     def level_rounding(self, y: Array) -> Array | float:
-        """Rounding of the levels.
+        """Round-off of the levels.
 
-        The terms of a level are at most all totals at the farthest distance, and the largest at the
-        nearest. Where only differences between neighbours matter, the terms between them are
-        rounded.
+        If a condition on levels applies to each zone by itself, the round-off is that of the sum of
+        all terms of a level. These are at most all totals times the logarithm of the farthest
+        distance, plus the largest own term. Otherwise only differences between neighbours matter,
+        and the round-off is that of the terms between neighbours.
         """
         zones, datum = self.zones, self.equation.kernel.datum
         own = np.abs(zones.half * y[self.layout.offset])
@@ -280,13 +286,13 @@ class IterativeSystem(System):
                 (root_of_squares(self.g) * np.sqrt(zones.half / zones.half.sum()))[None]
             )[0]
         )
-        # Potentials of neighbours are accumulated apart from each other up to the node that holds
-        # both.
+        # The potentials of neighbours are separate sums up to the node of the tree that contains
+        # both, so their round-off is independent up to that node.
         apart = np.maximum(slope * self._gaps[2], typical * self.sums.far.targets.tree.parted)
         steps = 2.2e-16 * apart + (
             self._across_gaps[1] if self.integrated and not self.rough else 0.0
         )
-        # The step across the border of a period is minus the sum of all others.
+        # The difference across the border of a period is minus the sum of all others.
         border = float(root_of_squares(steps[None])[0])
         felt_left, felt_right = felt(
             *(
@@ -310,9 +316,11 @@ class IterativeSystem(System):
 
 @record
 class Applied(Rows):
-    """What conditions may ask for (`conditions.Rows`), for one set of unknowns: one column.
+    """The quantities that conditions are about, for one set of unknowns y.
 
-    edges: K at both ends of the solved zones (2, n), where the unknowns do not give it.
+    It implements `conditions.Rows`, with values for y as the single column of each matrix. edges:
+    intensities K at the left and right ends of the solved zones (2, n), if they are not to be
+    computed from y.
     """
 
     system: IterativeSystem
@@ -361,7 +369,7 @@ class Applied(Rows):
         return (left[:, None], constant_left), (right[:, None], constant_right)
 
     def held(self) -> Linear:
-        """K at the ends that are held at zero, those on the left first."""
+        """The intensity K at fixed ends where it is prescribed, left ends first."""
         pairs = list(zip(self.zones.fixed_bounded, self.intensities(), strict=True))
         matrix, constants = (
             np.concatenate([linear[part][chosen] for chosen, linear in pairs]) for part in (0, 1)

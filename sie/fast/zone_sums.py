@@ -1,14 +1,16 @@
 """Sums over all zones in linear time, by a tree whose nodes are equivalent zones.
 
-The field of a zone outside depends on the moments M_l = (1/pi) int phi T_l dxi of its density
-alone, M_0 = w c_0 and M_l = w c_l / 2. So does the field of a whole node of the tree, with moments
-about its hull, which is an interval like any other (`sie.basis.interval`).
+Outside a zone its field depends on the moments M_l = (1/pi) int phi T_l dxi of its density phi
+alone. With the half width w and the coefficients c_l of the density, M_0 = w c_0 and
+M_l = w c_l / 2. A node of the tree is a group of zones, treated as one zone that covers them all:
+its field follows in the same way from its moments (`sie.basis.interval`).
 
 Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s). The
-same A takes the Chebyshev series of the far field from a parent to its children. The potential is
-carried as its value at the middle of each node, since its derivative is the transform. It is summed
-in double-double arithmetic, for its differences between neighbours. So zones need no nodes of their
-own. Only near zones interact directly, by the closed forms of `sie.dense.system`. See L. Greengard
+same matrix A takes the Chebyshev series of the far field from a parent to its children. Of the
+potential only the value at the middle of each node is stored, since its derivative is the
+transform. The potential is summed in double-double arithmetic, because conditions use its small
+differences between neighbours. So the far field needs no quadrature nodes on the zones. Only near
+zones interact directly, by the closed forms of `sie.dense.system`. See L. Greengard
 and V. Rokhlin, J. Comput. Phys. 73, 1987, 325-348, here in one dimension and with Chebyshev series.
 """
 
@@ -28,7 +30,7 @@ from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
 from sie.trees.tree import TERMS, Pairs, Tree
 
-# Powers below exp(-_VANISHED), which is round-off, are left out of near sums.
+# Powers of rho below exp(-_VANISHED), which is below round-off, are left out of near sums.
 _VANISHED = 40.0
 
 
@@ -58,7 +60,7 @@ class NearRows:
         )
         gap = np.where(right, past, before_it)
         half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
-        # The decay at the node nearest to the source decides how many powers count.
+        # The decay at the node nearest to the source determines how many powers are needed.
         e = (
             gap
             + width
@@ -109,7 +111,7 @@ class NearRows:
         sparse = lazy.module("scipy.sparse")
         size = layout.size
         potential_pointer = np.concatenate(([0], np.cumsum(per_zone)))
-        # With wider pointers scipy would copy the columns.
+        # Pointers have the integer type of the columns if possible: else scipy copies the columns.
         wide = np.int32 if pointer[-1] <= np.iinfo(np.int32).max else np.int64
         return cls(
             sparse.csr_array((data, column, pointer.astype(wide)), shape=(len(pointer) - 1, size)),
@@ -120,7 +122,7 @@ class NearRows:
 
 
 class PanelSums:
-    """Field of a smooth regular part on the solved zones, through its panels."""
+    """Field on the solved zones of a smooth regular part of the kernel, by sums over panels."""
 
     def __init__(self, panels: Panels | Skeleton, zones: Zones, layout: Layout) -> None:
         self.panels, self.zones = panels, zones
@@ -150,7 +152,7 @@ class PanelSums:
         )
 
     def moments(self, y: Array) -> Array:
-        """Moments of the panels from unknowns."""
+        """Moments of the density on the panels, from the unknowns."""
         weights = [
             (chebyshev.t_values(y[columns], q) * scale).ravel() for columns, scale, q in self.groups
         ]
@@ -167,7 +169,8 @@ class PanelSums:
 class ZoneSums:
     """Field of all zones and images on the solved zones, without a zone's action on itself.
 
-    It is given as U coefficients, and as the mean of the potential with weight 1 / sqrt(1 - t^2).
+    Calls return the coefficients of the transform in Chebyshev polynomials U, and the mean of the
+    potential with weight 1 / sqrt(1 - t^2).
     """
 
     def __init__(self, zones: Zones, kernel: Kernel, layout: Layout) -> None:
@@ -197,9 +200,10 @@ class ZoneSums:
         return int(self.near.transform.nnz) + len(self.far.far) * TERMS
 
     def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
-        """(U coefficients k = 1 ... m of every solved zone, mean potential of each in two words).
+        """(U coefficients k = 1 ... m, potential in the middle, rest of the mean) of solved zones.
 
-        rough: whether the far field need be accurate to 1e-7 of the whole only.
+        The mean potential of each zone is the sum of the last two. rough: whether a far field with
+        an error of 1e-7 of the whole field is accurate enough.
         """
         leaves = np.append(y, 0.0)[self.lead] * self.scale
         series, middle, mean = self.far(leaves, rough)
@@ -221,8 +225,8 @@ class ZoneSums:
             count = min(m, TERMS)
             u[:, :count] += far[group, :count]
             rows[place] = u
-            # The primitive of U_{k-1} is T_k / k: its mean is 0, and its value at the middle cos(k
-            # pi / 2) / k.
+            # The primitive T_k / k of U_{k-1} has the mean 0 and, in the middle, the value
+            # cos(k pi / 2) / k, which is subtracted.
             k = np.arange(2, m + 1, 2)
             to_mean = -np.cos(0.5 * np.pi * k) / k
             mean[group] += zones.half[solved[group]] * (u[:, 1::2] @ to_mean)

@@ -15,11 +15,11 @@ has the transform
 
 P_q follows from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of eta. Where the q-th
 derivative of the density jumps by J, h = J w^q / q!, the right side is smooth once this is
-subtracted. q = 0 is the slope of a gap over a kink of the profile, q = 1 over a jump of its
-curvature, q = 2 over a knot of a cubic spline.
+subtracted. If the density is the slope of a gap, it jumps (q = 0) at a kink of the profile. Its
+derivatives jump where the curvature jumps (q = 1) and at a knot of a cubic spline (q = 2).
 
-For q = 0 the caller leaves (J/pi) Lambda(x, s), Lambda the kernel's potential, out of the values of
-the right side. It is added here, from distances that lose no digit on the narrowest zone.
+For q = 0 the caller omits (J/pi) Lambda(x, s) from the values of the right side, with Lambda the
+kernel's potential. This module adds it, from distances that lose no digit on the narrowest zone.
 Logarithms outside a zone but close to it are treated in `sie.jumps.exterior`.
 """
 
@@ -43,16 +43,16 @@ from sie.jumps.poles import NO_POLES
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import QuadraticSpline
 
-# Coefficients of the potential of a spline of the density on the line: they fall as l^-3.
+# Number of coefficients of the potential of a spline of the density. They fall as l^-3.
 _POTENTIAL_TERMS = SPLINES.coefficients_per_knot * SPLINES.min_density_jumps
 
 
 @record
 class Logarithms:
-    """Terms (J/pi) Lambda(x, s) of the right side.
+    """Terms (J/pi) Lambda(x, s) of the right side, from jumps J of the density at positions s.
 
-    at: places s; weight: J/pi; own: the zone that contains s, or -1; near: those outside a zone but
-    close to it.
+    Lambda is the potential of the kernel. at: positions s; weight: J/pi; own: the zone that
+    contains s, or -1; near: the terms whose s lies outside a zone but close to it.
     """
 
     kernel: Kernel
@@ -73,14 +73,15 @@ class Logarithms:
     def on_zone(self, zone: int, left: Array) -> Array:
         """Sum of the terms on a zone without their nearest singularity.
 
-        left: distances over w from the zone's left end. The omitted part is (J/pi) ln(2 |t - s|) of
-        a place in the zone, and (J/pi) ln(2 |rho| |t - s|) of a place close to it.
+        left: distances from the zone's left end in half widths. The omitted part is
+        (J/pi) ln(2 |t - s|) for a position s in the zone, and (J/pi) ln(2 |rho| |t - s|) for one
+        close to it.
         """
         w, kernel = self.zones.half[zone], self.kernel
         away = w * left[:, None] + (self.zones.a[zone] - self.at)
         if kernel.period is not None:
-            # The nearest image of each place; a place in the zone is counted from the zone's own
-            # ends.
+            # Distances are those from the nearest image of each position. Positions in the zone
+            # itself are not moved, since they are given relative to the zone's own ends.
             away = np.where(
                 self.own == zone,
                 away,
@@ -98,7 +99,7 @@ class Logarithms:
         return np.asarray((near + self._far(away)) @ self.weight)
 
     def _far(self, away: Array) -> Array:
-        """Lambda without its nearest logarithm."""
+        """The kernel's potential without its nearest logarithm, at distances x - s."""
         kernel = self.kernel
         out = np.zeros(away.shape)
         for shift in kernel.poles:
@@ -111,9 +112,9 @@ class Logarithms:
 
 @record
 class DensityJumps(ForcingJumps):
-    """Jumps of the density's derivatives, h = J w^q / q!.
+    """Jumps J of the density (order q = 0) and of its derivatives, with heights h = J w^q / q!.
 
-    logarithms: all jumps of order 0, inside zones or not.
+    logarithms: terms of the right side by all jumps of order 0, inside zones or not.
     """
 
     logarithms: Logarithms | None = None
@@ -182,14 +183,16 @@ class DensityJumps(ForcingJumps):
 
     # The density.
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Integral of the density from the zone's left end, over w.
+        """Integral of the density from the zone's left end, divided by the half width w and h / pi.
 
-        From the ends inwards, int_t^1 (tau - s)^q eta = (1/pi) int_0^theta (cos a - s)^q a sin(a)
-        da for t > s.
+        It is integrated from the end on the same side of s. For t > s,
+
+            int_t^1 (tau - s)^q eta dtau = (1/pi) int_0^theta (cos a - s)^q a sin(a) da.
         """
         s, q, on_right = self.s[k], self.order[k], left > self.left[k]
         inner = np.where(on_right, theta(left, right), theta(right, left))
-        # Counted from the left end, t and s change their signs, and (tau - s)^q does for odd q.
+        # Integrals from the left end follow by reflection: t and s change their signs, and so does
+        # (tau - s)^q for odd q.
         shift = np.where(on_right, s, -s)
         sine, cosine = np.sin(inner), np.cos(inner)
         first = sine - inner * cosine
@@ -201,7 +204,10 @@ class DensityJumps(ForcingJumps):
 
     @cached_property
     def _totals(self) -> Array:
-        """Integral of each part over its zone, over w h / pi."""
+        """Integral of the density of each jump over its zone, divided by w h / pi.
+
+        w is the half width of the zone and h the height of the jump.
+        """
         count, alone = len(self.zone), replace(self, height=np.full(len(self.zone), np.pi))
         return np.pi * alone.coefficients(np.arange(count), np.arange(count), count, 1)[:, 0]
 
@@ -217,10 +223,10 @@ class DensityJumps(ForcingJumps):
 
     # Transforms and potentials.
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of the closed parts over w, without c_0 log(w); on the zone rho = e^{i theta}.
+        """Potential of the closed-form parts divided by the half width w, without c_0 log(w).
 
-        For q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) +
-        rho^{j+1}/(j+1)); for others see `_potential`.
+        On the zone rho = e^{i theta}. For q = 0 the formula comes from partial fractions of
+        -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)). For other q see `_potential`.
         """
         root = root_weight(np.maximum(seen.left, 0.0), np.maximum(seen.right, 0.0))
         rho = np.where(seen.on, 0.5 * (seen.left - seen.right) + 1j * root, seen.rho)
@@ -230,9 +236,9 @@ class DensityJumps(ForcingJumps):
         return out + self.poles.potential(zone, seen) if len(self.poles) else out
 
     def of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
-        """Potential over w and h / pi, without c_0 log(w), of jumps k of the density itself.
+        """Potential of jumps k of the density itself, divided by w and h / pi, without c_0 log(w).
 
-        log: log(2 rho).
+        w is the half width of the zone and h the height of the jump; log: log(2 rho).
         """
         up = np.exp(1j * self.phi[k])
         both = potential_series(up, rho) + potential_series(np.conj(up), rho)
@@ -240,7 +246,7 @@ class DensityJumps(ForcingJumps):
 
     # Values at complex points, see `sie.density.plane`.
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """The logarithm log(A B) of jumps k."""
+        """The logarithm log(2 rho (zeta - s)) of jumps k; away: zeta - s."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(2 * seen.rho[:, None] * away))
 
@@ -249,7 +255,7 @@ class DensityJumps(ForcingJumps):
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential of jumps k over w, without c_0 log(w)."""
+        """Potential of jumps k divided by the half width w, without c_0 log(w)."""
         higher = self.order[k] > 0
         out = super().plane_potential(k[higher], seen, away[:, higher], log[:, higher])
         kinks = k[~higher]
@@ -273,23 +279,24 @@ class DensityJumps(ForcingJumps):
             return np.log(np.where((away == 0) & (self.order[k] > 0), 1.0, 2 * np.abs(away)))
 
     def turn_off(self, k: Index, rho: Array) -> Array:
-        # |1 - rho e^{i phi}|^2 from the distance to the nearer end; both terms are positive there.
+        # This is log |1 - rho e^{i phi}|^2, from the distance of the jump to the end on the side of
+        # the point. Both terms are positive, so that nothing cancels.
         end = np.where(rho > 0, self.right[k], self.left[k])
         return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
-        """The function eta at points given by their distances from the zone's ends over w."""
+        """pi eta at points given by their distances from the zone's ends in half widths."""
         away, from_right, from_left = left - self.left[k], theta(left, right), theta(right, left)
         return np.where(
             away == 0, 0.5 * (from_right - from_left), np.where(away > 0, from_right, -from_left)
         )
 
     def _potential(self, q: int, k: Index, parts: tuple[Any, ...]) -> Any:
-        """Potential for q = 1 and 2: the primitive of the transform that behaves as -c_0 ln(2
-        |rho|) far away.
+        """Potential for orders q = 1 and 2, as a primitive of the transform.
 
-        With L = ln(1 - 2 rho cos(phi) + rho^2), R = sgn(z) sqrt(z^2 - 1) and g = -ln|rho| = int dz
-        / R,
+        Of all primitives it is the one that behaves as -c_0 ln(2 |rho|) far away. With
+        L = ln(1 - 2 rho cos(phi) + rho^2), R = sgn(z) sqrt(z^2 - 1) and g = -ln|rho| = int dz / R,
+        it is
 
             (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz
             + C_q.
@@ -326,7 +333,7 @@ class DensityJumps(ForcingJumps):
         return main + rest
 
     def sine_weights(self, k: Index, j: Array) -> Array:
-        # By the angle from the nearer end, whose multiples keep their digits close to that end.
+        # Angles are measured from the nearer end, so that their multiples keep their digits there.
         from_left = (self.psi < self.phi)[k][:, None]
         cosines = np.cos(j * np.minimum(self.phi, self.psi)[k][:, None])
         return np.asarray(np.where(from_left & (j % 2 == 1), cosines, -cosines))

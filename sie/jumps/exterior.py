@@ -5,9 +5,9 @@ With s > 1 or s < -1 and rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, the bounded 
     beta(t) = -(2/pi) sum_j (rho^j / j) sin(j theta)
             = -(2/pi) atan2(rho sin(theta), 1 - rho cos(theta))
 
-has the transform (1/pi) ln(2 |rho| |t - s|) on the zone, and (2/pi) ln(1 - rho rho_z) off it. It is
-the density of `sie.jumps.density` with cos(j phi) continued to rho^j. Without it a logarithm close
-to an end would need 1/sqrt(distance) modes.
+has the transform (1/pi) ln(2 |rho| |t - s|) on the zone, and (2/pi) ln(1 - rho rho_z) off it, where
+rho_z is rho of the point z. It is the density of `sie.jumps.density` with rho^j in place of
+cos(j phi). Without it a logarithm close to an end would need 1/sqrt(distance) modes.
 """
 
 import numpy as np
@@ -23,7 +23,8 @@ from sie.jumps.formulas import OPTIONS
 class ExteriorLogarithms(PerZone):
     """Logarithms outside zones, one entry for each zone that they are close to.
 
-    zone: the zone; which: number of the logarithm; rho: its place seen from the zone; weight: J/pi.
+    zone: the zone; which: index of the logarithm; rho: s - sgn(s) sqrt(s^2 - 1) of its position s
+    in half widths from the middle of the zone; weight: its factor J/pi in the right side.
     """
 
     zone: Index
@@ -51,7 +52,7 @@ class ExteriorLogarithms(PerZone):
         at, which = at[order], which[order]
         reach = OPTIONS.reach * zones.half
         if period is not None:
-            # A place must be close to one end only, even if the zone is almost a period wide.
+            # A position must be close to one end only, even if the zone is almost a period wide.
             reach = np.clip(reach, 0.0, np.maximum(0.49 * period - zones.half, 0.0))
         found: list[tuple[Index, Index, Array]] = []
         for sign, ends in ((1.0, zones.b), (-1.0, zones.a)):
@@ -63,7 +64,7 @@ class ExteriorLogarithms(PerZone):
             count = last - first
             zone = np.repeat(np.arange(len(zones)), count)
             place = numbered(count) + np.repeat(first, count)
-            # An end on the logarithm itself has rho = 1.
+            # If the logarithm is at the end itself, |rho| is 1.
             e = np.abs(at[place] - ends[zone]) / zones.half[zone]
             found.append((zone, which[place], Outside(sign, e).rho))
         zone, which, rho = (np.concatenate(parts) for parts in zip(*found, strict=True))
@@ -75,13 +76,16 @@ class ExteriorLogarithms(PerZone):
         return np.asarray(-2 * self.weight[:, None] * self.rho[:, None] ** j / j)
 
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Coefficients of the angle from the left and from the right end, for each entry."""
+        """Slopes of the density by the angle from the left and from the right end, for each entry.
+
+        The angle is the one from the end concerned.
+        """
         with np.errstate(divide="ignore"):
             return -2 * self.weight * self.rho / (1 + self.rho), -2 * self.weight * self.rho / (
                 1 - self.rho
             )
 
-    # Values at points (n,) of zones, given by their distances from the zone's ends over w.
+    # Values at points (n,) of zones, given by their distances from the zone's ends in half widths.
     def density(self, zone: Index, left: Array, right: Array) -> Array:
         """Density of the logarithms on their own zones."""
         phi = theta(left, right)
@@ -95,8 +99,8 @@ class ExteriorLogarithms(PerZone):
     def own_transform(self, zone: Index, left: Array) -> Array:
         """Transform on the zone itself.
 
-        ln(1 - 2 rho t + rho^2) = ln((1 - |rho|)^2 + 2 |rho| d), with d the distance from the nearer
-        end.
+        It is ln(1 - 2 rho t + rho^2) = ln((1 - |rho|)^2 + 2 |rho| d), with d the distance from the
+        end that is nearer to the logarithm.
         """
 
         def part(at: Index, k: Index) -> Array:
@@ -109,15 +113,15 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def transform(self, zone: Index, rho: Array) -> Array:
-        """Transform off the zone, at points with this rho."""
+        """Transform at points off the zone, given by their rho."""
         return self.grouped.summed(
             zone, 2 * self.weight, lambda at, k: np.log1p(-rho[at] * self.rho[k])
         )
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the density from the zone's left end, over w.
+        """Integral of the density from the zone's left end, divided by the half width w.
 
-        It is the whole integral less the one from the angle theta to the right end.
+        It is the integral over the whole zone less the one from the point to the right end.
         """
         angle = theta(left, right)
 
@@ -136,7 +140,7 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def potential(self, zone: Index, log: Array, rho: Complex) -> Array:
-        """Potential over w, without c_0 log(w); log: log(2 |rho|)."""
+        """Potential divided by the half width w, without c_0 log(w); log: log(2 |rho|)."""
         return self.grouped.summed(
             zone, self.weight, lambda at, k: self._potential(k, log[at], rho[at]).real
         )
@@ -146,10 +150,10 @@ class ExteriorLogarithms(PerZone):
 
     # Values at complex points, see `sie.density.plane`.
     def log(self, k: Index, seen: InPlane) -> Complex:
-        """2 log(1 - rho rho_z) of entries k, shape (points, k).
+        """The logarithm 2 log(1 - rho rho_z) of entries k at points z, shape (points, k).
 
-        1 - rho rho_z = (1 - rho_z) + rho_z (1 - rho); for rho < 0 the left end takes the place of
-        the right.
+        Close to the right end 1 - rho rho_z = (1 - rho_z) + rho_z (1 - rho) does not cancel. For
+        rho < 0 the left end takes its place, with 1 + rho_z.
         """
         rho, z = self.rho[k], seen.rho[:, None]
         from_left, from_right = (part[:, None] for part in seen.from_ends)
@@ -158,8 +162,9 @@ class ExteriorLogarithms(PerZone):
         )
 
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """Transform, derivative by zeta, or potential over w without c_0 log(w), summed over
-        entries k.
+        """Sum over entries k of their transform, its derivative by zeta, or their potential.
+
+        The potential is divided by the half width w and lacks the term c_0 log(w).
         """
         if what == "potential":
             return np.asarray(
@@ -175,9 +180,9 @@ class ExteriorLogarithms(PerZone):
 
 
 def potential_series(up: Complex | Array, rho: Complex | Array) -> Complex:
-    """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)) in closed form.
+    """The sum over j >= 2 of (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)) in closed form.
 
-    The part of j = 1 without a logarithm of rho is added.
+    The caller adds the term j = 1, which has a logarithm of rho.
     """
     q = up * rho
     log = -np.log1p(-q)

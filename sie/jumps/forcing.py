@@ -12,8 +12,9 @@ the density (h/pi) (t - s)^q kappa(t) has the transform, on the zone and off it,
     P_0 = 0,   P_1 = sin(phi),   P_2 = (t - 2 s) sin(phi) + sin(2 phi)/4.
 
 P_q follows from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. The potentials
-follow by parts. With the angle F = 2 Im(-ln(1 - rho e^{i phi})) off the zone, dF/dz = -sin(phi) /
-((z - s) |z^2 - 1|^(1/2)) sgn(z), and F = pi - phi or -phi on it, they are
+follow from integration by parts. Off the zone let F = 2 Im(-ln(1 - rho e^{i phi})), an angle with
+dF/dz = -sin(phi) / ((z - s) |z^2 - 1|^(1/2)) sgn(z). On the zone let F = pi - phi right of s, and
+-phi left of it. Then the potentials are
 
     (h/pi) ((z - s)^{q+1} F/(q+1) + sin(phi) R_q) + c_0 ln(w),
     A = arcosh|z|, B = sgn(z) (z^2 - 1)^(1/2), both zero on the zone,
@@ -21,9 +22,11 @@ follow by parts. With the angle F = 2 Im(-ln(1 - rho e^{i phi})) off the zone, d
     R_2 = (A/2 + s^2 A + B z/2 - 2 s B)/3 - z^2/2 + 3 s z/2 + sin(phi)^2/9 - s^2/2 - 1/12
           - ln(2) (sin(phi)^2/6 + s^2/2).
 
-A jump J of the q-th derivative of g, with h = J w^q / q!, leaves a smooth right side once this is
-subtracted. q = 0 is a kink of a profile, q = 1 a jump of its curvature, q = 2 a knot of a cubic
-spline.
+Where the q-th derivative of the right side g jumps by J, h = J w^q / q! with the half width w of
+the zone. Once the transform of these densities is subtracted, the right side is smooth. If g is the
+slope of a profile, q = 0 is a kink, q = 1 a jump of the curvature, q = 2 a knot of a cubic spline.
+
+The jumps, splines, poles and nearby logarithms of a zone are its closed-form parts.
 """
 
 from collections.abc import Callable, Iterator
@@ -43,8 +46,9 @@ from sie.jumps.poles import NO_POLES, Poles
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import ConjugateSpline, QuadraticSpline, with_jumps
 
-# A spline takes the place of many jumps of order 2 of the right side or of the density. Both kinds
-# have the same methods; a method raises ValueError if its kind has no closed form.
+# A spline takes the place of many jumps of order 2: a ConjugateSpline for jumps of the right side,
+# a QuadraticSpline for jumps of the density. Both have the same methods; a method raises ValueError
+# if its kind has no closed form.
 Spline = QuadraticSpline | ConjugateSpline
 MakeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
@@ -53,8 +57,8 @@ MakeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Ar
 class ForcingJumps(PlacedJumps):
     """Jumps inside the zones.
 
-    splines: the spline of each zone with very many jumps of order 2, in place of most of them.
-    poles: those of algebraic points in zones and close to them.
+    splines: the spline of each zone with very many jumps of order 2; it replaces most of them.
+    poles: the poles of algebraic points in zones and close to them.
     """
 
     splines: dict[int, Spline] = field(default_factory=dict)
@@ -126,8 +130,8 @@ class ForcingJumps(PlacedJumps):
     ) -> Self:
         """The jumps, with a spline in every zone that has at least this many jumps of order 2.
 
-        make: makes a spline of the knots, their jumps and f. If f is no quadratic spline with these
-        jumps, the spline is make of the jumps alone.
+        make: makes a spline from the knots, their jumps and the function f. If f is not a quadratic
+        spline with these jumps, the spline is made from the jumps alone.
         """
         height, more = self.height.copy(), []
         splines: dict[int, Spline] = {}
@@ -163,7 +167,10 @@ class ForcingJumps(PlacedJumps):
 
     @property
     def count(self) -> Index:
-        """Number of jumps in each zone and its spline, up to the last zone with any."""
+        """Number of jumps and singular points of each zone, knots of its spline included.
+
+        The array ends with the last zone that has any.
+        """
         out = np.bincount(
             self.zone, minlength=max((*self.splines, *self.poles.by_zone), default=-1) + 1
         )
@@ -172,8 +179,9 @@ class ForcingJumps(PlacedJumps):
         return out + np.bincount(self.poles.points[0], minlength=len(out))
 
     def places(self, zone: int) -> tuple[Array, Index]:
-        """(distances from the left end over w, orders) of the jumps of a zone and of its spline's
-        knots.
+        """(distances from the left end in half widths, orders) of the jumps of a zone.
+
+        The knots of its spline are included.
         """
         k = self.by_zone[zone]
         if zone not in self.splines:
@@ -184,14 +192,14 @@ class ForcingJumps(PlacedJumps):
         return left, order
 
     def angles(self, zone: int) -> Array:
-        """Angles of the jumps of a zone and of its spline's knots, in no order."""
+        """Angles of the jumps of a zone and of its spline's knots, unsorted."""
         if zone not in self.splines:
             return self.phi[self.by_zone[zone]]
         left = self.places(zone)[0]
         return theta(left, 2 - left)
 
     def rounding(self, count: int) -> Array:
-        """Upper bound of the round-off of the closed parts on each zone."""
+        """Upper bound of the round-off of the closed-form parts on each zone."""
         out = np.asarray(2.2e-16 * np.bincount(self.zone, np.abs(self.height), minlength=count))
         for zone, spline in self.splines.items():
             out[zone] += 2.2e-16 * spline.size
@@ -199,36 +207,37 @@ class ForcingJumps(PlacedJumps):
 
     @cached_property
     def by_zone(self) -> dict[int, Index]:
-        """Numbers of the jumps of each zone that has jumps, a spline, poles, or logarithms close to
-        it.
+        """Indices of the jumps of each zone that has any closed-form part.
+
+        A zone with only a spline, poles or nearby logarithms has an empty array.
         """
         others = *self.splines, *self.near.by_zone, *self.poles.by_zone
         return {zone: np.zeros(0, np.intp) for zone in others} | self.grouped.places()
 
-    # Values at points (n,) of zones, given by their distances from the zone's ends over w.
+    # Values at points (n,) of zones, given by their distances from the zone's ends in half widths.
     def smooth_part(self, zone: Index, left: Array) -> Array:
-        """The function that makes g smooth when it is added to g."""
+        """The function that makes the right side g smooth when it is added to g."""
         return -self.carried(zone, left)
 
     def level_part(self, zone: Index, left: Array) -> Array:
-        """`smooth_part` of the jumps of g itself only; their slope is zero."""
+        """`smooth_part` for the jumps of g itself alone: piecewise constant, with steps there."""
         return -replace(self.chosen(self.order == 0), splines={}, poles=NO_POLES).carried(
             zone, left
         )
 
     def carried(self, zone: Index, left: Array) -> Array:
-        """Transform, on the zones, of jumps, splines and poles."""
+        """Transform, on the zones, of the density of jumps, splines and poles."""
         out = self.summed(zone, lambda at, k: self.on_zone(k, left[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.own_transform(left[here])
         return out + self.poles.own_transform(zone, left) if len(self.poles) else out
 
     def own_transform(self, zone: Index, left: Array) -> Array:
-        """Transform, on the zones, of all closed parts."""
+        """Transform, on the zones, of all closed-form parts."""
         return self.carried(zone, left) + self.near.own_transform(zone, left)
 
     def density(self, zone: Index | int, left: Array, right: Array) -> Array:
-        """Density of all closed parts."""
+        """Density of all closed-form parts."""
         zone = np.broadcast_to(zone, left.shape)
         out = self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
@@ -238,7 +247,7 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.density(zone, left, right) if len(self.near) else out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the density of all closed parts from the zones' left ends, over w."""
+        """Integral of the closed-form density from the zone's left end, divided by half width."""
         out = self.summed(zone, lambda at, k: self.integral_of(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.integral(left[here])
@@ -247,10 +256,10 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.integral(zone, left, right) if len(self.near) else out
 
     def transform(self, zone: Index, seen: OnLine) -> Array:
-        """Transform of all closed parts, on the zones and off them.
+        """Transform of all closed-form parts, on the zones and off them.
 
-        Off the zones the series of all jumps of a zone is summed where it is shorter than the
-        closed forms, or where these cancel.
+        Off the zones the Chebyshev series of all jumps of a zone replaces the closed forms where it
+        is shorter, or where they cancel.
         """
         out, off = np.empty(len(zone)), np.flatnonzero(~seen.on)
         on = np.flatnonzero(seen.on)
@@ -272,7 +281,10 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.transform(zone, rho) + self.poles.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of the closed parts over w, without c_0 log(w); see the head of this file."""
+        """Potential of the closed-form parts divided by the half width w, without c_0 log(w).
+
+        The formulas are at the head of this file.
+        """
         out = self._closed_potential(zone, seen)
         for spline, here in self._in_splines(zone):
             out[here] += spline.potential(seen.left[here], seen.right[here], seen.rho[here])
@@ -295,20 +307,20 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
-        """Sums over the jumps in the zone of each point.
+        """Sum over the jumps in the zone of each point.
 
-        of(points, jumps): the summand over h / pi, pair by pair.
+        of(points, jumps): the summand divided by h / pi, with the height h, for each pair.
         """
         return self.grouped.summed(zone, self.height / np.pi, of)
 
     def _in_splines(self, zone: Index) -> Iterator[tuple[Spline, Index]]:
-        """The spline of each zone that has one, with the numbers of the points on that zone."""
+        """The spline of each zone that has one, with the indices of the points on that zone."""
         for i, here in Grouped.by(zone).places().items() if self.splines else ():
             if i in self.splines:
                 yield self.splines[i], here
 
     def _far(self, zone: Index, seen: OnLine) -> Mask:
-        """Whether each zone is so far from its point that its series is used."""
+        """Whether each point is so far from its zone that the series of the zone is used."""
         return np.asarray(
             ~seen.on
             & (np.abs(seen.rho) < np.array(OPTIONS.far_rho)[self._length[self.grouped.rows(zone)]])
@@ -316,7 +328,7 @@ class ForcingJumps(PlacedJumps):
 
     @cached_property
     def _length(self) -> Index:
-        """Number of the longest useful series (`JumpOptions.far_rho`) of each zone."""
+        """Index in `JumpOptions.far_rho` of the longest series that pays off for each zone."""
         return np.searchsorted(OPTIONS.far_jumps, self.grouped.count, side="right")
 
     @cached_property
@@ -325,16 +337,15 @@ class ForcingJumps(PlacedJumps):
         return self._coefficients(OPTIONS.far_terms[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
-        """Correction of the mean level of each zone for its closed parts, over w; see
-        `System.levels`.
+        """Correction of the mean of the primitive of g on each zone, divided by the half width.
 
-        It is the mean of the primitive of g (zero where its values at the ends are) less the mean
-        that the coefficients of the smooth part give.
+        `System.levels` uses it. The primitive is shifted so that its end values add up to zero. The
+        correction is its mean less the mean that the coefficients of the smooth part give.
         """
         phi, s, q = self.phi, self.s, self.order
         sine, double = self.sine, np.sin(2 * phi)
-        # A jump of g itself is computed from its distance from the nearer end: close to the end the
-        # parts cancel down to the cube of the root of the distance.
+        # A jump of g itself is computed from its distance d from the nearer end, because close to
+        # the end the terms cancel and leave a result of the order d^(3/2).
         near, angle = np.minimum(self.left, self.right), np.minimum(phi, self.psi)
         kink = (sine - angle * (1 - near)) / np.pi - 0.5 * near
         # Primitives of (t - s)_+^q at t = 1, and their means.
@@ -355,8 +366,9 @@ class ForcingJumps(PlacedJumps):
         return out + self.poles.mean_offsets(len(zones)) if len(self.poles) else out
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
-        """First `count` coefficients of T_l / sqrt(1 - t^2) of the closed parts, shape (zones,
-        count).
+        """First `count` coefficients of T_l / sqrt(1 - t^2) of the closed-form density.
+
+        The shape is (zones, count).
         """
         out = self.coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
         for zone, spline in self.splines.items():
@@ -392,13 +404,14 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def high_coefficients(self, zones: Zones) -> Array:
-        """Coefficients of the parts whose potential has no closed form; (zones, 0) if there are
-        none.
-        """
+        """Coefficients of the parts whose potential has no closed form: none, shape (zones, 0)."""
         return np.zeros((len(zones), 0))
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
-        """Coefficients of the angle from the left and from the right end of each zone."""
+        """Slopes of the closed-form density by the angle from the left and the right end, by zone.
+
+        Close to an end the density is the slope times the angle theta from that end.
+        """
         out = np.array(
             [np.bincount(self.zone, part, minlength=len(zones)) for part in self._edge_slopes()],
             dtype=float,
@@ -415,16 +428,18 @@ class ForcingJumps(PlacedJumps):
         return out[0], out[1]
 
     def _edge_slopes(self) -> tuple[Array, Array]:
-        """Coefficients of the angle for each jump: kappa ~ theta cot(phi/2)."""
+        """Slopes of the density by the angle from both ends, for each jump.
+
+        At the right end kappa ~ theta cot(phi/2).
+        """
         cot, scale = np.sqrt(self.left / self.right), self.height / np.pi
         return scale * (-self.left) ** self.order / cot, scale * self.right**self.order * cot
 
     def sharpest(self, zone: int) -> tuple[Array, Array]:
-        """(distances from the left end over w, heights) of the jumps with the steepest density
-        close by.
+        """(distances from the left end in half widths, heights) of the sharpest points of a zone.
 
-        These are the jumps of the lowest order in the zone, 0 or 1, and the algebraic points with
-        exponents below 1, of infinite height.
+        The density is steepest close to them. They are the jumps of the lowest order in the zone,
+        if it is 0 or 1, and algebraic points with exponents below 1, whose height is infinite.
         """
         k = self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
         k = k[(self.order[k] == self.order[k].min(initial=2)) & (self.order[k] < HIGHEST)]
@@ -435,12 +450,12 @@ class ForcingJumps(PlacedJumps):
         )
 
     def left_out(self, x: Array) -> Array:
-        """The part of the right side at points x that its given values leave out: nothing."""
+        """The part of the right side at points x that its given values omit: zero here."""
         return np.zeros(x.shape)
 
     # Values at complex points, see `sie.density.plane`.
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """The logarithm -i log(B / A) of jumps k."""
+        """The logarithm -i log(B / A) of jumps k, with A, B = 1 - rho e^(+-i phi)."""
         c, s = half_angles(self.left[k], self.right[k])
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(
@@ -455,7 +470,7 @@ class ForcingJumps(PlacedJumps):
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential of jumps k over w, without c_0 log(w)."""
+        """Potential of jumps k divided by the half width w, without c_0 log(w)."""
         parts = self.potential_of(
             k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None]
         )
@@ -463,7 +478,7 @@ class ForcingJumps(PlacedJumps):
 
     @property
     def near(self) -> ExteriorLogarithms:
-        """Logarithms of the right side outside zones but close to them: none."""
+        """Logarithms of the right side outside zones but close to them: none here."""
         return NOWHERE
 
     @cached_property
@@ -473,7 +488,7 @@ class ForcingJumps(PlacedJumps):
 
 
 def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array) -> Array:
-    """Values of f at distances from the zone's left end over its half width."""
+    """Values of f at distances from the zone's left end, given in half widths."""
     return f(zones.a[zone] + zones.half[zone] * left)
 
 
