@@ -1,4 +1,4 @@
-"""Adhesion of one symmetric zone: states, and curves of equilibria.
+"""Adhesion of one symmetric zone: single states, and curves of equilibria.
 
 The pressure of an adhesive state is that of the frictionless zone of the same half width, less the
 pressure of a load that leaves the zone flat. The equilibria at a fixed work of adhesion form a
@@ -86,16 +86,19 @@ class AdhesiveZone(SymmetricZone):
         return self.zone._approach()
 
     def _approach_rate(self, load: float, at_load: float) -> float:
-        """d approach from d load and from the change at constant load; nan without a datum."""
+        """Change of the approach: punch compliance times change of the load, plus `at_load`.
+
+        `at_load` is the change at constant load. The result is nan without a datum.
+        """
         return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
 
     def rates(self) -> tuple[float, float]:
-        """Derivatives of load and approach along the curve; the latter is nan without a datum."""
+        """Derivatives (load, approach) along the curve; the latter is nan without a datum."""
         raise NotImplementedError
 
     @property
     def elastic_energy(self) -> float:
-        """(1/2) int p u [J/m], per period if there is one, with the u of `displacement`."""
+        """(1/2) int p u dx [J/m], per period if there is one; u is that of `displacement`."""
         return frictionless_energy(self.zone)
 
     @property
@@ -110,7 +113,7 @@ class AdhesiveZone(SymmetricZone):
 
     @property
     def mean_gap(self) -> float | None:
-        """Mean of the gap over the period [m], mean f - approach; None without a period."""
+        """Mean gap over the period, mean f less approach [m]; None without a period."""
         if self.period is None:
             return None
         half = 0.5 * self.period
@@ -118,7 +121,7 @@ class AdhesiveZone(SymmetricZone):
 
 
 def frictionless_energy(zone: SymmetricZone) -> float:
-    """(1/2) int p (approach - f) of a frictionless zone."""
+    """Elastic energy (1/2) int p (approach - f) dx of a frictionless zone [J/m]."""
     moment = integrated(lambda r, d: zone._pressure(r, d) * zone._height(r), zone.half_width)
     return 0.5 * zone.load * zone._approach() - float(moment)
 
@@ -129,8 +132,8 @@ State = TypeVar("State", bound=AdhesiveZone)
 class Equilibria(Generic[State]):
     """The curve of equilibria of one profile, by a parameter that grows with the contact.
 
-    Turning points cut it into parts: `stable` is the first stable one, `narrow` the one before it,
-    `wide` the one after it, `last` the one at the end of the curve.
+    Turning points cut the curve into branches. `stable` is the first stable branch, `narrow` the
+    one before it and `wide` the one after it. `last` is the branch at the end of the curve.
     """
 
     work: float
@@ -140,15 +143,18 @@ class Equilibria(Generic[State]):
             keep(self, positive_or_none if name == "datum" else positive, name)
 
     def _frictionless(self, half_width: float) -> HertzLine | Westergaard:
-        """The frictionless zone of a half width."""
+        """The frictionless zone of this half width."""
         raise NotImplementedError
 
     def at(self, parameter: float) -> State:
-        """The equilibrium at a parameter."""
+        """The equilibrium at this parameter of the curve."""
         raise NotImplementedError
 
     def _carrying(self, load: float, parameter: float) -> State:
-        """The equilibrium at a parameter that was found from this load."""
+        """The equilibrium at this parameter, which was found as the root of this load.
+
+        A subclass may correct the state so that it carries the load to round-off.
+        """
         return self.at(parameter)
 
     def _samples(self) -> Array:
@@ -156,11 +162,14 @@ class Equilibria(Generic[State]):
         raise NotImplementedError
 
     def _rates(self, parameter: float) -> tuple[float, float]:
-        """Derivatives of load and approach by the parameter; the latter is nan without a datum."""
+        """Derivatives (load, approach) by the parameter; the latter is nan without a datum."""
         return self.at(parameter).rates()
 
     def _rate(self, parameter: float, machine_compliance: float) -> float:
-        """Derivative of approach + M load, which is positive for a stable equilibrium."""
+        """Derivative of approach + M load, M the machine compliance, by the parameter.
+
+        It is positive for a stable equilibrium. For infinite M it is that of the load.
+        """
         load, approach = self._rates(parameter)
         if machine_compliance == inf:
             return load
@@ -171,11 +180,11 @@ class Equilibria(Generic[State]):
         return approach + machine_compliance * load
 
     def is_stable(self, parameter: float, machine_compliance: float = inf) -> bool:
-        """Whether an equilibrium is stable; inf: at prescribed load, 0: at prescribed approach."""
+        """Whether an equilibrium is stable: at prescribed load (inf) or approach (0)."""
         return self._rate(parameter, machine_compliance) > 0.0
 
     def turning_points(self, machine_compliance: float = inf) -> list[float]:
-        """Parameters at which stability changes, ascending."""
+        """Parameters of the curve at which stability changes, ascending."""
         return roots(lambda s: self._rate(s, machine_compliance), self._samples())
 
     def pull_off(self, machine_compliance: float = inf) -> State:
@@ -183,14 +192,14 @@ class Equilibria(Generic[State]):
         return self.at(self._part("stable", machine_compliance)[0])
 
     def _parts(self, machine_compliance: float) -> tuple[list[tuple[float, float]], list[bool]]:
-        """The parts of the curve between turning points, and whether each is stable."""
+        """Two lists: the parameters at both ends of each branch, and whether it is stable."""
         samples = self._samples()
         ends = [float(samples[0]), *self.turning_points(machine_compliance), float(samples[-1])]
         parts = list(zip(ends[:-1], ends[1:], strict=True))
         return parts, [self._rate(0.5 * (lo + hi), machine_compliance) > 0.0 for lo, hi in parts]
 
     def _part(self, branch: str, machine_compliance: float) -> tuple[float, float]:
-        """First and last parameter of a named part; OutOfRange if it does not exist."""
+        """First and last parameter of a named branch; raises OutOfRange if there is none."""
         parts, grows = self._parts(machine_compliance)
         first = grows.index(True) if True in grows else len(parts)
         numbers = {"narrow": first - 1, "stable": first, "wide": first + 1, "last": len(parts) - 1}
@@ -208,7 +217,7 @@ class Equilibria(Generic[State]):
         return self.at(self._solve("approach", finite("approach", approach), branch, 0.0))
 
     def _solve(self, control: str, value: float, branch: str, machine_compliance: float) -> float:
-        """The parameter on a branch at which the load or the approach has a value."""
+        """Parameter on a branch at which the load or the approach (`control`) has a value."""
         lo, hi = self._part(branch, machine_compliance)
 
         def residual(s: float) -> float:
@@ -224,7 +233,7 @@ class Equilibria(Generic[State]):
         return root(residual, lo, hi)
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
-        """Parameters and loads at both ends of every part that is stable at prescribed load."""
+        """Ends of the branches stable at prescribed load: (parameter, parameter, load, load)."""
         return [
             (lo, hi, self.at(lo).load, self.at(hi).load)
             for (lo, hi), grows in zip(*self._parts(inf), strict=True)
@@ -252,11 +261,11 @@ class Equilibria(Generic[State]):
             return None
         return self._lowered(parts, load)
 
-    # Whether full contact never opens again, at any load.
+    # This says whether full contact never opens again, at any load.
     stays_closed = False
 
     def _lowered(self, parts: list[tuple[float, float, float, float]], load: float) -> State:
-        """The state at a load on the last part whose loads include it."""
+        """The state at a load on the last of the `parts` whose loads include it."""
         for lo, hi, least, most in reversed(parts):
             if least <= load <= most:
                 return self._carrying(load, root(lambda s: self.at(s).load - load, lo, hi))
@@ -283,7 +292,7 @@ class Cylinder:
     work: float
 
     def _frictionless(self, half_width: float) -> HertzLine:
-        # `datum` is optional, so it is the last field of every subclass.
+        # `datum` has a default, so it must be the last field: every subclass declares it.
         datum: float | None = self.datum  # type: ignore[attr-defined]
         return HertzLine(self.radius, self.E_star, half_width, datum)
 

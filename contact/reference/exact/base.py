@@ -1,4 +1,4 @@
-"""The base of the exact solutions: what follows from zones, load and a few closed forms.
+"""Base classes of the exact solutions: fields and approach from a few closed forms.
 
 A symmetric zone |x| <= a grows from 0 to its half width a; each step adds the load P'(s) ds of a
 flat punch of half width s (J. R. Barber, Contact Mechanics, 2018, doi 10.1007/978-3-319-70939-0).
@@ -34,13 +34,13 @@ def check_number(zone: int, count: int = 1) -> None:
 
 
 def refuse_load(load: float, most: float, why: str) -> None:
-    """Raise OutOfRange if the load is not below `most`."""
+    """Raise OutOfRange if the load is not below `most`; `why` says what happens at `most`."""
     if not load < most:
         raise OutOfRange(f"load = {load:.6g} N/m is out of range: {why} at {most:.6g} N/m")
 
 
 def with_datum(what: str, value: float | None) -> float:
-    """Return a value that an isolated body has only with a datum; raise SceneError without one."""
+    """Return the value; raise SceneError if it is None, as in an isolated body without a datum."""
     if value is None:
         raise SceneError.of(
             "datum", None, f"a length > 0 where {what} of an isolated zone is asked for"
@@ -49,7 +49,7 @@ def with_datum(what: str, value: float | None) -> float:
 
 
 class ExactContact:
-    """Numbers that follow from the zones, the load and the period."""
+    """Base of all exact contacts: numbers that follow from zones, load and period."""
 
     if TYPE_CHECKING:
 
@@ -72,7 +72,7 @@ class ExactContact:
 
     @property
     def mean_pressure(self) -> float | None:
-        """Load over period [Pa]; None without a period."""
+        """Load divided by period [Pa]; None without a period."""
         return None if self.period is None else self.load / self.period
 
     @property
@@ -84,8 +84,9 @@ class ExactContact:
 class PressedBody(ExactContact):
     """A body under a load, with its approach.
 
-    While the load grows through flat punches, the approach grows by d(approach) = C dP, where C is
-    the compliance of the flat punch on the current zones. By parts, it is C P + int P d(-C).
+    The load P is applied in steps dP, each the load of a flat punch on the current zones. A step
+    increases the approach by C dP, where C is the compliance of that punch. Integration by parts
+    gives approach = C P + int P d(-C).
     """
 
     # Annotations only: a value here would become the default of a dataclass field of that name.
@@ -113,18 +114,18 @@ class PressedBody(ExactContact):
         return float(self._compliance_of(self.half_width))
 
     def _compliance_of(self, half_width: ArrayLike) -> Array:
-        """-(2/pi E*) ln sin(pi a/L) of flat punches, isolated (2/pi E*) ln(2d/a)."""
+        """Flat punches' compliance: -(2/pi E*) ln sin(pi a/L); isolated (2/pi E*) ln(2d/a)."""
         unit = 2.0 / (pi * self.E_star)
         if self.datum is not None:
             return unit * np.log(2.0 * self.datum / np.asarray(half_width))
         return -unit * log_of(sine(half_width, self.period), cosine(half_width, self.period))
 
     def _approach_by_parts(self) -> float:
-        """int P d(-C): the approach less load times punch compliance."""
+        """The integral int P d(-C): the approach less load times punch compliance."""
         raise NotImplementedError
 
     def _approach(self) -> float:
-        """The approach; SceneError for an isolated body without a datum."""
+        """The approach [m]; raises SceneError for an isolated body without a datum."""
         compliance = with_datum("the approach", self.punch_compliance)
         return self.load * compliance + self._approach_by_parts()
 
@@ -132,7 +133,8 @@ class PressedBody(ExactContact):
     def approach(self) -> float | None:
         """Approach [m], with min f = 0; None for an isolated body without a datum.
 
-        The displacement has zero mean over a period; isolated, its far field is zero at the datum.
+        The displacement u has zero mean over a period. Without a period its far field is zero at
+        the distance `datum`.
         """
         return None if self.period is None and self.datum is None else self._approach()
 
@@ -143,7 +145,10 @@ class PressedBody(ExactContact):
         return None if compliance is None else (inf if compliance == 0.0 else 1.0 / compliance)
 
     def displacement(self, x: ArrayLike) -> Array:
-        """u(x) [m] into the body: of zero mean, or with the far field ln|x/d| of the datum d."""
+        """Displacement u(x) [m] into the body.
+
+        It has zero mean over a period, or without one the far field ln|x/d| with the datum d.
+        """
         return with_datum("u", self.approach) - self.height(x) + self.gap(x)
 
 
@@ -200,8 +205,8 @@ class SymmetricZone(PressedBody):
     True
     """
 
-    # A solution gives these formulas: of r = |x|, of the distance d = a - r from the end inside the
-    # zone, and of the distance e = r - a outside.
+    # Every solution defines the next five formulas. Their arguments are r = |x|, the distance
+    # d = a - r of a point in the zone from its end, and the distance e = r - a of a point outside.
     def _height(self, r: Array) -> Array:
         raise NotImplementedError
 
@@ -218,7 +223,7 @@ class SymmetricZone(PressedBody):
         return integrated(lambda y, _: self._gap_slope(y), e)
 
     def load_rate(self, s: Array) -> Array:
-        """dP/da at a = s."""
+        """Derivative dP/da of the load by the half width a, at a = s."""
         raise NotImplementedError
 
     @property
@@ -243,11 +248,11 @@ class SymmetricZone(PressedBody):
         return x if self.period is None else x - self.period * np.round(x / self.period)
 
     def height(self, x: ArrayLike) -> Array:
-        """f(x) [m], f(0) = 0."""
+        """Profile f(x) [m], with f(0) = 0."""
         return self._height(np.abs(self._reduced(x)))
 
     def slope(self, x: ArrayLike) -> Array:
-        """f'(x)."""
+        """Slope f'(x) of the profile."""
         x = self._reduced(x)
         return np.sign(x) * self._slope(np.abs(x))
 
@@ -258,32 +263,32 @@ class SymmetricZone(PressedBody):
         return self._pressure(self.half_width * r, self.half_width * (1.0 - r))
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa], 0 outside the zone."""
+        """Pressure p(x) [Pa], 0 outside the zone."""
         r = np.abs(self._reduced(x))
         inside = r < self.half_width
         r = np.where(inside, r, 0.5 * self.half_width)
         return np.where(inside, self._pressure(r, self.half_width - r), 0.0)
 
     def gap(self, x: ArrayLike) -> Array:
-        """u + f - approach [m], 0 in the zone."""
+        """Gap u + f - approach [m], 0 in the zone."""
         e = np.abs(self._reduced(x)) - self.half_width
         return np.where(e > 0.0, self._gap(np.maximum(e, 0.0)), 0.0)
 
     def _sine(self) -> float:
-        """sin(pi a/L); isolated: a."""
+        """sin(pi a/L) of the half width a; isolated: a."""
         return float(sine(self.half_width, self.period))
 
     def _cosine(self) -> float:
-        """cos(pi a/L); isolated: 1."""
+        """cos(pi a/L) of the half width a; isolated: 1."""
         return float(cosine(self.half_width, self.period))
 
     @property
     def _sine_unit(self) -> float:
-        """L/pi, the length by which a small `_sine` is multiplied; isolated: 1."""
+        """Unit of length L/pi of `_sine`: their product tends to a for small a; isolated: 1."""
         return 1.0 if self.period is None else self.period / pi
 
     def _length(self) -> float:
-        """The period; SceneError without one."""
+        """The period [m]; raises SceneError without one."""
         if self.period is None:
             raise SceneError.of("period", None, "a length > 0")
         return self.period
@@ -323,7 +328,7 @@ class IsolatedZone(_FromLoad):
 
 @dataclass(frozen=True)
 class PeriodicZone(_FromLoad):
-    """Base of the solutions of one zone a period."""
+    """Base of the solutions of one zone in every period."""
 
     period: float
     E_star: float

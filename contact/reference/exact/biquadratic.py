@@ -20,7 +20,7 @@ from contact.reference.exact.numerics import Array, arcosh1p, sinh_minus, zone_p
 class IsolatedBiquadratic(PressedBody):
     """Two parabolic tips a distance 2c apart on one punch, f = (x^2 - c^2)^2/8Rc^2.
 
-    While the load of both is P < pi E* c^2/8R there are two zones a <= |x| <= b, a^2 + b^2 = 2c^2,
+    While the total load is P < pi E* c^2/8R there are two zones a <= |x| <= b, a^2 + b^2 = 2c^2,
     h = (b^2 - a^2)/2:
 
     (32) p = (E*/4Rc^2) |x| sqrt((x^2 - a^2)(b^2 - x^2)),   (33) P = pi E* h^2/8Rc^2 (half of it a
@@ -108,12 +108,12 @@ class IsolatedBiquadratic(PressedBody):
 
     @property
     def _unit(self) -> float:
-        """1/8Rc^2."""
+        """The factor 1/8Rc^2 of the profile."""
         return 1.0 / (8.0 * self.radius * self._c**2)
 
     @property
     def merging_load(self) -> float:
-        """pi E* c^2/8R: the load at which the two zones become one."""
+        """The load pi E* c^2/8R at which the two zones become one [N/m]."""
         return pi * self.E_star * self._c**2 / (8.0 * self.radius)
 
     @property
@@ -127,15 +127,15 @@ class IsolatedBiquadratic(PressedBody):
 
     @property
     def outer_end(self) -> float:
-        """b [m]."""
+        """Outer end b of the zones [m]."""
         if not self.merged:
             return sqrt(self._c**2 + self._h)
-        # 3b^4 - 4b^2c^2 = 4c^4 P/P_merging
+        # The load of one zone gives 3b^4 - 4b^2c^2 = 4c^4 P/P_merging.
         return self._c * sqrt((2.0 + sqrt(4.0 + 12.0 * self.load / self.merging_load)) / 3.0)
 
     @property
     def inner_end(self) -> float:
-        """a [m]; 0 once the zones have merged."""
+        """Inner end a of the zones [m]; 0 once they have merged."""
         return 0.0 if self.merged else sqrt(self._c**2 - self._h)
 
     @property
@@ -148,8 +148,8 @@ class IsolatedBiquadratic(PressedBody):
     def max_pressure(self) -> float:
         """Peak pressure [Pa].
 
-        It is at x^2 = (3b^2 + 2c^2)/6 in one zone, at x^2 - c^2 = h^2/(c^2 + sqrt(c^4 + 3h^2)) in
-        two.
+        Its place is x^2 = (3b^2 + 2c^2)/6 if there is one zone. For two zones it is
+        x^2 - c^2 = h^2/(c^2 + sqrt(c^4 + 3h^2)), h = (b^2 - a^2)/2.
         """
         c2, h = self._c**2, self._h
         one = (3.0 * self.outer_end**2 + 2.0 * c2) / 6.0
@@ -157,12 +157,12 @@ class IsolatedBiquadratic(PressedBody):
         return float(self.pressure(sqrt(y)))
 
     def height(self, x: ArrayLike) -> Array:
-        """f(x) [m], 0 at the two tips."""
+        """Profile f(x) [m], 0 at the two tips."""
         x = np.asarray(x, dtype=float)
         return self._unit * ((x - self._c) * (x + self._c)) ** 2
 
     def slope(self, x: ArrayLike) -> Array:
-        """f'(x)."""
+        """Slope f'(x) of the profile."""
         x = np.asarray(x, dtype=float)
         return 4.0 * self._unit * x * (x - self._c) * (x + self._c)
 
@@ -182,13 +182,13 @@ class IsolatedBiquadratic(PressedBody):
         if self.merged:
             return self._pressure(b * np.abs(t), t, b * (1.0 - np.abs(t)))
         outward = t if zone == 1 else -t
-        # The width of a zone from h: b - a cancels in narrow zones.
+        # The half width is (b - a)/2 = h/(b + a): the difference b - a cancels in narrow zones.
         half = self._h / (b + self.inner_end)
         inner = half * (1.0 + outward)
         return self._pressure(self.inner_end + inner, inner, half * (1.0 - outward))
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa], 0 outside the zones."""
+        """Pressure p(x) [Pa], 0 outside the zones."""
         r = np.abs(np.asarray(x, dtype=float))
         a, b = self.inner_end, self.outer_end
         inside = (r < b) & ((r > a) | self.merged)
@@ -196,7 +196,7 @@ class IsolatedBiquadratic(PressedBody):
         return np.where(inside, self._pressure(r, r - a, b - r), 0.0)
 
     def gap(self, x: ArrayLike) -> Array:
-        """u + f - approach [m], 0 in the zones."""
+        """Gap u + f - approach [m], 0 in the zones."""
         r = np.abs(np.asarray(x, dtype=float))
         a, b, h = self.inner_end, self.outer_end, self._h
         e = np.maximum(r - b, 0.0)
@@ -212,7 +212,8 @@ class IsolatedBiquadratic(PressedBody):
     def punch_compliance(self) -> float | None:
         """d approach/d load at fixed zones [m^2/N]; None without a datum.
 
-        It is (1/pi E*) ln(2d^2/h) for two zones and (2/pi E*) ln(2d/b) for one.
+        It is (1/pi E*) ln(2d^2/h) for two zones, with h = (b^2 - a^2)/2, and (2/pi E*) ln(2d/b) for
+        one.
         """
         if self.datum is None:
             return None
@@ -221,6 +222,7 @@ class IsolatedBiquadratic(PressedBody):
     def _approach_by_parts(self) -> float:
         if not self.merged:
             return 0.5 * self._unit * self._h**2
-        # int P(s) ds/s of the formula for one zone, continued to s = 0, plus f(0)
+        # This is (2/pi E*) int_0^b P(s) ds/s + f(0). The formula of one zone for the load P(s) is
+        # continued down to s = 0.
         b, c = self.outer_end, self._c
         return self._unit * (b * b * (3.0 * b * b - 8.0 * c * c) / 8.0 + c**4)

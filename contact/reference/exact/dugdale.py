@@ -1,8 +1,9 @@
-"""Maugis-Dugdale adhesion of one symmetric zone: a tension s on a < |x| < c.
+"""Maugis-Dugdale adhesion of one zone |x| <= a: a tension s acts on a < |x| < c.
 
-The pressure is bounded at the ends of the zone; the gap at c is w/s. In the superposition of
-base.py the tension is a set of flat punches of negative load between a and c. Their total load is
--2 s B, where, with u = pi x/L, A = pi a/L, C = pi c/L,
+The pressure is bounded at the ends of the zone. The gap at c is w/s, w the work of adhesion. In the
+superposition of base.py the tension is a set of flat punches of negative load, whose half widths
+lie between a and c. Their total load is -2 s B. The formulas use the length B and the numbers l
+and r. With u = pi x/L, A = pi a/L, C = pi c/L,
 
     isolated    B = sqrt(c^2 - a^2)                 l = arcosh(c/a)            r = ln(c/a)
     periodic    B = (L/pi) arccos(cos C/cos A)      l = arcosh(sin C/sin A)    r = ln(tan C/tan A)
@@ -16,11 +17,13 @@ base.py the tension is a set of flat punches of negative load between a and c. T
     at c        d g/dc = g_0' + (4s/pi E*)(l dB/dc - r),   d g/da = -(2/pi E*) l d P/da
     approach    d_0 - 2s int K dB,   d/dc = -2s (K dB/dc - (2/pi E*) l),   d/da = K d P/da
 
-with K the compliance of the punch at a, and in the integral that of each punch between a and c.
+Here p_0, g_0 and d_0 are the pressure, gap and approach of the frictionless zone of half width a,
+and P_0 its load, so that P = P_0 - 2 s B. K is the compliance of the flat punch of half width a; in
+the integral it is that of each punch between a and c. The artanh is that of X or of 1/X, whichever is below 1.
 D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T; cylinder:
 J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997) 393-406, derived again; periodic wave:
-derived here. When c reaches L/2 the tension acts everywhere: the state is then the frictionless
-zone under a uniform tension.
+derived here. When c reaches L/2 the tension acts on the whole gap: the state is then the
+frictionless zone under a uniform tension.
 """
 
 from collections.abc import Callable
@@ -47,7 +50,7 @@ from contact.reference.exact.numerics import (
 
 
 class _DugdaleState(AdhesiveZone):
-    """An equilibrium under a tension next to the zone."""
+    """Base of the equilibria of one zone with a uniform tension next to it."""
 
     stress: float
     cohesive_end: float
@@ -64,9 +67,10 @@ class DugdaleZone(_DugdaleState):
     """Maugis-Dugdale adhesion of one zone |x| <= a, with the tension s on a < |x| < c.
 
     The pressure is bounded at the ends; the work of adhesion is the stress times the gap at c.
-    Isolated, p = p_0 - (2s/pi) arctan(sqrt((c^2 - a^2)/(a^2 - x^2))) and P = P_0 - 2 s sqrt(c^2 -
-    a^2); with a period, see the head of this module. Energies are in `AdhesiveZone`, fields in
-    `SymmetricZone`. D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi
+    With p_0 and P_0 of the frictionless zone, the isolated zone has
+    p = p_0 - (2s/pi) arctan(sqrt((c^2 - a^2)/(a^2 - x^2))) and P = P_0 - 2 s sqrt(c^2 - a^2). For
+    the formulas with a period see the head of this module. Energies are in `AdhesiveZone`, fields
+    in `SymmetricZone`. D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi
     10.1016/0021-9797(92)90285-T; in the plane J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11
     (1997) 393-406, derived again.
 
@@ -118,22 +122,26 @@ class DugdaleZone(_DugdaleState):
         widest = 1e300 if self.period is None else 0.5 * self.period
         between("cohesive_end", self.cohesive_end, self.half_width, widest)
 
-    # The closed forms of the head of this file.
+    # The next formulas are the closed forms at the head of this file.
     @property
     def root(self) -> float:
-        """sqrt(c^2 - a^2); periodic: of the squared sines."""
+        """sqrt(c^2 - a^2); with a period sqrt(sin^2(pi c/L) - sin^2(pi a/L))."""
         a, c = self.half_width, self.cohesive_end
         return sqrt(float(sine(c - a, self.period) * sine(c + a, self.period)))
 
     @property
     def share(self) -> float:
-        """B."""
+        """The length B: the total load of the tension's flat punches is -2 s B."""
         if self.period is None:
             return self.root
         return self._sine_unit * atan2(self.root, float(cosine(self.cohesive_end, self.period)))
 
     def opening_rate(self, e: Array, f: Array) -> Array:
-        """artanh(X or 1/X) at x = a + e = c - f, from both distances without cancellation."""
+        """artanh of X or 1/X at x = a + e, from the distances e and f = c - x.
+
+        X is sqrt((x^2 - a^2)/(c^2 - a^2)) for an isolated zone. X^2 and |1 - X^2| are formed from
+        the distances, so that nothing cancels near a or c.
+        """
         a, c, length = self.half_width, self.cohesive_end, self.period
         x = a + e
         scale = sine(c - a, length) * sine(c + a, length)
@@ -171,7 +179,7 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def _unit(self) -> float:
-        """4s/pi E*."""
+        """The factor 4s/(pi E*) of the gap that the tension adds."""
         return 4.0 * self.stress / (pi * self.E_star)
 
     @property
@@ -180,18 +188,23 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def load_by_half_width(self) -> float:
-        """d load/da at fixed c; dB/da = -cos C sin A/(cos A sqrt(sin(C - A) sin(C + A)))."""
+        """Derivative of the load by the half width a at fixed c.
+
+        With A = pi a/L, C = pi c/L, dB/da = -cos C sin A/(cos A sqrt(sin(C - A) sin(C + A))).
+        """
         a, c, length = self.half_width, self.cohesive_end, self.period
         share_rate = float(cosine(c, length) * sine(a, length) / cosine(a, length)) / self.root
         return float(self.zone.load_rate(np.array(a))) + 2.0 * self.stress * share_rate
 
     def _compliance_at(self, q: Array) -> Array:
-        """Compliance of the punch of half width s with B(s, c) = q."""
+        """Compliance of the flat punch whose half width makes the length B equal to q, at fixed c.
+
+        This is isolated sqrt(c^2 - q^2), and with a period S L/pi with cos S = cos C/cos(pi q/L).
+        """
         c = self.cohesive_end
         root = np.sqrt(sine(c - q, self.period) * sine(c + q, self.period))
         if self.period is None:
             return self._compliance_of(root)
-        # cos S = cos C/cos(pi q/L)
         return self._compliance_of(self._sine_unit * np.arctan2(root, cosine(c, self.period)))
 
     def _approach(self) -> float:
@@ -208,7 +221,7 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def surface_energy(self) -> float:
-        """-2 c w + 2 stress int_a^c gap dx."""
+        """Energy -2 c w + 2 stress int_a^c gap dx of the interface [J/m], w the work."""
 
         def gap(e: Array, f: Array) -> Array:
             # The gap is an integral itself: int_a^c int_a^x = int_a^c (c - x).
@@ -218,15 +231,17 @@ class DugdaleZone(_DugdaleState):
         return 2.0 * (self.stress * area - self.cohesive_end * self.work)
 
     def rates(self) -> tuple[float, float]:
-        """d load/dc and d approach/dc along the curve; the latter is nan without a datum."""
-        # B, l and r of the head of this file; tan C/tan A - 1 = sin(C - A)/(cos C sin A).
+        """(d load/dc, d approach/dc) along the curve; the latter is nan without a datum."""
+        # These are l (arcosh), r (log_ratio) and dB/dc (share_rate) of the head of this file, with
+        # tan C/tan A - 1 = sin(C - A)/(cos C sin A).
         a, c, length = self.half_width, self.cohesive_end, self.period
         arcosh = float(arcosh1p(sine_excess(a, c - a, length)))
         log_ratio = float(np.log1p(sine(c - a, length) / (cosine(c, length) * sine(a, length))))
         share_rate = float(sine(c, length)) / self.root
         opening = self._unit * (arcosh * share_rate - log_ratio)
         gap_rate = float(self.zone._gap_slope(np.array(c - a))) + opening
-        # The gap at c stays w/s: dP/da follows from d g/da = -(2/pi E*) l dP/da.
+        # The gap g at c stays w/s, so dg/dc + (dg/da)(da/dc) = 0. With dg/da = -(2/pi E*) l dP/da
+        # this gives the change of the load by the change of a.
         load = 0.5 * pi * self.E_star * gap_rate / arcosh - 2.0 * self.stress * share_rate
         return load, self._approach_rate(load, self._unit * arcosh)
 
@@ -235,8 +250,8 @@ class DugdaleZone(_DugdaleState):
 class MetDugdaleZone(_DugdaleState):
     """Cohesive intervals that meet at L/2: a frictionless zone under a uniform tension.
 
-    The tension moves no surface: P = P_0 - s L. The work of adhesion is at least the stress times
-    the gap at L/2. Energies are in `AdhesiveZone`, fields in `SymmetricZone`. Derived here, after
+    A uniform tension leaves the gap as it is, and P = P_0 - s L with the frictionless load P_0. The
+    work of adhesion is at least the stress times the gap at L/2. Energies are in `AdhesiveZone`, fields in `SymmetricZone`. Derived here, after
     D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T.
 
     Parameters
@@ -311,19 +326,19 @@ class MetDugdaleZone(_DugdaleState):
 
     @property
     def surface_energy(self) -> float:
-        """-w L plus the stress times the area of the gap."""
+        """Energy of the interface [J/m]: -w L plus the stress times the area of the gap."""
         mean_gap = self.mean_gap
         assert mean_gap is not None
         return (self.stress * mean_gap - self.work) * self._length()
 
     def rates(self) -> tuple[float, float]:
-        """d load/da and d approach/da."""
+        """(d load/da, d approach/da) along the curve."""
         load = float(self.zone.load_rate(np.array(self.half_width)))
         return load, self._approach_rate(load, 0.0)
 
 
 class _DugdaleEquilibria(Equilibria[_DugdaleState]):
-    """Equilibria, by the end c of the cohesive intervals.
+    """The curve of equilibria, with the end c of the cohesive intervals as parameter.
 
     Once the intervals meet at L/2, the parameter is L/2 plus the growth of a since then.
     """
@@ -336,7 +351,10 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
         return self.work / self.stress
 
     def _half_width(self, c: float) -> float:
-        """The a at which the gap at c is w/s; the gap falls as a grows, and is 0 at a = c."""
+        """Half width a at which the gap at c is w/s.
+
+        It is unique: the gap at c falls as a grows, and is 0 at a = c.
+        """
 
         def excess(a: float) -> float:
             return DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap
@@ -344,11 +362,12 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
         return _root_below(c, excess)
 
     def at(self, parameter: float) -> _DugdaleState:
-        """The equilibrium at a parameter."""
+        """The equilibrium with this end c of the cohesive intervals."""
         return DugdaleZone(self._frictionless(self._half_width(parameter)), self.stress, parameter)
 
     def _carrying(self, load: float, parameter: float) -> _DugdaleState:
-        # With wide intervals the gap at c hardly depends on a, so a follows from the load.
+        # If the intervals are wide, the gap at c hardly depends on a, so that a is inaccurate.
+        # One Newton step makes the load right.
         found = self.at(parameter)
         if not isinstance(found, DugdaleZone):
             return found
@@ -362,8 +381,8 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
 
     The parameter is the end c of the cohesive intervals.
 
-    With a in (8 R^2 w/pi E*)^(1/3), P in (pi E* w^2 R)^(1/3), m = c/a, mu = sqrt(m^2 - 1) and
-    lambda = 4s/(pi^2 E*^2 w/R)^(1/3),
+    With a in units of (8 R^2 w/pi E*)^(1/3), P in units of (pi E* w^2 R)^(1/3), m = c/a,
+    mu = sqrt(m^2 - 1) and lambda = 4s/(pi^2 E*^2 w/R)^(1/3),
 
     P = a^2 - lambda a mu,
     (lambda a^2/2)(m mu - ln(m + mu)) + (lambda^2 a/2)(mu ln(m + mu) - m ln m) = 1.
@@ -391,7 +410,7 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
     end_gap : float
         w/s, the largest gap with tension [m].
     least_cohesive_end : float
-        c at a = 0, where contact begins [m].
+        The end c at a = 0, where contact begins [m].
     at, at_load, at_approach, all_at_load : callable
         The state at a parameter; at a load [N/m] or an approach [m] on a branch ("stable",
         "narrow", "wide", "last"); all states at a load.
@@ -431,7 +450,7 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
 
     @property
     def least_cohesive_end(self) -> float:
-        """c at a = 0, where contact begins: c^2/2R + (4s/pi E*) c ln 2 = w/s."""
+        """End c at a = 0, where contact begins: c^2/2R + (4s/pi E*) c ln 2 = w/s."""
         half = 4.0 * self.stress * log(2.0) / (pi * self.E_star)
         height = 2.0 * self.end_gap / self.radius
         return self.radius * height / (half + sqrt(half * half + height))
@@ -478,8 +497,8 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
     opening_mean_pressure : float
         p* - s, the smallest mean pressure of full contact [Pa].
     least_cohesive_end, meeting_half_width : float
-        c at which contact begins, and a at which the intervals meet [m]; the latter is 0 if they
-        meet in all states.
+        The end c at which contact begins, and the half width a at which the intervals meet [m]; the
+        latter is 0 if they meet in all states.
     at, at_load, at_approach, all_at_load : callable
         The state at a parameter; at a load [N/m] or an approach [m] on a branch ("stable",
         "narrow", "wide", "last"); all states at a load.
@@ -520,9 +539,9 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
     @cached_property
     def meeting_half_width(self) -> float:
-        """The a at which the intervals meet: the frictionless gap at L/2 is w/s.
+        """Half width at which the intervals meet: there the frictionless gap at L/2 is w/s.
 
-        It is 0 if that gap is always less.
+        It is 0 if that gap is less than w/s for all half widths.
         """
         if self.end_gap >= 2.0 * self.amplitude:
             return 0.0
@@ -532,14 +551,14 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         )
 
     def touching_gap(self, c: float) -> float:
-        """The gap at c for a = 0: f(c) + (4s/pi E*) int_0^c ln(2 cos(pi x/L)) dx."""
+        """Gap at c for a zone of no width: f(c) + (4s/pi E*) int_0^c ln(2 cos(pi x/L)) dx."""
         integral = float(integrated(lambda _, rest: np.log(2.0 * cosine(c, self.period, rest)), c))
         height = float(self._frictionless(0.25 * self.period).height(c))
         return height + 4.0 * self.stress / (pi * self.E_star) * integral
 
     @cached_property
     def least_cohesive_end(self) -> float:
-        """The c at which contact begins; L/2 if the intervals meet in all states."""
+        """End c of the cohesive intervals when contact begins; L/2 if they meet in all states."""
         half = 0.5 * self.period
         if self.meeting_half_width == 0.0:
             return half
@@ -549,7 +568,7 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         return root(lambda c: self.touching_gap(c) - self.end_gap, shares[i], shares[i - 1])
 
     def at(self, parameter: float) -> _DugdaleState:
-        """The equilibrium at a parameter."""
+        """The equilibrium at c = `parameter`; above L/2 the excess is added to a."""
         half = 0.5 * self.period
         if parameter < half:
             return super().at(parameter)
@@ -564,9 +583,10 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
 
 def _root_below(most: float, function: Callable[[float], float]) -> float:
-    """The root a of a function that falls between 0 and `most`, accurate near both.
+    """Root a between 0 and `most` of a falling function, accurate near both bounds.
 
-    The unknown is ln(a/(most - a)), from a = 1e-15 most to most - a = 1e-14 most.
+    The unknown of the search is ln(a/(most - a)). Its range -34 to 32 reaches from
+    a = 1e-15 most to most - a = 1e-14 most.
     """
 
     def at(log_ratio: float) -> float:

@@ -15,7 +15,7 @@ from contact.reference.exact.numerics import Array, arcosh1p, cosine, sine, sine
 
 
 class _Punch(SymmetricZone):
-    """The profile and the formulas of both punches; the load does not set the half width."""
+    """Profile and formulas of both punches; load and half width are independent."""
 
     def __post_init__(self) -> None:
         self._check("load", "E_star", "half_width")
@@ -38,12 +38,12 @@ class _Punch(SymmetricZone):
             return unit * cosine(self.half_width, self.period, d) / root
 
     def _depth(self, e: Array) -> Array:
-        """approach - u at the distance e from the punch [m]."""
+        """Approach less displacement, at the distance e outside the punch [m]."""
         unit = 2.0 * self.load / (pi * self.E_star)
         return unit * arcosh1p(sine_excess(self.half_width, e, self.period))
 
     def displacement(self, x: ArrayLike) -> Array:
-        """u(x) [m]: the approach in contact, less outside."""
+        """Displacement u(x) [m]: equal to the approach in contact, smaller outside."""
         e = np.maximum(np.abs(self._reduced(x)) - self.half_width, 0.0)
         return with_datum("u", self.approach) - self._depth(e)
 
@@ -117,7 +117,7 @@ class PeriodicPunch(_Punch):
 
     Examples
     --------
-    Half of the period in contact, sin A = 1/sqrt(2): the approach is P ln(2)/(pi E*).
+    With half of the period in contact sin A = 1/sqrt(2), so the approach is P ln(2)/(pi E*).
 
     >>> import numpy as np
     >>> from contact.exact import PeriodicPunch

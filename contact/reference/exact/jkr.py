@@ -1,12 +1,13 @@
 """JKR adhesion of one symmetric zone: p ~ -sqrt(E* w/pi)/sqrt(d) at its ends.
 
-A state is the frictionless zone less a flat punch with the same intensity at its corners, of load
+Here d is the distance from the end and w the work of adhesion. A state is the frictionless zone
+less a flat punch with this intensity sqrt(E* w/pi) at its corners. The load of the punch is
 
     Q = sqrt(2 pi E* a w) isolated,   Q = sqrt(2 E* w L tan(pi a/L)) with a period L.
 
 Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464. Wave: K. L.
 Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9. Other profiles,
-approaches and energies are derived from the same difference.
+approaches and energies are derived here, as the same zone less the same punch.
 """
 
 from dataclasses import dataclass
@@ -26,9 +27,10 @@ from contact.reference.exact.numerics import Array
 class JKRZone(AdhesiveZone):
     """JKR adhesion of one zone: the frictionless zone less a flat punch.
 
-    With C the compliance of the punch, and p ~ -sqrt(E* w/pi)/sqrt(d) at the ends,
+    The index 0 is that of the frictionless zone. Q, q and C are the load, pressure and compliance
+    of the punch, and p ~ -sqrt(E* w/pi)/sqrt(d) at the distance d from an end:
 
-    p = p_0 - q,   gap = g_0 + (2Q/pi E*) arcosh(x/a) (periodic: of sin(pi x/L)/sin(pi a/L)),
+    p = p_0 - q,   gap = g_0 + (2Q/pi E*) arcosh(x/a) (periodic: arcosh(sin(pi x/L)/sin(pi a/L))),
     load = P_0 - Q,   approach = d_0 - C Q,   elastic energy = U_0 - C Q P_0 + C Q^2/2,
     surface energy = -2 a w.
 
@@ -87,7 +89,7 @@ class JKRZone(AdhesiveZone):
 
     @property
     def tangent(self) -> float:
-        """(L/pi) tan(pi a/L) [m]; isolated: a."""
+        """The length (L/pi) tan(pi a/L) of the half width a [m]; isolated: a."""
         return self._sine_unit * self._sine() / self._cosine()
 
     def _pressure(self, r: Array, d: Array) -> Array:
@@ -114,16 +116,17 @@ class JKRZone(AdhesiveZone):
         return -2.0 * self.half_width * self.work
 
     def rates(self) -> tuple[float, float]:
-        """d load/da and d approach/da (nan without a datum)."""
+        """(d load/da, d approach/da) by the half width a; the latter is nan without a datum."""
         punch = self.punch.load
         load = float(self.zone.load_rate(np.array(self.half_width)))
         load -= 0.5 * punch / (self.tangent * self._cosine() ** 2)
-        # dC/da = -2/(pi E* a) isolated, -(2/E* L) cot(pi a/L) with a period
+        # The approach at constant load changes by -Q dC/da, where dC/da is -2/(pi E* a) isolated
+        # and -(2/E* L) cot(pi a/L) with a period.
         return load, self._approach_rate(load, 2.0 * punch / (pi * self.E_star * self.tangent))
 
 
 class _JKREquilibria(Equilibria[JKRZone]):
-    """Equilibria, by their half width."""
+    """The curve of JKR equilibria, with the half width as parameter."""
 
     def at(self, parameter: float) -> JKRZone:
         """The equilibrium of this half width."""
@@ -131,7 +134,7 @@ class _JKREquilibria(Equilibria[JKRZone]):
 
     @property
     def jump_in(self) -> JKRZone:
-        """The state that first touch jumps to at zero load."""
+        """The state at zero load that the contact jumps to at first touch."""
         return self.at_load(0.0)
 
 
@@ -161,7 +164,7 @@ class JKRCylinder(Cylinder, _JKREquilibria):
     pull_off_load : float
         -3 (pi E* w^2 R/16)^(1/3) [N/m].
     jump_in : JKRZone
-        The state that first touch jumps to at zero load.
+        The state at zero load that the contact jumps to at first touch.
     at, at_load, at_approach, all_at_load : callable
         The state at a parameter; at a load [N/m] or an approach [m] on a branch ("stable",
         "narrow", "wide", "last"); all states at a load.
@@ -194,7 +197,7 @@ class JKRCylinder(Cylinder, _JKREquilibria):
 
     @property
     def pull_off_load(self) -> float:
-        """-3 (pi E* w^2 R/16)^(1/3)."""
+        """Load -3 (pi E* w^2 R/16)^(1/3) at pull-off at prescribed load [N/m]."""
         return float(-3.0 * (pi * self.E_star * self.work**2 * self.radius / 16.0) ** (1.0 / 3.0))
 
     def _samples(self) -> Array:
@@ -235,11 +238,11 @@ class JKRWave(Wave, _JKREquilibria):
     alpha : float
         Johnson's parameter.
     self_closing_work, last_partial_work : float
-        w above which contact becomes full at zero load, and above which no partial contact is
-        stable at a prescribed load [J/m^2].
+        The work w above which contact becomes full at zero load, and the one above which no partial
+        contact is stable at a prescribed load [J/m^2].
     jump_in, jump_into_full_contact : JKRZone
-        The state that first touch jumps to at zero load, and the partial contact with the largest
-        load.
+        The state at zero load that the contact jumps to at first touch, and the partial contact
+        with the largest load.
     full_contact_energy : float
         Elastic plus surface energy of full contact per period [J/m].
     at, at_load, at_approach, all_at_load : callable
@@ -261,7 +264,7 @@ class JKRWave(Wave, _JKREquilibria):
 
     Examples
     --------
-    Half in contact, sin^2 A = 1/2 and tan A = 1.
+    With half of the period in contact sin^2 A = 1/2 and tan A = 1.
 
     >>> import numpy as np
     >>> from contact.exact import JKRWave
@@ -270,7 +273,7 @@ class JKRWave(Wave, _JKREquilibria):
     True
     """
 
-    # Full contact has no edge with an intensity, so it opens only from a flaw.
+    # Full contact has no end with an intensity from which it could open: it needs a flaw.
     stays_closed = True
 
     @property
@@ -283,12 +286,18 @@ class JKRWave(Wave, _JKREquilibria):
 
     @property
     def self_closing_work(self) -> float:
-        """The work above which the surfaces jump into full contact at zero load: sin^2 A = 3/4."""
+        """Work above which the surfaces jump into full contact at zero load [J/m^2].
+
+        There the largest load of partial contact is 0, at sin^2(pi a/L) = 3/4.
+        """
         return self._work_of(27.0**0.25 / 4.0)
 
     @property
     def last_partial_work(self) -> float:
-        """The work above which no partial contact is stable at any load: tan^2 A = 3/5."""
+        """Work above which no partial contact is stable at any prescribed load [J/m^2].
+
+        There the two turning points of the load meet, at tan^2(pi a/L) = 3/5.
+        """
         return self._work_of(4.0 * 0.375**0.75 * 0.625**1.25)
 
     @property
@@ -302,6 +311,7 @@ class JKRWave(Wave, _JKREquilibria):
         return 0.25 * pi * self.E_star * self.amplitude**2 - self.work * self.period
 
     def _samples(self) -> Array:
-        # tan A from 1e-9 to 1e9, and sqrt(0.6), where the two turning points of the load meet.
+        # The samples of tan(pi a/L) reach from 1e-9 to 1e9. They include sqrt(0.6), where the two
+        # turning points of the load meet.
         tangent = np.append(np.geomspace(1e-9, 1e9, 400), sqrt(0.6))
         return self.period / pi * np.arctan(np.sort(tangent))

@@ -1,8 +1,9 @@
 """Localization of one zone in a period: the isolated solution plus a correction.
 
-The neighbours press with their nominal pressure P_s/L outside the strip of width L around the zone,
-so that (1/pi) PV int p/(x-xi) = (E*/2) f' + (2 P_s/pi L) artanh(2x/L). I. G. Goryacheva & I.
-Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045, eq. (13)-(17), (23)-(30).
+The neighbouring zones are replaced by their nominal pressure P_s/L outside the strip of width L
+around the zone, so that (1/pi) PV int p/(x-xi) = (E*/2) f' + (2 P_s/pi L) artanh(2x/L). I. G.
+Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045, eq.
+(13)-(17), (23)-(30).
 """
 
 from dataclasses import dataclass
@@ -30,7 +31,7 @@ SELF_CONSISTENT = "self-consistent"
 def correction_pressure(
     x: ArrayLike, half_width: float, period: float, nominal_load: float
 ) -> Array:
-    """The neighbours' part of the pressure, second term of (17).
+    """Pressure that the neighbouring zones add: the second term of (17).
 
     It is (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)), |x| <= a. I. G. Goryacheva & I.
     Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
@@ -38,7 +39,7 @@ def correction_pressure(
     Parameters
     ----------
     x : array_like
-        Positions of any shape [m]; outside the zone the value is that at its ends, 0.
+        Positions of any shape [m]; outside the zone the correction is 0, as at its ends.
     half_width : float
         Half width a of the zone, below L/2 [m].
     period : float
@@ -66,7 +67,7 @@ def correction_pressure(
 
 
 def correction_load(half_width: float, period: float, nominal_load: float) -> float:
-    """The neighbours' part of the load, second term of (16): P_s (L - sqrt(L^2 - 4a^2))/L.
+    """Load that the neighbours add, second term of (16): P_s (L - sqrt(L^2 - 4a^2))/L.
 
     I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
 
@@ -97,7 +98,7 @@ def correction_load(half_width: float, period: float, nominal_load: float) -> fl
 
 
 def _root(a: float, period: float) -> float:
-    """sqrt(L^2 - 4a^2)."""
+    """The root sqrt(L^2 - 4a^2) for a half width a and a period L."""
     return sqrt((period - 2.0 * a) * (period + 2.0 * a))
 
 
@@ -110,10 +111,10 @@ def _correction(r: Array, d: Array, a: float, period: float, nominal_load: float
 class LocalizedZone(SymmetricZone):
     """An isolated solution in a period L, corrected by (17) for the nominal load P_s outside.
 
-    `first-order` (the paper's examples (23), (27), (30)): P_s is the isolated load P0, P = P0 (2 -
-    sqrt(L^2 - 4a^2)/L). `self-consistent` ((16) solved): P_s = P = P0 L/sqrt(L^2 - 4a^2). Pressure,
-    gap and zones are in `SymmetricZone`. I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020)
-    45, doi 10.3389/fmech.2020.00045.
+    P0 is the load of the isolated solution. With the closure `first-order` (the paper's examples
+    (23), (27), (30)) P_s = P0 and P = P0 (2 - sqrt(L^2 - 4a^2)/L). With `self-consistent` (equation
+    (16) solved) P_s = P = P0 L/sqrt(L^2 - 4a^2). Pressure, gap and zones are in `SymmetricZone`.
+    I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
@@ -181,7 +182,7 @@ class LocalizedZone(SymmetricZone):
 
     @property
     def nominal_load(self) -> float:
-        """P_s, the load per period that acts outside the strip."""
+        """Load P_s per period that acts outside the strip of one period [N/m]."""
         return self.isolated.load if self.closure == FIRST_ORDER else self.load
 
     @property
@@ -189,7 +190,7 @@ class LocalizedZone(SymmetricZone):
         return _load(self.isolated, self.period, self.closure)
 
     def load_rate(self, s: Array) -> Array:
-        """d load/da at a = s, for a fixed nominal load."""
+        """Derivative of the load by the half width a at a = s, for a fixed nominal load."""
         s = np.asarray(s)
         z = 2.0 * s / self.period
         # s may round to L/2, where the rate is infinite but its integral is not.
@@ -267,7 +268,7 @@ def localized_at_load(
     def at(a: float) -> float:
         return _load(family(half_width=a, **shape), period, closure)
 
-    # The first fall of the load between samples brackets its maximum.
+    # The load falls for the first time just after its maximum: these samples bracket it.
     widths = 0.5 * period * np.linspace(0.0, 1.0, 258)[1:-1]
     falling = np.flatnonzero(np.diff([at(a) for a in widths]) < 0.0)
     last = 0.5 * period * (1.0 - 1e-12)

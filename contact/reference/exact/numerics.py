@@ -29,7 +29,10 @@ FROM_LEFT, FROM_RIGHT, WEIGHT = _tanh_sinh()
 
 
 def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
-    """int_0^length of a function of the distances from both ends; lengths may have any shape."""
+    """Integral from 0 to `length` of a function of the distances from both ends.
+
+    `length` may be an array; the integral has its shape.
+    """
     length = np.asarray(length, dtype=np.float64)
     values = function(length[..., None] * FROM_LEFT, length[..., None] * FROM_RIGHT)
     # A pairwise sum has less round-off than a product of vectors.

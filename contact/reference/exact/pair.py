@@ -1,16 +1,16 @@
 """Two zones a <= |x| <= b under an even pressure, isolated or once in every period.
 
 Let v = x without a period and v = tan(pi x/L) with one; as the pressure is even, the Hilbert kernel
-is the Cauchy kernel in v. With y = v^2 = m + h cos(theta), the two zones are one zone in y. The odd
-slope h'(x) of the gap to be closed is v G(y), G = sum g_n cos(n theta), and (34) with its boundary
-conditions becomes
+is the Cauchy kernel in v. With y = v^2 = m + h cos(theta), the two zones are one zone in y, of
+middle m and half width h. The slope f' of the profile is odd, so f' = v G(y) with
+G = sum g_n cos(n theta), and (34) with its boundary conditions becomes
 
     bounded at all four ends   g_0 = 0,
     p = (E* |v|/2) sum g_n sin(n theta),
     P = pi E* h g_1/4 isolated,   P = (E* L/2) |sum g_n rho^n| periodic,
 
-rho = -1/(z + sqrt(z^2 - 1)), z = (1 + m)/h. For G linear in y this is (32) and (33) of Goryacheva &
-Tsukanov (2020), doi 10.3389/fmech.2020.00045. The rest is derived here.
+where rho = -1/(z + sqrt(z^2 - 1)) and z = (1 + m)/h. For G linear in y this is (32) and (33) of
+Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045. The rest is derived here.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ from contact.model.checks import keep, positive
 from contact.reference.exact.base import check_number
 from contact.reference.exact.numerics import Array, least_value, root
 
-# G(y, m, h).
+# A function G(y, m, h) = f'/v; a zone in y has the middle m and the half width h.
 Ratio = Callable[[Array, float, float], Array]
 
 
@@ -36,7 +36,7 @@ class Pair:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """a and b [m]."""
+        """Inner end a and outer end b of the zones [m]."""
         raise NotImplementedError
 
     @property
@@ -48,11 +48,11 @@ class Pair:
 
 @dataclass(frozen=True, eq=False)
 class EvenPair(Pair):
-    """Two zones a <= |x| <= b under an even pressure, as one zone in y = v^2 = m + h cos(theta).
+    """Two zones a <= |x| <= b under an even pressure, as one zone in y = v^2.
 
-    p = (E*/2)|v| sum g_n sin(n theta) and P = pi E* h g_1/4 isolated, v = x, or v = tan(pi x/L)
-    with a period: see the head of this module. Derived here; for G linear in y it is (32) and (33)
-    of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+    With y = m + h cos(theta), the pressure is p = (E*/2)|v| sum g_n sin(n theta). Isolated, v = x
+    and P = pi E* h g_1/4; with a period v = tan(pi x/L): see the head of this module. Derived
+    here; for G linear in y it is (32) and (33) of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class EvenPair(Pair):
     Attributes
     ----------
     ends : tuple of float
-        a and b [m].
+        Inner and outer ends a and b of the zones [m].
     zones : array, (2, 2)
         Ends of both zones [m].
     load : float
@@ -114,9 +114,9 @@ class EvenPair(Pair):
         limit: float,
         period: float | None = None,
     ) -> "EvenPair":
-        """The pair with G = ratio(y, m, h), by its values at Chebyshev nodes.
+        """The pair for a function ratio(y, m, h) = f'/v, by its values at Chebyshev nodes.
 
-        G is singular at y = limit, which sets the number of nodes.
+        The function is singular at y = `limit`, which sets the number of nodes.
         """
         values = _values(ratio, middle, half, limit)
         g = dct(values, type=2) / len(values)
@@ -125,7 +125,7 @@ class EvenPair(Pair):
 
     @property
     def ends(self) -> tuple[float, float]:
-        """a and b [m]."""
+        """Inner end a and outer end b of the zones [m]."""
         inner, outer = sqrt(self.middle - self.half), sqrt(self.middle + self.half)
         if self.period is None:
             return inner, outer
@@ -142,14 +142,14 @@ class EvenPair(Pair):
         return float(0.5 * self.E_star * self.period * series)
 
     def at_angle(self, theta: ArrayLike) -> Array:
-        """p at y = m + h cos(theta) [Pa]."""
+        """Pressure at v^2 = m + h cos(theta) [Pa]."""
         theta = np.asarray(theta, dtype=float)
         v = np.sqrt((self.middle - self.half) + 2.0 * self.half * np.cos(0.5 * theta) ** 2)
         series = np.sin(theta[..., None] * np.arange(len(self.ratio))) @ self.ratio
         return np.asarray(0.5 * self.E_star * v * series)
 
     def angle(self, x: ArrayLike) -> Array:
-        """theta at positions in a zone; 0 and pi outside."""
+        """Angle theta of positions x in a zone; outside it is 0 or pi, where p = 0."""
         v = np.abs(np.asarray(x, dtype=float))
         if self.period is not None:
             v = np.abs(np.tan(pi / self.period * (v - self.period * np.round(v / self.period))))
@@ -159,7 +159,7 @@ class EvenPair(Pair):
         return np.asarray(2.0 * np.arctan2(np.sqrt(from_outer), np.sqrt(from_inner)))
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa], 0 outside the zones."""
+        """Pressure p(x) [Pa], 0 outside the zones."""
         return self.at_angle(self.angle(x))
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
@@ -178,24 +178,26 @@ class EvenPair(Pair):
 def _values(
     ratio: Ratio, middle: float, half: float, limit: float, least: int = 32, most: int = 8192
 ) -> Array:
-    """G at Chebyshev nodes, between `least` and `most` of them.
+    """Values of G = f'/v at Chebyshev nodes, between `least` and `most` of them.
 
-    The series falls as rho^n, rho set by the nearer of y = -1, where arctan v branches, and the
-    limit: at -ln(rho) n = 38 it has reached round-off. `most` serves a zone that nearly reaches a
-    singularity.
+    The terms of the series of G fall as rho^n. The rate rho depends on the nearer singularity:
+    y = -1, where arctan v branches, or `limit`. At -ln(rho) n = 38 round-off is reached. `most`
+    bounds n if the zone nearly reaches a singularity.
     """
     nearest = min(1.0 + middle, limit - middle) / half
     rate = float(np.arccosh(max(nearest, 1.0)))
     n = most if rate * most < 38.0 else max(least, ceil(38.0 / rate))
-    # y counts from the inner end: m - h is small if the zones are close to merging.
+    # The sum begins with m - h, which is small and must be exact if the zones nearly merge.
     y = (middle - half) + 2.0 * half * np.cos(0.5 * pi * (np.arange(n) + 0.5) / n) ** 2
     return ratio(y, middle, half)
 
 
 def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
-    """The m at which g_0 = 0 for a given h; None if the zones have met or left the strip.
+    """Middle m at which g_0 = 0 for a given half width h; None if there is none.
 
-    g_0 grows with m: G is negative if the tip lies further out, positive if it lies further in.
+    g_0 is the mean of G over the angle. There is no such m if the zones have met at x = 0, or if
+    y reaches `limit`. g_0 grows with m: it is negative if the tip lies further out than the zone,
+    positive if it lies further in.
     """
 
     def g_0(middle: float) -> float:
@@ -217,9 +219,10 @@ def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
 def pair_at_load(
     ratio: Ratio, load: float, E_star: float, limit: float, period: float | None = None
 ) -> EvenPair:
-    """The pair that carries a load; y stays below `limit`. OutOfRange once the zones have met.
+    """The pair that carries a load, with y below `limit`; OutOfRange once the zones have met.
 
-    h is the root of the load, which grows with h; m follows from h by `bounded_middle`.
+    The load grows with the half width h of the zone in y, so h is found as a root. The middle m
+    follows from h by `bounded_middle`.
     """
 
     def at(half: float) -> EvenPair | None:
@@ -228,7 +231,7 @@ def pair_at_load(
 
     def log_excess(log_half: float) -> float:
         pair = at(exp(log_half))
-        # Zones that have met carry more than any pair.
+        # Zones that have met carry more load than any pair.
         return inf if pair is None else log(pair.load / load)
 
     low = log(limit if np.isfinite(limit) else 1.0) - 1.0
@@ -248,7 +251,7 @@ def pair_at_load(
 
 
 def tips_slope(x: Array, radius: float, spacing: float) -> Array:
-    """f' of f = (x^2 - c^2)^2/8Rc^2, spacing = 2c."""
+    """Slope f' of the profile f = (x^2 - c^2)^2/8Rc^2, with 2c = `spacing`."""
     c = 0.5 * spacing
     return np.asarray(x * (x - c) * (x + c) / (2.0 * radius * c * c))
 
@@ -257,8 +260,8 @@ def tips_slope(x: Array, radius: float, spacing: float) -> Array:
 class PairRow(Pair):
     """Two tips a distance 2c = `spacing` apart, once in every period, each with its own zone.
 
-    The mean pressure is the load of both over the period. A subclass gives `pair`, or else its ends
-    and its pressure.
+    The mean pressure is the load of both tips, divided by the period. A subclass defines `pair`, or
+    else the ends of the zones and the pressure.
     """
 
     radius: float
@@ -279,12 +282,12 @@ class PairRow(Pair):
 
     @cached_property
     def pair(self) -> EvenPair:
-        """The solution as one zone in y."""
+        """The solution as one zone in the variable y of `EvenPair`."""
         raise NotImplementedError
 
     @property
     def ends(self) -> tuple[float, float]:
-        """a and b [m]."""
+        """Inner end a and outer end b of the zones [m]."""
         return self.pair.ends
 
     @property
@@ -293,15 +296,16 @@ class PairRow(Pair):
         return self.pair.max_pressure
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa], 0 outside the zones."""
+        """Pressure p(x) [Pa], 0 outside the zones."""
         return self.pair.pressure(x)
 
 
 @dataclass(frozen=True)
 class PeriodicBiquadratic(PairRow):
-    """f = (x^2 - c^2)^2/8Rc^2 with the period L, while each tip has its own zone: exact.
+    """Two tips f = (x^2 - c^2)^2/8Rc^2 once in every period L, each with its own zone.
 
-    It is (34) in v = tan(pi x/L); only the series of G = f'(x(v))/v is not elementary. Derived
+    It is the exact solution (34) in v = tan(pi x/L). Only the series of G = f'(x(v))/v is not
+    elementary. Derived
     here, after (34) of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 
     Parameters
@@ -315,14 +319,14 @@ class PeriodicBiquadratic(PairRow):
     E_star : float
         Reduced modulus [Pa].
     mean_pressure : float
-        Load of both tips over the period [Pa].
+        Load of both tips, divided by the period [Pa].
 
     Attributes
     ----------
     load : float
         P per period [N/m].
     inner_end, outer_end : float
-        a and b [m].
+        Inner and outer ends a and b of the zones [m].
     zones : array, (2, 2)
         Ends of the zones [m]; `zone_widths` [m] and `zone_loads` [N/m] are (2,).
     contact_fraction, max_pressure : float
@@ -368,7 +372,7 @@ class PeriodicBiquadratic(PairRow):
     outer_end = property(lambda self: self.ends[1])
 
     def slope(self, x: ArrayLike) -> Array:
-        """f'(x)."""
+        """Slope f'(x) of the profile."""
         x = np.asarray(x, dtype=float)
         return tips_slope(x - self.period * np.round(x / self.period), self.radius, self.spacing)
 

@@ -25,7 +25,7 @@ from contact.reference.exact.numerics import (
 
 @dataclass(frozen=True)
 class _Parabola(SymmetricZone):
-    """The profile."""
+    """The profile f = x^2/2R of both parabolas."""
 
     radius: float
 
@@ -80,7 +80,7 @@ class HertzLine(IsolatedZone, _Parabola):
         return self.E_star / (2.0 * self.radius) * np.sqrt(d * (self.half_width + r))
 
     def load_rate(self, s: Array) -> Array:
-        """dP/da at a = s."""
+        """Derivative dP/da of the load by the half width a, at a = s."""
         return pi * self.E_star / (2.0 * self.radius) * s
 
     def _gap_slope(self, e: Array) -> Array:
@@ -126,7 +126,7 @@ class PeriodicParabola(PeriodicZone, _Parabola):
 
     Examples
     --------
-    Half in contact, cos A = 1/sqrt(2): P = L^2 E* ln(2)/(4 pi R).
+    With half of the period in contact cos A = 1/sqrt(2), so P = L^2 E* ln(2)/(4 pi R).
 
     >>> import numpy as np
     >>> from contact.exact import PeriodicParabola
@@ -141,7 +141,10 @@ class PeriodicParabola(PeriodicZone, _Parabola):
         return half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
 
     def _cosine_ratio_excess(self, middle: Array, d: Array) -> Array:
-        """|cos u/cos A - 1| at the distance d from the end, with `middle` = (|x| + a)/2."""
+        """|cos u/cos A - 1|, u = pi x/L and A = pi a/L, at the distance d from the end.
+
+        `middle` is (|x| + a)/2.
+        """
         return 2.0 * sine(middle, self.period) * sine(0.5 * d, self.period) / self._cosine()
 
     def _pressure(self, r: Array, d: Array) -> Array:

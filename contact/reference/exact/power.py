@@ -31,7 +31,7 @@ from contact.reference.exact.numerics import (
 
 @dataclass(frozen=True)
 class _Power(SymmetricZone):
-    """The profile."""
+    """The profile f = C |x|^n, and the search for the peak pressure."""
 
     coefficient: float
     exponent: float
@@ -69,7 +69,7 @@ class IsolatedPower(IsolatedZone, _Power):
     With g = sqrt(pi) Gamma((n + 1)/2)/Gamma(n/2 + 1) and q^2 = 1 - x^2/a^2,
 
     P = (E*/2) n C g a^n,   p = (n P/pi a) q 2F1(1, 1 - n/2; 3/2; q^2),   p(0) = n P/(pi (n - 1) a),
-    gap slope = f'(x) I(1 - a^2/x^2; 1/2, n/2), I the regularized incomplete beta function,
+    gap slope = f'(x) I(1 - a^2/x^2; 1/2, n/2), with I the regularized incomplete beta function,
     approach = (2 P/pi E*)(ln(2d/a) + 1/n).
 
     Derived here; n = 2 is Hertz's contact. The class method `from_load` makes the solution at a
@@ -116,7 +116,7 @@ class IsolatedPower(IsolatedZone, _Power):
         return 0.5 * self.E_star * self.half_width * slope * _chebyshev_moment(self.exponent)
 
     def load_rate(self, s: Array) -> Array:
-        """dP/da at a = s."""
+        """Derivative dP/da of the load by the half width a, at a = s."""
         n = self.exponent
         return np.asarray(0.5 * self.E_star * n * _chebyshev_moment(n) * self._slope(s))
 
@@ -192,34 +192,39 @@ class PeriodicPower(PeriodicZone, _Power):
         return float(self._loads(np.array(self.half_width)))
 
     def _position(self, a: Array, w: Array, rest: Array) -> tuple[Array, Array, Array]:
-        """(s, cos(pi s/L), sin(pi s/L)) at w, with rest = artanh(sin A) - w."""
+        """The half width s at the integration variable w: (s, cos(pi s/L), sin(pi s/L)).
+
+        It solves sinh w = sqrt(sin^2 A - sin^2(pi s/L))/cos A, A = pi a/L. `rest` is the distance
+        artanh(sin A) - w from the upper limit, where s = 0.
+        """
         length = self._length()
         sin_a, cos_a = sine(a, length), cosine(a, length)
-        # 1 - sinh(w)/tan A without cancellation
+        # This is 1 - sinh(w)/tan A without cancellation.
         difference = 2.0 * np.cosh(w + 0.5 * rest) * np.sinh(0.5 * rest) * cos_a / sin_a
         sin_s = sin_a * np.sqrt(difference * (1.0 + np.sinh(w) * cos_a / sin_a))
         cos_s = cos_a * np.cosh(w)
         return length / pi * np.arctan2(sin_s, cos_s), cos_s, sin_s
 
     def _integral(self, a: Array, integrand: Callable[[Array, Array], Array]) -> Array:
-        """int_0^artanh(sin A) integrand dw for half widths a."""
+        """Integral of `integrand` over w from 0 to artanh(sin(pi a/L)), for half widths a."""
         length = self._length()
         return integrated(integrand, np.arcsinh(sine(a, length) / cosine(a, length)))
 
     def _loads(self, a: Array) -> Array:
-        """P at half widths a."""
+        """Load P at the half widths a."""
         column = a[..., None]
         found = self._integral(a, lambda w, rest: self._slope(self._position(column, w, rest)[0]))
         return np.asarray(self.E_star * self._length() / pi * found)
 
     def load_rate(self, s: Array) -> Array:
-        """dP/da at a = s."""
+        """Derivative dP/da of the load by the half width a, at a = s."""
         a, length = np.asarray(s, dtype=np.float64), self._length()
         column = a[..., None]
 
         def integrand(w: Array, rest: Array) -> Array:
             at, cos_s, sin_s = self._position(column, w, rest)
-            # d ln(f' sin A / cos(pi s/L)) / dA, with ds/dA = (L/pi) tan(pi s/L) cot A
+            # Logarithmic derivative of f'(s) sin A/cos(pi s/L) by A = pi a/L, divided by cot A.
+            # The ratio sin(pi s/L)/sin A is fixed, so that ds/dA = (L/pi) tan(pi s/L) cot A.
             by_slope = (self.exponent - 1.0) * length / (pi * np.maximum(at, 1e-300))
             growth = by_slope + sin_s / cos_s
             return np.asarray(self._slope(at) * (sin_s / cos_s * growth + 1.0))
@@ -233,7 +238,11 @@ class PeriodicPower(PeriodicZone, _Power):
         return np.reshape(values, r.shape)
 
     def _pressure_at(self, r: float, d: float) -> float:
-        """The integral over flat punches, with S^2 = sin^2 u + (sin^2 A - sin^2 u) v^2."""
+        """Pressure at r = |x| from flat punches of all half widths s between r and a.
+
+        The integration variable v is 0 at s = r and 1 at s = a. With u = pi r/L and A = pi a/L,
+        sin^2(pi s/L) = sin^2 u + (sin^2 A - sin^2 u) v^2.
+        """
         length, a = self._length(), self.half_width
         sin_u, cos_a = float(sine(r, length)), float(cosine(a, length))
         size = float(sine(a + r, length) * sine(d, length))
@@ -264,18 +273,18 @@ class PeriodicPower(PeriodicZone, _Power):
 
 
 def _chebyshev_moment(n: float) -> float:
-    """int_-1^1 |t|^n / sqrt(1 - t^2) dt."""
+    """The integral int_-1^1 |t|^n / sqrt(1 - t^2) dt."""
     return sqrt(pi) * gamma(0.5 * (n + 1.0)) / gamma(0.5 * n + 1.0)
 
 
 def _abel_of_power(
     n: float, r: Array, d: Array, expand_below: float = 2.5, radius: float = 0.5
 ) -> Array:
-    """int_r^1 s^(n-1) / sqrt(s^2 - r^2) ds, d = 1 - r.
+    """The integral int_r^1 s^(n-1) / sqrt(s^2 - r^2) ds, from r and d = 1 - r.
 
     For exponents n below `expand_below` the hypergeometric function of 1 - r^2 loses the digits of
-    r^(n-1) near the tip. Within `radius` of it, an expansion in r^2 and r^(n-1) replaces it. The
-    expansion has poles at n = 3, 5, ..., where the loss is small.
+    r^(n-1) near the tip r = 0. For r < `radius` an expansion in r^2 and r^(n-1) replaces it. That
+    expansion has poles at n = 3, 5, ..., but there the loss of digits is small.
     """
     square = d * (1.0 + r)
     out = np.asarray(np.sqrt(square) * hyp2f1(1.0, 1.0 - 0.5 * n, 1.5, square))

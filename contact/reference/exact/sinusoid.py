@@ -30,7 +30,7 @@ from contact.reference.exact.numerics import (
 
 @dataclass(frozen=True)
 class _Wave:
-    """The profile of a periodic wave."""
+    """Fields of a periodic wave f = Delta (1 - cos(2 pi x/L)), in partial or full contact."""
 
     amplitude: float
     period: float
@@ -102,12 +102,12 @@ class Westergaard(PeriodicZone, _Wave):
         return 2.0 * pi * self.amplitude / self.period * sine(2.0 * r, self.period)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # cos 2u - cos 2A = 2 sin(A - u) sin(A + u)
+        # With u = pi x/L and A = pi a/L, cos 2u - cos 2A = 2 sin(A - u) sin(A + u).
         root = np.sqrt(sine(d, self.period) * sine(self.half_width + r, self.period))
         return 2.0 * self.full_contact_pressure * cosine(self.half_width, self.period, d) * root
 
     def load_rate(self, s: ArrayLike) -> Array:
-        """dP/da at a = s."""
+        """Derivative dP/da of the load by the half width a, at a = s."""
         return pi * self.full_contact_pressure * sine(2.0 * np.asarray(s), self.period)
 
     def _gap_slope(self, e: Array) -> Array:
@@ -131,7 +131,7 @@ class Westergaard(PeriodicZone, _Wave):
 class FullContactSinusoid(_Wave):
     """Full contact of a wave f = Delta (1 - cos(2 pi x/L)): p = mean + p* cos(2 pi x/L).
 
-    It exists from the mean pressure p* = pi E* Delta/L on. H. M. Westergaard, J. Appl. Mech. 6
+    The mean pressure is at least p* = pi E* Delta/L. H. M. Westergaard, J. Appl. Mech. 6
     (1939) A49-A53, doi 10.1115/1.4008919.
 
     Parameters
@@ -143,7 +143,7 @@ class FullContactSinusoid(_Wave):
     E_star : float
         Reduced modulus [Pa].
     mean_pressure : float
-        Load per period over the period [Pa].
+        Load per period, divided by the period [Pa].
 
     Attributes
     ----------
@@ -193,23 +193,23 @@ class FullContactSinusoid(_Wave):
     stiffness = property(lambda self: inf)
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p(x) = mean - p* + 2 p* cos^2(pi x/L)."""
+        """Pressure p(x) = mean - p* + 2 p* cos^2(pi x/L) [Pa]."""
         full = self.full_contact_pressure
         cos = np.cos(pi / self.period * np.asarray(x))
         return self.mean_pressure - full + 2.0 * full * cos**2
 
     def displacement(self, x: ArrayLike) -> Array:
-        """u = Delta cos(2 pi x/L)."""
+        """Displacement u = Delta cos(2 pi x/L) [m]."""
         return self.amplitude * np.cos(2.0 * pi / self.period * np.asarray(x, dtype=float))
 
     def gap(self, x: ArrayLike) -> Array:
-        """0."""
+        """The gap [m], 0 everywhere."""
         return np.zeros_like(np.asarray(x, dtype=float))
 
 
 @dataclass(frozen=True)
 class _OneWave:
-    """The profile of a wave that does not repeat."""
+    """Fields of one wave f = Delta (1 - cos(2 pi x/L)) that does not repeat."""
 
     amplitude: float
     wavelength: float
@@ -296,7 +296,8 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
         return self.amplitude * self._k * np.sin(self._k * r)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi), t = cos phi, phi from the distance to the end.
+        # With t = cos phi, sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi). The angle phi is formed from
+        # the distance to the end, so that it is accurate there.
         phi = 2.0 * np.arcsin(np.sqrt(0.5 * d / self.half_width))
         j = np.arange(20)  # J_41(pi) is below 1e-40
         weight = (-1.0) ** j * jv(2 * j + 1, self._k * self.half_width)
@@ -304,7 +305,7 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
         return self.E_star * self.amplitude * self._k * series
 
     def load_rate(self, s: ArrayLike) -> Array:
-        """dP/da at a = s."""
+        """Derivative dP/da of the load by the half width a, at a = s."""
         z = self._k * np.asarray(s)
         return np.asarray(0.5 * pi * self.E_star * self.amplitude * self._k * z * j0(z))
 
@@ -317,7 +318,7 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
         return 0.5 * pi * self.E_star * self.amplitude * ka * float(j1(ka))
 
     def _approach_by_parts(self) -> float:
-        # int_0^a P/s ds = (pi E* Delta/2)(1 - J_0(ka))
+        # This is (2/pi E*) int_0^a P/s ds, with int_0^a P/s ds = (pi E* Delta/2)(1 - J_0(ka)).
         return self.amplitude * (1.0 - float(j0(self._k * self.half_width)))
 
 
@@ -327,7 +328,7 @@ def sinusoid(mean_pressure: float, **shape: Any) -> Westergaard | FullContactSin
     Parameters
     ----------
     mean_pressure : float
-        Load per period over the period [Pa].
+        Load per period, divided by the period [Pa].
     **shape : float
         amplitude Delta [m], period L [m] and E_star [Pa], by name.
 

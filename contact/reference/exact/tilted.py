@@ -1,10 +1,12 @@
 """Punches tilted by a small angle: the gap at zero load is f(x) - tilt x.
 
-The moment is M = int p x dx. e = M/P is the centre of the load. A tilted flat punch in full
-contact: N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics (1985), sec.
-2.8. If its pressure would be negative, one end lifts off and the zone is bounded there. A parabola
-only moves its zone. A tilted wedge has unequal slopes; both ends are free for the angle phi of its
-tip, cos phi = -sin(pi tilt/2 slope). All but the first is derived here.
+The moment is M = int p x dx. e = M/P is the centre of the load. The tilted flat punch in full
+contact is that of N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics
+(1985), sec. 2.8. If its pressure would be negative, one end lifts off, and the pressure is bounded
+there. A parabola
+only moves its zone. A tilted wedge has unequal slopes. The pressure is bounded at both ends if
+its tip is at x = middle + w cos phi, w the half width and cos phi = -sin(pi tilt/2 slope). All but
+the punch in full contact is derived here.
 """
 
 from dataclasses import dataclass
@@ -85,7 +87,7 @@ class TiltedZone(PressedBody):
         return inf
 
     def _pressure(self, left: Array, right: Array) -> Array:
-        """p at distances left and right from the ends, in half widths; left + right = 2."""
+        """Pressure at the distances `left` and `right` from the ends, in half widths."""
         raise NotImplementedError
 
     def _gap(self, e: Array, side: int) -> Array:
@@ -105,27 +107,28 @@ class TiltedZone(PressedBody):
             return self._pressure(1.0 + t, 1.0 - t)
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa], 0 outside the zone."""
+        """Pressure p(x) [Pa], 0 outside the zone."""
         t = (np.asarray(x, dtype=float) - self.middle) / self.half_width
         inside = np.abs(t) < 1.0
         return np.where(inside, self.pressure_at(np.where(inside, t, 0.5)), 0.0)
 
     def gap(self, x: ArrayLike) -> Array:
-        """u + f - tilt x - approach [m], 0 in the zone."""
+        """Gap u + f - tilt x - approach [m], 0 in the zone."""
         z = (np.asarray(x, dtype=float) - self.middle) / self.half_width
         e = np.maximum(np.abs(z) - 1.0, 0.0)
         return np.where(e > 0.0, np.where(z > 0.0, self._gap(e, 1), self._gap(e, -1)), 0.0)
 
     def displacement(self, x: ArrayLike) -> Array:
-        """u(x) [m] into the body, with the far field ln|x/d| of the datum d."""
+        """Displacement u(x) [m] into the body, whose far field is ln|x/d| with the datum d."""
         return super().displacement(x) + self.tilt * np.asarray(x, dtype=float)
 
 
 @dataclass(frozen=True)
 class TiltedParabola(TiltedZone):
-    """A tilted parabola f = x^2/2R: Hertz's zone about x = R tilt.
+    """A tilted parabola f = x^2/2R: Hertz's zone with its middle at x = R tilt.
 
-    M = P R tilt, approach = Hertz's - R tilt^2/2. Fields are in `TiltedZone`. Derived here.
+    The moment is M = P R tilt; the approach is Hertz's less R tilt^2/2. Fields are in
+    `TiltedZone`. Derived here.
 
     Parameters
     ----------
@@ -205,9 +208,9 @@ class TiltedParabola(TiltedZone):
 
 @dataclass(frozen=True)
 class TiltedWedge(TiltedZone):
-    """A tilted wedge f = slope |x|: a zone of half width w about w sin alpha.
+    """A tilted wedge f = slope |x|: a zone of half width w with its middle at w sin alpha.
 
-    With alpha = pi tilt/2 slope and the tip at t = -sin alpha in the zone,
+    With alpha = pi tilt/2 slope and x = w (t + sin alpha), so that the tip is at t = -sin alpha,
 
     P = E* slope w cos alpha,   M = P w sin alpha / 2 = (P^2 / 2 E* slope) tan alpha,
     p = (E* slope/pi) arcosh((1 + t sin alpha)/|t + sin alpha|),
@@ -275,7 +278,7 @@ class TiltedWedge(TiltedZone):
         E_star: float,
         datum: float | None = None,
     ) -> "TiltedWedge":
-        """The solution of given load and moment."""
+        """The solution that carries a given load and moment."""
         alpha = atan(2.0 * E_star * wedge_slope * moment / positive("load", load) ** 2)
         w = load / (E_star * wedge_slope * cos(alpha))
         return cls(wedge_slope, E_star, w, 2.0 * wedge_slope * alpha / pi, datum)
@@ -286,7 +289,7 @@ class TiltedWedge(TiltedZone):
 
     @property
     def _tip(self) -> tuple[float, float]:
-        """Distances of the tip from the left and right end in half widths, 1 -+ sin alpha."""
+        """Distances of the tip from the left and right end, in half widths: 1 -+ sin alpha."""
         unit = pi / (4.0 * self.wedge_slope)
         left = 2.0 * sin(unit * (self.wedge_slope - self.tilt)) ** 2
         return left, 2.0 * sin(unit * (self.wedge_slope + self.tilt)) ** 2
@@ -314,7 +317,7 @@ class TiltedWedge(TiltedZone):
 
     @property
     def rotational_stiffness(self) -> float:
-        """dM/d tilt at given load [N]."""
+        """Derivative of the moment by the tilt at a given load [N]."""
         return pi * self.load**2 / (4.0 * self.E_star * (self.wedge_slope * self._cos_alpha) ** 2)
 
     def height(self, x: ArrayLike) -> Array:
@@ -324,7 +327,8 @@ class TiltedWedge(TiltedZone):
         return np.asarray(self.wedge_slope * np.sign(x) - self.tilt)
 
     def _pressure(self, left: Array, right: Array) -> Array:
-        # (1 + t sin alpha)/|t + sin alpha| - 1, from distances to the end on the point's own side.
+        # This is (1 + t sin alpha)/|t + sin alpha| - 1 without cancellation: from the distances to
+        # the end on the same side of the tip as the point.
         tip_left, tip_right = self._tip
         excess = np.where(
             left > tip_left,
@@ -334,8 +338,9 @@ class TiltedWedge(TiltedZone):
         return self.E_star * self.wedge_slope / pi * arcosh1p(np.abs(excess))
 
     def _gap(self, e: Array, side: int) -> Array:
-        # The slope of the gap is (4 slope/pi) arctan((1 - rho)/((1 + rho) tan(phi/2))), with phi
-        # the angle of the tip seen from this end, rho = z - sqrt(z^2 - 1) and z = 1 + s.
+        # The slope of the gap is (4 slope/pi) arctan((1 - rho)/((1 + rho) tan(phi/2))). Here s is
+        # the distance from the end in half widths, z = 1 + s and rho = z - sqrt(z^2 - 1). The tip
+        # is at the distance 1 - cos phi from this end, in half widths.
         tangent = tan(0.25 * pi + 0.5 * side * self._alpha)
 
         def gap_slope(s: Array, _: Array) -> Array:
@@ -352,12 +357,12 @@ class TiltedWedge(TiltedZone):
 class TiltedPunch(TiltedZone):
     """A flat punch |x| <= a with sharp corners under a load P and a moment M, e = M/P.
 
-    Up to |e| = a/2 all of it is in contact,
+    Up to |e| = a/2 the whole punch is in contact,
 
     p = (P + 2 M x/a^2) / (pi sqrt(a^2 - x^2)),   tilt = 4 M/(pi E* a^2),
     approach = (2P/pi E*) ln(2d/a).
 
-    For larger |e| a zone of half width w = 2 (a - |e|) is left at one corner, where t = 1,
+    For larger |e| the zone ends at one corner, where t = 1, and has the half width w = 2 (a - |e|),
 
     p = (P/pi w) sqrt((1 + t)/(1 - t)),   |tilt| = 2P/(pi E* w),
     approach = w |tilt| ln(2d/w) - (a - w)|tilt|.
@@ -442,7 +447,10 @@ class TiltedPunch(TiltedZone):
 
     @property
     def rotational_stiffness(self) -> float:
-        """dM/d tilt at given load [N]: pi E* w^2/4, with w = a in full contact."""
+        """Derivative pi E* w^2/4 of the moment by the tilt at a given load [N].
+
+        w is the half width of the zone, which is a in full contact.
+        """
         return 0.25 * pi * self.E_star * self.half_width**2
 
     def height(self, x: ArrayLike) -> Array:
@@ -462,7 +470,8 @@ class TiltedPunch(TiltedZone):
     def _gap(self, e: Array, side: int) -> Array:
         if not self.lifted or side * self.moment > 0:
             return np.full_like(e, inf)
-        # |tilt| int sqrt(y/(y + 2w)) dy from the lifted end to the other corner.
+        # The gap is |tilt| int sqrt(s/(s + 2w)) ds up to the lifted corner. Here s is the distance
+        # from the end of the zone, and w its half width.
         y = 0.5 * e
         unit = 2.0 * self.half_width * abs(self.tilt)
         gap = unit * (np.sqrt(y * (y + 1.0)) - np.arcsinh(np.sqrt(y)))

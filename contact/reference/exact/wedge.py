@@ -17,7 +17,7 @@ from contact.reference.exact.numerics import Array, arccos1m, arcosh1p, half_wid
 
 @dataclass(frozen=True)
 class _Wedge(SymmetricZone):
-    """The profile, and the formulas that both wedges share."""
+    """Profile f = slope |x|, and the formulas that both wedges share."""
 
     wedge_slope: float
 
@@ -28,14 +28,15 @@ class _Wedge(SymmetricZone):
         return np.full_like(r, self.wedge_slope)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # tan A/tan u - 1 = sin(A - u)/(cos A sin u)
+        # With u = pi |x|/L and A = pi a/L, tan A/tan u - 1 = sin(A - u)/(cos A sin u).
         with np.errstate(divide="ignore"):
             y = sine(d, self.period) / (self._cosine() * sine(r, self.period))
         return self.E_star * self.wedge_slope / pi * arcosh1p(y)
 
     def _gap_slope(self, e: Array) -> Array:
-        # 1 - tan A/tan u = sin(u - A)/(cos A sin u). The gap is integrated numerically: the
-        # periodic integral is a dilogarithm, and the isolated closed form cancels for small e.
+        # With u = pi x/L and A = pi a/L, 1 - tan A/tan u = sin(u - A)/(cos A sin u). The gap is
+        # integrated numerically: the periodic integral is a dilogarithm, and the isolated closed
+        # form cancels for small e.
         y = sine(e, self.period) / (self._cosine() * sine(self.half_width + e, self.period))
         return 2.0 * self.wedge_slope / pi * arccos1m(y)
 
@@ -45,10 +46,10 @@ class IsolatedWedge(IsolatedZone, _Wedge):
     """An isolated wedge f = slope |x|.
 
     p = (E* slope/pi) arcosh(a/|x|), P = E* slope a, gap = (2 slope/pi)(x arccos(a/x) - a
-    arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1). It is the first term of (26), whose |x|
-    is missing in print. The class method `from_load` makes the solution at a given load; everything
-    else is in `SymmetricZone`. K. L. Johnson, Contact Mechanics (1985), sec. 5.2, doi
-    10.1017/CBO9781139171731.
+    arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1). The pressure is the first term of (26)
+    in Goryacheva & Tsukanov (2020), where |x| is missing in print. The class method `from_load`
+    makes the solution at a given load; everything else is in `SymmetricZone`. K. L. Johnson,
+    Contact Mechanics (1985), sec. 5.2, doi 10.1017/CBO9781139171731.
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ class IsolatedWedge(IsolatedZone, _Wedge):
         return load / (shape["E_star"] * shape["wedge_slope"])
 
     def load_rate(self, s: Array) -> Array:
-        """dP/da at a = s."""
+        """Derivative dP/da of the load by the half width a, at a = s."""
         return np.full_like(s, self.E_star * self.wedge_slope)
 
     @property
@@ -135,7 +136,7 @@ class PeriodicWedge(PeriodicZone, _Wedge):
 
     @property
     def load(self) -> float:
-        # artanh s = arsinh(s/cos A) is accurate near full contact.
+        # With s = sin A, artanh s = arsinh(s/cos A), which is accurate near full contact.
         unit = self.period * self.E_star * self.wedge_slope / pi
         return unit * asinh(self._sine() / self._cosine())
 
