@@ -19,11 +19,11 @@ and r. With u = pi x/L, A = pi a/L, C = pi c/L,
 
 Here p_0, g_0 and d_0 are the pressure, gap and approach of the frictionless zone of half width a,
 and P_0 its load, so that P = P_0 - 2 s B. K is the compliance of the flat punch of half width a; in
-the integral it is that of each punch between a and c. The artanh is that of X or of 1/X, whichever is below 1.
-D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T; cylinder:
-J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997) 393-406, derived again; periodic wave:
-derived here. When c reaches L/2 the tension acts on the whole gap: the state is then the
-frictionless zone under a uniform tension.
+the integral it is that of each punch between a and c. The artanh is that of X or of 1/X, whichever
+is below 1. D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi
+10.1016/0021-9797(92)90285-T; cylinder: J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997)
+393-406, derived again; periodic wave: derived here. When c reaches L/2 the tension acts on the
+whole gap: the state is then the frictionless zone under a uniform tension.
 """
 
 from collections.abc import Callable
@@ -251,8 +251,9 @@ class MetDugdaleZone(_DugdaleState):
     """Cohesive intervals that meet at L/2: a frictionless zone under a uniform tension.
 
     A uniform tension leaves the gap as it is, and P = P_0 - s L with the frictionless load P_0. The
-    work of adhesion is at least the stress times the gap at L/2. Energies are in `AdhesiveZone`, fields in `SymmetricZone`. Derived here, after
-    D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T.
+    work of adhesion is at least the stress times the gap at L/2. Energies are in `AdhesiveZone`,
+    fields in `SymmetricZone`. Derived here, after D. Maugis, J. Colloid Interface Sci. 150 (1992)
+    243-269, doi 10.1016/0021-9797(92)90285-T.
 
     Parameters
     ----------

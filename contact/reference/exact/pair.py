@@ -51,8 +51,9 @@ class EvenPair(Pair):
     """Two zones a <= |x| <= b under an even pressure, as one zone in y = v^2.
 
     With y = m + h cos(theta), the pressure is p = (E*/2)|v| sum g_n sin(n theta). Isolated, v = x
-    and P = pi E* h g_1/4; with a period v = tan(pi x/L): see the head of this module. Derived
-    here; for G linear in y it is (32) and (33) of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+    and P = pi E* h g_1/4; with a period v = tan(pi x/L): see the head of this module. Derived here;
+    for G linear in y it is (32) and (33) of Goryacheva & Tsukanov (2020), doi
+    10.3389/fmech.2020.00045.
 
     Parameters
     ----------
