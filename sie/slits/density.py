@@ -1,6 +1,7 @@
-"""The density of wide zones with slits, as that of the pieces between the slits.
+"""The density on zones with narrow gaps, computed from wide zones with slits.
 
-`sie.slits.slits` has the equations.
+`sie.slits.slits` has the equations. The given zones are the pieces of the wide zones between the
+slits. The slack s in the slits causes a density P[s] on the wide zones.
 """
 
 from collections.abc import Iterator
@@ -26,16 +27,17 @@ from sie.slits.kinks import SlitKink
 from sie.slits.plane import SlitPlane
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, outside_slit
 
-# Half widths from a wide zone beyond which the coefficients of the slack that other zones see have
-# all of it.
+# Distance from a wide zone, in its half widths, beyond which the first `min_slack_modes`
+# coefficients of the slack give its field to round-off.
 _FAR = excess_of(DIGITS / OPTIONS.min_slack_modes)
 
 
 @dataclass(frozen=True, eq=False)
 class SlitDensity(DensityBase):
-    """phi on zones with narrow gaps: wide zones that span the gaps have g - s on their right side.
+    """The density phi on zones with narrow gaps, which are treated as slits of wide zones.
 
-    Members are those of `Density`, for the zones as they were given. `solve_zones` makes it.
+    It has the members of `Density`, for the zones as they were given. `solve_zones` makes it. On
+    the wide zones the right side is g - s, where the slack s is zero off the slits.
 
     Attributes
     ----------
@@ -43,14 +45,14 @@ class SlitDensity(DensityBase):
         The zones (`geometry.pieces`), the wide zones that span the narrow gaps (`geometry.wide`),
         and the slits in these.
     smooth : Density
-        c = phi - P[s] on the wide zones, P[s] the density of the slack s: as smooth as the right
-        side.
+        c = phi - P[s] on the wide zones, as smooth as the right side; P[s] is the density that the
+        slack s causes.
     whole : Density
-        phi on the wide zones by its coefficients, as other zones see it.
+        phi on the wide zones from a limited number of coefficients, enough for the field far away.
     slits : tuple of Slits
         The slits, for each wide zone that has any.
     d : tuple of ndarray
-        Series of sigma = s sqrt(1 - t^2) on the slits of each of these, one after the other
+        For each of `slits`, the series of sigma = s sqrt(1 - t^2) on its slits, one after the other
         (modes,).
     bounded_ends : bool
         Whether round-off traces of 1/sqrt(d) at free ends are removed; see
@@ -103,17 +105,18 @@ class SlitDensity(DensityBase):
         return self.smooth.sampling[self.geometry.piece_zone]
 
     def kinks_of(self, here: Slits) -> list[tuple[int, SlitKink]]:
-        """(slit, jump) for each jump in a slit of one wide zone."""
+        """(index of the slit, jump) for each jump of the right side in a slit of one wide zone."""
         return here.kinks if self.forced else []
 
     # Series of the slits.
     @cached_property
     def series(self) -> list[list[Array]]:
-        """Series d of each slit, without traces of K if these are removed."""
+        """Series of sigma on each slit, without traces of the intensity K if `bounded_ends`."""
         split = [np.split(d, here.offset[1:-1]) for here, d in zip(self.slits, self.d, strict=True)]
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
     def _of_slits(self, power: int) -> list[list[Array]]:
+        """Series of sigma / X^power on each slit, X = sqrt(1 - t^2) of the wide zone."""
         return [
             [slit.over(d, power) for slit, d in zip(here.slits, row, strict=True)]
             for here, row in zip(self.slits, self.series, strict=True)
@@ -121,21 +124,26 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _tilde(self) -> list[list[Array]]:
-        """Series of sigma / X^2: X H[sigma / X^2] is P[s] without (alpha + beta t) / X."""
+        """Series of sigma / X^2 on each slit, X = sqrt(1 - t^2) of the wide zone.
+
+        X times the Cauchy transform of sigma / X^2 is the density P[s] that the slack causes,
+        except for its part (alpha + beta t) / X.
+        """
         found = self._of_slits(2)
         return [[_closed(one) for one in row] for row in found] if self.bounded_ends else found
 
     @cached_property
     def sigma(self) -> Density:
-        """The function sigma on all slits, as a density."""
+        """The function sigma = s sqrt(1 - t^2) on all slits, as a density."""
         return self._on_slits(self.series)
 
     @cached_property
     def _slack(self) -> Density:
-        """Slack s on all slits, as a density."""
+        """The slack s on all slits, as a density."""
         return self._on_slits(self._of_slits(1))
 
     def _on_slits(self, series: list[list[Array]]) -> Density:
+        """The density on all slits with the given series."""
         slits = self.geometry.slits
         table = np.zeros((len(slits), max(len(one) for row in series for one in row)))
         for here, row in zip(self.slits, series, strict=True):
@@ -145,7 +153,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _edged(self) -> Density:
-        """The smooth part, with the share of P[s] in (alpha + beta t) / sqrt(1 - t^2)."""
+        """The smooth part plus the part (alpha + beta t) / sqrt(1 - t^2) of the slack's density."""
         alpha, beta = (part.copy() for part in self.smooth.singular)
         for here, row in zip(self.slits, self.series, strict=True):
             for slit, d in zip(here.slits, row, strict=True):
@@ -157,9 +165,9 @@ class SlitDensity(DensityBase):
                 beta[here.zone] += kink.edge[1]
         return replace(self.smooth, edges=(alpha, beta), bounded_ends=self.bounded_ends)
 
-    # Values for each piece.
+    # Values on each given zone.
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by piece and distances from its ends over its half width."""
+        """Density at points given by zone and distances from its ends in half widths."""
         zone = np.asarray(zone, dtype=np.intp)
         if not self.geometry.next_to_slit[zone].any():  # a piece without slits is its wide zone
             return self._edged.at(self.geometry.piece_zone[zone], left, right)
@@ -198,18 +206,19 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
-        """Intensities K at the left and right end of each piece.
+        """Intensities K at the left and right end of each given zone.
 
-        Beyond the end of a slit sigma / X continues as the density; at its left end K changes its
-        sign.
+        At an end of a slit, K is that of sigma / X, X = sqrt(1 - t^2) of the wide zone. At the left
+        end of a slit its sign changes.
         """
         return self.edges(self._edged.intensities, self.sigma.intensities, (-1.0, 1.0))
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Coefficients A of sqrt(d) at the left and right end of each piece.
+        """Coefficients A of sqrt(d) at the left and right end of each given zone.
 
-        At the right end of a slit it is that of sigma with the opposite sign.
+        At the right end of a slit, A is that of sigma / X with the opposite sign, X = sqrt(1 - t^2)
+        of the wide zone.
         """
         left, right = (part.copy() for part in self._edged.edge_slopes)
         wide = self.geometry.wide
@@ -222,7 +231,7 @@ class SlitDensity(DensityBase):
                 left[here.zone] += scale * kink.edge_slopes[0]
                 right[here.zone] += scale * kink.edge_slopes[1]
         slopes_left, slopes_right = self.edges((left, right), self._sigma_slopes, (1.0, -1.0))
-        # 1 / X varies along the piece, so that K / (X sqrt(d)) has a share in A.
+        # 1 / X varies along the zone, so that K / (X sqrt(d)) contributes to A.
         k_left, k_right = self.intensities
         before, after = self.geometry.slit_before, self.geometry.slit_after
         by_left, by_right = (
@@ -235,7 +244,10 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
-        """Coefficients A of sqrt(d) of sigma, psi included, at both ends of each slit."""
+        """Coefficients A of sqrt(d) in sigma at both ends of each slit.
+
+        They include the slack psi of jumps in the slit (see `sie.slits.kinks`).
+        """
         left, right = (part.copy() for part in self.sigma.edge_slopes)
         root_left, root_right = self.slit_roots
         for here in self.slits:
@@ -247,7 +259,10 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """`Density.sensitivity` of the pieces, by differences: a piece has no series of its own."""
+        """`Density.sensitivity` of the given zones.
+
+        Differences between points replace the series, which a single given zone does not have.
+        """
         angles = [
             self._sample_angles(piece, count) for piece, count in enumerate(self._counts.tolist())
         ]
@@ -256,9 +271,9 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _counts(self) -> Index:
-        """Number of angles of each piece that resolve its density.
+        """Number of angles of each given zone that resolve its density.
 
-        Its share of the angles of its wide zone, doubled for the slits.
+        It is the zone's share of the angles of its wide zone, doubled because of the slits.
         """
         geometry, w = self.geometry, self.geometry.wide.half[self.geometry.piece_zone]
         left, right = (
@@ -270,7 +285,7 @@ class SlitDensity(DensityBase):
         ).astype(np.intp)
 
     def _sample_angles(self, piece: int, count: int) -> Array:
-        """`count` angles of a piece, and angles on both sides of its largest kinks."""
+        """`count` angles of a given zone, and angles on both sides of its largest kinks."""
         geometry, zone = self.geometry, int(self.geometry.piece_zone[piece])
         w, half, start = geometry.wide.half[zone], self.zones.half[piece], geometry.start[piece]
         theta = even_angles(count)
@@ -282,9 +297,10 @@ class SlitDensity(DensityBase):
     def edges(
         self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]
     ) -> tuple[Array, Array]:
-        """Values at the pieces' ends, from those of the wide zones and those of the slits.
+        """Values at the given zones' ends, from the ends of the wide zones and of the slits.
 
-        Values of slits are divided by X and multiplied by the signs of their left and right ends.
+        wide, slits: values at left and at right ends. Those of slits are divided by sqrt(1 - t^2)
+        of the wide zone and multiplied by `signs`, one for left and one for right ends.
         """
         before, after = self.geometry.slit_before, self.geometry.slit_after
         root_left, root_right = self.slit_roots
@@ -300,8 +316,9 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _end_distances(self) -> tuple[Array, Array]:
-        """Distances of both ends of all slits (2, slits) from the left and from the right end of
-        their zone.
+        """Distances of the slits' ends from the left and from the right end of their wide zone.
+
+        Two arrays (2, slits): the first row is for left ends of slits, the second for right ends.
         """
         geometry, ends = self.geometry, self.geometry.slits.table.T
         return ends - geometry.wide.a[geometry.slit_zone], geometry.wide.b[
@@ -310,7 +327,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def slit_roots(self) -> Array:
-        """X at the left and right end of each slit (2, slits)."""
+        """sqrt(1 - t^2) of the wide zone at the left and right end of each slit (2, slits)."""
         from_left, from_right = self._end_distances
         return np.asarray(
             root_weight(from_left, from_right) / self.geometry.wide.half[self.geometry.slit_zone]
@@ -326,11 +343,11 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def totals(self) -> Array:
-        """Integral over each piece.
+        """Integral of the density over each given zone.
 
-        A piece without slits has that of its wide zone. Otherwise Gauss-Chebyshev quadrature with
-        doubled node counts, until the value no longer changes; the logarithms of kinks in closed
-        form.
+        A zone without slits has the integral of its wide zone. The others are integrated by
+        Gauss-Chebyshev quadrature, with doubled node counts until the value no longer changes. The
+        logarithms of kinks are integrated in closed form.
         """
         out = self.whole.totals[self.geometry.piece_zone].copy()
         wide, kinks = (
@@ -366,7 +383,7 @@ class SlitDensity(DensityBase):
 
     # Values on the line.
     def _into_wide(self, x: Array) -> Array:
-        """x moved by periods to lie right of the first wide zone's left end."""
+        """x moved by whole periods, to lie right of the first wide zone's left end."""
         return wrapped(x, self.geometry.wide.a[0], self.kernel.period)
 
     @property
@@ -392,9 +409,10 @@ class SlitDensity(DensityBase):
         return out
 
     def _in_kinks(self, place: Array) -> Iterator[tuple[SlitKink, float, Mask, Array, Array]]:
-        """For each jump in a slit: the jump, the slit's half width, and the places in that slit.
+        """Tuples (jump, half width of its slit, mask, left, right), one for each jump in a slit.
 
-        Places are a mask and the distances from both ends of the slit over its half width.
+        The mask selects the places in that slit; left and right are their distances from the slit's
+        ends, in half widths of the slit.
         """
         for here in self.slits:
             for k, kink in self.kinks_of(here):
@@ -417,7 +435,8 @@ class SlitDensity(DensityBase):
         place = self._into_wide(flat)
         if not potential:
             return np.asarray((out - self.slack(place)).reshape(x.shape))
-        # On a wide zone P[s] adds its mean opening to the potential, and subtracts the opening.
+        # On a wide zone, the density that the slack causes adds a potential: the zone's mean
+        # opening minus the opening at x. The opening is the integral of the slack.
         i = np.maximum(np.searchsorted(self.geometry.wide.a, place, side="right") - 1, 0)
         on = (place >= self.geometry.wide.a[i]) & (place <= self.geometry.wide.b[i])
         out += np.where(on, self.mean_openings[i] - self.opening(place)[1], 0.0)
@@ -425,7 +444,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def mean_openings(self) -> Array:
-        """Mean over each wide zone of the integral of s."""
+        """Mean of the integral of the slack s over each wide zone."""
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slits, self.series, strict=True):
             out[here.zone] = here.mean_row @ np.concatenate(row) + (
@@ -435,7 +454,10 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _slack_density(self) -> Density:
-        """The slack s as other zones see it, on the wide zones that have slits."""
+        """The density that the slack causes, from its first coefficients only.
+
+        It is given on the wide zones with slits, and holds far from them.
+        """
         some = np.array([here.zone for here in self.slits])
         count = max(self.whole.coefficients.shape[1], self.smooth.coefficients.shape[1])
         whole, smooth = (widened(d.coefficients[some], count) for d in (self.whole, self.smooth))
@@ -443,9 +465,9 @@ class SlitDensity(DensityBase):
         return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 
     def _add_slits(self, x: Array, out: Array, potential: bool) -> None:
-        """Correct `out` for the slits close to their wide zones and to images of these.
+        """Correct the field `out` at points close to wide zones with slits, or to their images.
 
-        There the coefficients of s that other zones see are too few. Their field is subtracted, and
+        There the first coefficients of the slack s are too few. Their field is subtracted, and
         off the zone the closed form is added.
         """
         x = self.smooth.into_period(x)
@@ -470,7 +492,7 @@ class SlitDensity(DensityBase):
                     out[some[off]] += what(seen, here, row)
 
     def _transform(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Transform of P[s] off its wide zone.
+        """Transform, off the wide zone, of the density P[s] that the slack in its slits causes.
 
         It is (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau.
         """
@@ -487,7 +509,7 @@ class SlitDensity(DensityBase):
             return np.asarray(total / seen.root)
 
     def _potential(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Potential of P[s] off its wide zone.
+        """Potential, off the wide zone, of the density P[s] that the slack in its slits causes.
 
         It is -w sum s_k rho^k / k, summed in closed form over each slit.
         """
@@ -509,9 +531,9 @@ class SlitDensity(DensityBase):
 
 
 def _closed(d: Array) -> Array:
-    """The series d without (alpha + beta z) / sqrt(1 - z^2).
+    """The Chebyshev series d without its part (alpha + beta z) / sqrt(1 - z^2).
 
-    From (1 - z^2) U_k = (T_k - T_(k+2)) / 2.
+    It follows from (1 - z^2) U_k = (T_k - T_(k+2)) / 2.
     """
     u = chebyshev.bounded_part(d[None])[2][0]
     out = np.zeros(len(u) + 2)

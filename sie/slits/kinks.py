@@ -1,20 +1,24 @@
 r"""A jump of the right side in a slit of a wide zone, in closed form.
 
-With h the jump (see `sie.jumps.forcing`), q = 0 of the right side, q = 1, 2 of its derivatives, the
-zone's own part of it, (h/pi)(t - s)^q kappa(t), is singular at s, and so is the slope of the gap.
-Let bars be means over the slit's equilibrium measure, and chi = arccos(-z)/pi the step whose jump
-is spread like that measure. For q = 0, psi = h (H(t - s) - chi). For q = 1, with m the middle of
-the slit, psi = h ((t - s)_+ - bar((t - .)_+) - (m - s) chi). psi vanishes at both ends of the slit,
-and with psi subtracted from s
+Let h be the jump at s (see `sie.jumps.forcing`): of the right side for q = 0, of its q-th
+derivative for q = 1, 2. It causes a density (h/pi)(t - s)^q kappa(t) on the wide zone that is
+singular at s. So is the slack of the slit. Its singular part psi is known and given here.
+
+Let bar(f(.)) be the mean of f over the slit's equilibrium measure, where the dot is the place in
+the slit. Let chi = arccos(-z)/pi be the distribution function of that measure. For q = 0, psi = h
+(H(t - s) - chi). For q = 1, with m the middle of the slit, psi = h ((t - s)_+ - bar((t - .)_+) - (m
+- s) chi). psi vanishes at both ends of the slit. P[psi] is the density that psi causes, and
 
     (h/pi) kappa + P[psi] = (h/pi) bar(kappa) + (a_0 + a_1 t) / X,
     (h/pi) (t - s) kappa + P[psi]
         = (h/pi)(bar((t - .) kappa) + (m - s) bar(kappa) - (phi - bar(phi)) X) + (a_0 + a_1 t) / X,
     a_0 = (1/pi) int psi tau / X,   a_1 = (1/pi) int psi / X.
 
-With r the slit's half width, the logarithms of these are ln(r/2) and r z (ln(r/2) + 1) on the slit,
-so that a smooth function is left for its series. Off the slit, with |z| = cosh u, they are ln(r/2)
-+ u and r sgn(z) (|z| (ln(r/2) + 1 + u) - sinh u).
+Let r be the slit's half width. In these means, the logarithm ln|t - .| has the mean ln(r/2), and (t
+- .) ln|t - .| the mean r z (ln(r/2) + 1), on the slit. Both are smooth, so that a smooth function
+  is
+left for the slit's series. Off the slit, with |z| = cosh u, they are ln(r/2) + u and r sgn(z) (|z|
+(ln(r/2) + 1 + u) - sinh u).
 
 For q = 2, with t - m = r z, s - m = r zeta, b_k = bar((z - .)_+^k), psi = h r^2 ((z - zeta)_+^2 -
 b_2 + 2 zeta b_1 - (zeta^2 - 1/2) b_0), and (t - s)^2 kappa is spread as bar((t - .)^2 kappa) - 2 r
@@ -43,10 +47,11 @@ from sie.jumps.formulas import HIGHEST
 class KinkOptions:
     """How the slack of a jump in a slit is integrated."""
 
-    # Gauss nodes for means over a slit that contains a jump, and on either side of the jump.
+    # Number of Gauss nodes for means over a slit, and for integrals over the slit on either side
+    # of the jump.
     nodes: int = 32
-    # Half widths of a slit beyond which closed forms of a jump of order 2 cancel, and its slack is
-    # integrated.
+    # Distance from a slit, in its half widths, beyond which the slack of a jump of order 2 is
+    # integrated numerically: its closed forms lose digits by cancellation there.
     far: float = 4.0
 
 
@@ -55,11 +60,12 @@ OPTIONS = KinkOptions()
 
 @record
 class SlitKink(Kept):
-    """One jump in a slit.
+    """One jump of the right side or of a derivative, at a place in a slit of a wide zone.
 
-    jump: h. start, rest, half: distances of the slit from the ends of the wide zone, and half
-    width, all over the zone's half width. from_left, from_right: distances of the jump from the
-    ends of the wide zone, likewise. order: q.
+    jump: the scaled height h. start, rest, half: distances of the slit from the ends of the wide
+    zone, and half width of the slit. from_left, from_right: distances of the jump from the ends of
+    the wide zone. All five are divided by the zone's half width. order: the order q of the
+    derivative that jumps.
     """
 
     jump: float
@@ -72,9 +78,7 @@ class SlitKink(Kept):
 
     @cached_property
     def _jump_distances(self) -> tuple[float, float]:
-        """Distances of the jump from the left and right end of the slit, over the slit's half
-        width.
-        """
+        """Distances of the jump from the left and right end of the slit, in its half widths."""
         return (self.from_left - self.start) / self.half, (self.from_right - self.rest) / self.half
 
     @property
@@ -85,7 +89,7 @@ class SlitKink(Kept):
 
     @cached_property
     def mean_places(self) -> tuple[Array, Array, Array]:
-        """Gauss nodes of the equilibrium measure: z, and distances from the wide zone's ends."""
+        """Gauss nodes for means over the slit: (z, distances from the wide zone's two ends)."""
         left, right = chebyshev.gauss_sides(OPTIONS.nodes)
         return (
             chebyshev.gauss(OPTIONS.nodes),
@@ -96,30 +100,30 @@ class SlitKink(Kept):
     # The slack psi.
     @cached_property
     def _weights(self) -> tuple[float, ...]:
-        """Coefficients e_0 ... e_q of the sum in `mixed`."""
+        """The coefficients e_0 ... e_q of the sum in `mixed`, for the jump's order q."""
         return ((1.0,), (-self.zeta, 1.0), (self.zeta**2 - 0.5, -2 * self.zeta, 1.0))[self.order]
 
     def mixed(self, of_powers: Iterable[Any]) -> Any:
-        """r^q sum e_j of_powers[j].
+        """half^q times sum_j e_j of_powers[j], j = 0 ... q, for the jump's order q.
 
-        psi is h r^q (z - zeta)_+^q less this sum of b_j; the same sum acts on everything derived
-        from the powers. Only the first q + 1 powers are used.
+        The slack psi is h half^q (z - zeta)_+^q minus h times this sum of the means b_j of (z -
+        .)_+^j. The same sum acts on every function derived from the powers.
         """
         return self.half**self.order * sum(
             e * part for e, part in zip(self._weights, of_powers, strict=False)
         )
 
     def slope(self, left: Array, right: Array) -> Array:
-        """Slack psi at distances from the slit's ends over its half width.
+        """The slack psi at distances from the slit's ends, in half widths of the slit.
 
-        At a jump it is the mean of both sides.
+        At the jump itself it is the mean of the values on both sides.
         """
         place = left - self._jump_distances[0]
         own = np.heaviside(place, 0.5) * (self.half * place) ** self.order
         return np.asarray(self.jump * (own - self.mixed(_spread_powers(left, right))))
 
     def opening(self, left: Array, right: Array) -> Array:
-        """Integral of psi from the slit's left end, over its half width."""
+        """Integral of the slack psi from the slit's left end, divided by the slit's half width."""
         place, q = np.maximum(left - self._jump_distances[0], 0.0), self.order
         integrals = (b / k for k, b in enumerate(_spread_powers(left, right)) if k)
         return np.asarray(
@@ -130,13 +134,17 @@ class SlitKink(Kept):
     def at_ends(self) -> float:
         """Coefficient J of the slack psi = -+(J/pi) sqrt(2 delta) at the slit's ends.
 
-        delta is the distance over the slit's half width.
+        delta is the distance from the end, divided by the slit's half width.
         """
         return self.jump * self.half**self.order * self._weights[0]
 
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
-        """(distances from the wide zone's ends, angles, weights W): int psi f dt = sum W f."""
+        """Quadrature rule for integrals over the slit with the slack psi as weight.
+
+        (distances from the left end, and from the right end of the wide zone, angles in that zone,
+        weights W); int psi f dt = sum W f.
+        """
         border = float(theta(*self._jump_distances[::-1]))
         beta, weights = legendre(np.array([0.0, border, np.pi]), OPTIONS.nodes)
         weight = weights * np.sin(beta)
@@ -147,31 +155,31 @@ class SlitKink(Kept):
 
     @cached_property
     def _over_root(self) -> Array:
-        """Weights of psi / (pi X)."""
+        """The quadrature weights of `seen`, divided by pi X: for integrals of psi f / (pi X)."""
         from_left, from_right, _, weight = self.seen
         return np.asarray(weight / root_weight(from_left, from_right) / np.pi)
 
     @property
     def total(self) -> float:
-        """int psi dt over pi times the slit's half width."""
+        """int psi dt divided by pi times the slit's half width."""
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:
-        """Coefficients s_k of psi, k = 0 ... count."""
+        """The slack coefficients s_k that come from psi, k = 0 ... count."""
         _, _, angle, weight = self.seen
         return np.asarray(2 / np.pi * np.sin(np.arange(count + 1)[:, None] * angle) @ weight)
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the integral of psi, over that zone's half width."""
+        """Mean over the wide zone of the integral of psi, divided by that zone's half width."""
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi
 
-    # The density of psi.
+    # The density P[psi] that the slack psi causes on the wide zone.
     @cached_property
     def edge(self) -> tuple[float, float]:
-        """(a_0, a_1): P[psi] contains (a_0 + a_1 t) / X."""
+        """(a_0, a_1): the density P[psi] contains (a_0 + a_1 t) / X, X = sqrt(1 - t^2)."""
         from_left, from_right, _, _ = self.seen
         return float(self._over_root @ (0.5 * (from_left - from_right))), float(
             self._over_root.sum()
@@ -179,14 +187,16 @@ class SlitKink(Kept):
 
     @cached_property
     def polynomial(self) -> tuple[float, float]:
-        """(value at the middle of the slit, slope) of the factor of X: 0 for q = 0, constant for q
-        = 1.
+        """(value at the slit's middle, slope) of the polynomial that multiplies X in the density.
+
+        It is zero for a jump of order 0 and constant for order 1.
         """
         if self.order == 0:
             return 0.0, 0.0
         cosine, l, r = self.mean_places
         s, places = 0.5 * (self.from_left - self.from_right), 0.5 * (l - r)
-        # Differences of phi and of sin(phi) from those at the nodes, without cancellation.
+        # Differences of the angle phi of the jump, and of sin(phi), from those at the nodes. These
+        # forms have no cancellation.
         away, roots = (
             self.half * (cosine - self.zeta),
             root_weight(self.from_left, self.from_right) + root_weight(l, r),
@@ -201,16 +211,17 @@ class SlitKink(Kept):
         return self.jump / np.pi * value, self.jump / np.pi * mean
 
     def _turn(self, from_left: Array, from_right: Array) -> Array:
-        """The factor of X, at distances from the wide zone's ends."""
+        """The polynomial that multiplies X, see `polynomial`, at distances from the zone's ends."""
         value, slope = self.polynomial
         return np.asarray(
             value + slope * 0.5 * ((from_left - self.start) - (from_right - self.rest))
         )
 
     def in_slit(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """X ((h/pi)(t - s)^q kappa + P[psi]) at distances from the wide zone's ends.
+        """X times the density of the jump and of its slack, at places in this or another slit.
 
-        The points are on this slit or on another one; z: their places in this slit.
+        The density is (h/pi)(t - s)^q kappa + P[psi]. from_left, from_right: distances from the
+        wide zone's ends; z: the same places in the coordinate of this slit.
         """
         root, (a_0, a_1) = root_weight(from_left, from_right), self.edge
         value = (
@@ -222,10 +233,9 @@ class SlitKink(Kept):
     def outside_slit(
         self, from_left: Array, from_right: Array, outside: Array, past: Mask
     ) -> Array:
-        """P[psi] without (a_0 + a_1 t)/X at a distance `outside` from the slit, over its half
-        width.
+        """The density P[psi] without (a_0 + a_1 t) / X, at points outside the slit.
 
-        past: whether a point is right of the slit.
+        outside: distance from the slit in its half widths; past: whether a point is right of it.
         """
         if self.order == HIGHEST and np.any(outside > OPTIONS.far):
             out, far = np.empty(outside.shape), outside > OPTIONS.far
@@ -249,14 +259,17 @@ class SlitKink(Kept):
         )
 
     def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
-        """`outside_slit` as X times (1/pi) int psi / (X (t - tau))."""
+        """`outside_slit` by quadrature: X times (1/pi) int psi / (X (t - tau)) dtau."""
         lefts = self.seen[0]
         inward = np.where(past[:, None], self.start + 2 * self.half - lefts, lefts - self.start)
         away = np.where(past, 1.0, -1.0)[:, None] * (self.half * outside[:, None] + inward)
         return np.asarray(root_weight(from_left, from_right) * ((1 / away) @ self._over_root))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """The function that (t - s)^q kappa is spread to; see the head of this file."""
+        """The mean over the slit that replaces the singular function (t - s)^q kappa.
+
+        For q = 0 it is bar(kappa); the other formulas are at the head of this file.
+        """
         nodes, l, r = self.mean_places
         sums = 2 * np.log(
             np.sqrt(from_right[..., None] * l) + np.sqrt(from_left[..., None] * r)
@@ -276,7 +289,7 @@ class SlitKink(Kept):
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
-        """Coefficients of the angle from both ends of the wide zone in `outside_slit`."""
+        """Slopes of `outside_slit` by the angle from the end, at both ends of the wide zone."""
         if self.order == HIGHEST:
             lefts, rights, _, _ = self.seen
             return -float(self._over_root @ (1 / lefts)), float(self._over_root @ (1 / rights))
@@ -299,7 +312,11 @@ class SlitKink(Kept):
 
 
 def _spread_powers(left: Array, right: Array) -> tuple[Array, Array, Array, Array]:
-    """b_k = bar((z - .)_+^k), k = 0 ... 3, at distances from the slit's ends over w."""
+    """Means over the slit of (z - z')_+^k, for k = 0, 1, 2, 3.
+
+    The mean over z' has the weight 1 / (pi sqrt(1 - z'^2)). left, right: distances of z from the
+    slit's ends, in its half widths.
+    """
     angle, z, root = (
         theta(right, left) / np.pi,
         0.5 * (left - right),

@@ -1,8 +1,8 @@
 r"""A density of zones with slits at complex points.
 
-`sie.density.plane` has the half plane, `sie.slits.slits` and `sie.slits.kinks` the series. Off its
-wide zone the closed forms hold as on the line, because sigma = s X and psi are real functions on
-the slits:
+`sie.density.plane` describes densities without slits, `sie.slits.slits` and `sie.slits.kinks` the
+series on slits. The closed forms on the line off a wide zone also hold at complex points, because
+sigma = s X and psi are real functions on the slits:
 
     F[P[s]] = (1/pi) int sigma / (zeta - tau) dtau / sqrt(zeta^2 - 1).
 
@@ -45,18 +45,21 @@ from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits
 
-# Below this |rho| the coefficients of the slack that other zones see have all of it.
+# Below this |rho| the first `min_slack_modes` coefficients of the slack give its field to
+# round-off.
 _FAR = float(np.exp(-DIGITS / OPTIONS.min_slack_modes))
-# Panels halve in height towards the line, down to round-off.
+# Number of panels of the path to the line; each is half as high as the one above, down to
+# round-off.
 _PANELS = -int(np.log2(EPS))
 
 
 @record
 class SlitPlane:
-    """Zones with slits at complex points.
+    """A density on zones with slits, at complex points.
 
-    whole: density of the wide zones as others see it; slack: the slits' part of it, for each wide
-    zone that has any; series: of sigma, slit by slit; kinks: jumps in slits.
+    whole: density on the wide zones from its first coefficients, which holds far from them; slack:
+    the slits' part of `whole`, on the wide zones with slits; series: series of sigma = s X on each
+    slit; kinks: (index of the slit, jump) for the jumps in slits.
     """
 
     geometry: SlitGeometry
@@ -73,6 +76,7 @@ class SlitPlane:
         return np.where(z.imag < 0, np.conj(out), out)
 
     def _transform(self, x: Array, y: Array, what: What) -> Complex:
+        """Transform or its derivative at x + i y; close to slits, closed forms replace `slack`."""
         whole, wide = self.whole, self.geometry.wide
         x = whole.into_period(x)
         out = whole.plane(complex_of(x, y), what)
@@ -107,8 +111,9 @@ class SlitPlane:
         return out
 
     def _potential(self, x: Array, y: Array) -> Complex:
-        """The potential, integrated from a height above the wide zones, or from y itself if that is
-        higher.
+        """The potential at x + i y, integrated downwards from a height above the wide zones.
+
+        At points above this height it is computed without integration.
         """
         top = np.maximum(y, float(self.geometry.wide.half.max()))
         out = self.whole.plane(complex_of(x, top), "potential")
@@ -118,7 +123,7 @@ class SlitPlane:
         down = np.flatnonzero(top > y)
         for some in pair_blocks(len(down), len(parts)):
             here = down[some]
-            # Logarithmic steps towards the line, above y only.
+            # The panels become shorter towards the end point at height y.
             height = y[here, None] + (top - y)[here, None] * parts
             place = np.broadcast_to(x[here, None], height.shape)
             field = self._transform(place.ravel(), height.ravel(), "transform").reshape(
@@ -129,9 +134,7 @@ class SlitPlane:
 
 
 def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Complex, Complex]:
-    """(1/pi) int sigma / (zeta - tau) dtau over the slits of one wide zone, and its derivative by
-    zeta.
-    """
+    """(value, derivative by zeta) of (1/pi) int sigma / (zeta - tau) dtau over one zone's slits."""
     value, slope = np.zeros((2, len(x)), dtype=complex)
     first = np.zeros(len(x), dtype=np.intp)
     for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
@@ -143,9 +146,9 @@ def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Compl
 
 
 def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Complex:
-    """Transform of P[psi] of a jump in a slit off the wide zone, or its derivative by zeta.
+    """Transform, or its derivative by zeta, of the density that a jump's slack psi causes.
 
-    inner: the points seen from the slit.
+    It holds off the wide zone. seen, inner: the points relative to the wide zone and to the slit.
     """
     _, l, r = kink.mean_places
     zeta, rho, root, half, q = seen.zeta, seen.rho, seen.root, kink.half, kink.order
@@ -160,7 +163,10 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
     first = inner.zeta * (mean_log + 1) - inner.root
 
     def means() -> Iterator[Complex]:
-        """bar(G), bar((zeta - .) G - sin) / r, and the mean for q = 2 over r^2."""
+        """Means over the slit for orders 0, 1 and 2, divided by half^q; see the head of the file.
+
+        For q = 0 it is bar(G), for q = 1 bar((zeta - .) G - sin).
+        """
         yield -1j * (2 * log_b.mean(axis=-1) - log_rho - mean_log)
         yield (
             -1j * (2 * (moves * log_b).mean(axis=-1) - inner.zeta * log_rho - first)
@@ -174,7 +180,7 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
         yield -1j * (2 * (moves**2 * log_b).mean(axis=-1) - square) - line / half**2
 
     def mean_slopes() -> Iterator[Complex]:
-        """Derivatives of `means`."""
+        """Derivatives of `means` by zeta."""
         b_slope = 0.5 * ((zeta[:, None] + nodes) / (root[:, None] + 1j * sines) - 1) / root[:, None]
         yield -1j * (2 * b_slope.mean(axis=-1) + 1 / root - 1 / (half * inner.root))
         slope = 2 * (log_b / half + moves * b_slope).mean(axis=-1) - (log_rho + mean_log + 1) / half

@@ -1,23 +1,26 @@
 """Narrow gaps between zones as slits of wide zones.
 
 A density on one of two zones a gap g apart has a singularity of its own one g beyond its end, and
-needs n ~ sqrt(width / g) modes. On the wide zone that spans both zones and the gap, all except the
-share of this *slit* is as smooth as the right side.
+needs n ~ sqrt(width / g) modes. A wide zone therefore spans both zones and the gap, which becomes a
+*slit* of the wide zone. Without the share of the slit, the density on the wide zone is as smooth as
+the right side.
 
-On a wide zone with slits the equation is T[phi] = g - s. The slack s is unknown, vanishes off the
-slits, and has the integral zero over each of them. With phi = c + P[s], c the density of the smooth
-part, X = sqrt(1 - t^2), sigma = s X and z the slit's own coordinate,
+On a wide zone with slits the equation is T[phi] = g - s, where T is the transform. The slack s is
+an unknown function. It vanishes off the slits, and its integral over each slit is zero. The density
+is phi = c + P[s]: c is smooth, and P[s] is the density that the slack causes. With X = sqrt(1 -
+t^2), sigma = s X and z the slit's own coordinate from -1 to 1,
 
     X P[s] = (1/pi) PV int sigma / (t - tau) dtau,          T[P[s]] = -s on the zone.
 
-phi = 0 on the slits is then the same equation once more, with sigma = sum d_l T_l(z) / sqrt(1 -
-z^2) on each slit:
+The condition phi = 0 on the slits is then a singular integral equation of the same kind for sigma =
+sum d_l T_l(z) / sqrt(1 - z^2) on each slit:
 
     sum d_l U_(l-1)(z) = sum c_k T_k(t) + X (jumps) + (field of the zone's other slits),
     int sigma / X = 0.
 
-Other zones see P[s] only through the coefficients s_k = (2/pi) int s sin(k phi) dtau. (From sum
-sin(k phi) cos(k theta) = sin(phi) / 2 (cos(theta) - cos(phi)); derived here, see docs/theory.)
+The field of P[s] on other zones depends only on the coefficients s_k = (2/pi) int s sin(k phi)
+dtau. This follows from sum sin(k phi) cos(k theta) = sin(phi) / 2 (cos(theta) - cos(phi)), see
+docs/theory.
 """
 
 from collections.abc import Sequence
@@ -43,32 +46,33 @@ from sie.slits.kinks import SlitKink
 class SlitOptions:
     """When a gap is treated as a slit, and how its slack is expanded and solved for."""
 
-    # Gaps narrower than this part of the wider zone next to them may be slits.
+    # Gaps narrower than this fraction of the wider adjacent zone may be slits.
     max_gap: float = 0.02
-    # Factor by which a gap must pass `max_gap` to change from one set of zones to the next:
-    # without it, slits come and go in every Newton step.
+    # A slit stays one up to `max_gap` times this factor, and another gap becomes one below
+    # `max_gap` divided by it. Without this, slits come and go in every Newton step.
     hysteresis: float = 1.5
-    # The same limit for gaps that contain a jump of order 2 or an algebraic point, over both
-    # zones: there may be hundreds of them.
+    # The limit, relative to the narrower adjacent zone, for gaps that contain a jump of order 2 or
+    # an algebraic point. It is stricter, because a spline may have hundreds of such jumps.
     max_gap_with_jumps: float = 0.003
     # Modes of the slack in a slit.
     min_modes: int = 12
     max_modes: int = 512
     # Largest number of modes that a jump of order 0, 1 or 2 next to a slit needs.
     max_modes_for_jump: tuple[int, ...] = (64, 256, 160)
-    # Coefficients of the slack that other zones see, at least.
+    # Least number of coefficients of the slack from which its far field is computed.
     min_slack_modes: int = 48
     # Gauss nodes on each panel of the path along which a complex potential is integrated.
     path_nodes: int = 12
-    # Tolerance of the wide zones' own iteration, which only starts that with slits.
+    # Tolerance of the iteration for the wide zones without slits. Its result is only the starting
+    # point of the iteration with slits.
     start_tolerance: float = 0.1
-    # Largest last change over the largest coefficient that is stated as an error; above it there
-    # is no solution.
+    # Largest last change of the solution, relative to its largest coefficient. Smaller changes are
+    # added to the stated error; larger ones raise `SlitsNotConverged`.
     max_change: float = 1e-10
-    # Error over the tolerance from which zones without slits are tried as well, if a kink lies in
-    # a slit.
+    # If an error exceeds the tolerance by this factor and a kink lies in a slit, the zones are
+    # also solved without slits.
     retry_error: float = 1e3
-    # Factor on the rounding at ends of slits: it is seen at one place there, not averaged.
+    # Factor on the rounding at ends of slits: there it acts at one point and is not averaged.
     safety: float = 3.0
 
 
@@ -79,9 +83,10 @@ OPTIONS = SlitOptions()
 class SlitGeometry(Kept):
     """Zones with narrow gaps, and the wide zones that span the gaps.
 
-    pieces: the zones as given. wide: zones that span narrow gaps; slits: these gaps; slit_zone: the
-    wide zone of each slit. piece_zone: wide zone of each piece; shift: periods to add to a piece to
-    find it in its wide zone; cut_off: round-off of the shifted ends of the pieces (2, n).
+    pieces: the zones as given, which are pieces of the wide zones. wide: zones that span narrow
+    gaps; slits: these gaps; slit_zone: index of the wide zone of each slit. piece_zone: index of
+    the wide zone of each piece; shift: length, zero or one period, that moves a piece into its wide
+    zone; cut_off: round-off of the shifted ends of the pieces (2, n).
     """
 
     pieces: Zones
@@ -109,12 +114,12 @@ class SlitGeometry(Kept):
 
     @cached_property
     def slit_before(self) -> Index:
-        """The slit that ends where a piece begins, -1 if there is none."""
+        """Index of the slit that ends where each piece begins; -1 if there is none."""
         return self._slit_at(self.slits.b, self.pieces.a + self.shift)
 
     @cached_property
     def slit_after(self) -> Index:
-        """The slit that begins where a piece ends, -1 if there is none."""
+        """Index of the slit that begins where each piece ends; -1 if there is none."""
         return self._slit_at(self.slits.a, self.pieces.b + self.shift)
 
     @cached_property
@@ -123,16 +128,17 @@ class SlitGeometry(Kept):
         return (self.slit_before >= 0) | (self.slit_after >= 0)
 
     def _slit_at(self, ends: Array, at: Array) -> Index:
+        """Index of the slit whose given end is exactly at each place; -1 if there is none."""
         place = np.minimum(np.searchsorted(ends, at), len(ends) - 1)
         return np.where(ends[place] == at, place, -1)
 
 
 def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> SlitGeometry | None:
-    """The zones with their narrow gaps as slits; None if there are none, or the equation forbids
-    slits.
+    """The geometry in which narrow gaps between zones are slits of wide zones, or None.
 
-    before: after which pieces there were slits on similar zones; these stay slits while their gaps
-    stay about as narrow.
+    It is None if there are no narrow gaps, or if the equation does not allow slits. before: whether
+    the gap after each zone was a slit in a previous solution on similar zones. Such a gap stays a
+    slit while it is about as narrow.
     """
     kernel = equation.kernel
     # A column that may be singular between zones cannot be used on a wide zone.
@@ -150,8 +156,8 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
     after = gaps(pieces, kernel)[1]
     width = pieces.b - pieces.a
     following = np.roll(width, -1)
-    # A slit has its neighbours' far ends as singularities, and these have the slit's ends: the
-    # choice with fewer modes is taken.
+    # Narrow gaps become slits only where this needs fewer modes. A slit's series is limited by the
+    # far ends of the adjacent zones, the series of these zones by the ends of the gap.
     most = OPTIONS.max_gap * (
         1.0
         if before is None or len(before) != len(pieces)
@@ -169,7 +175,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
     count = len(pieces)
     first = 0
     if narrow[-1]:
-        # The border of the period is put into the widest gap.
+        # The period is cut at the widest gap that is not a slit.
         first = (int(np.argmax(np.where(narrow, -np.inf, after))) + 1) % count
         if narrow.all():
             narrow[first - 1] = False
@@ -196,8 +202,8 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
 def _one_level(conditions: Sequence[Condition]) -> bool:
     """Whether all zones have one level, and no condition is about single zones.
 
-    With one level the gap between neighbours integrates to zero. A user's own condition may be
-    about single zones, of which there are fewer after merging.
+    Only with one common level does the slack integrate to zero over each slit. A user's own
+    condition may be about single zones, and there are fewer wide zones than given ones.
     """
     rows = [type(condition).rows for condition in conditions]
     one_by_one = ZoneTotals.rows in rows or any(one not in BUILT_IN for one in rows)
@@ -205,7 +211,7 @@ def _one_level(conditions: Sequence[Condition]) -> bool:
 
 
 def _zero_intensities(pieces: Zones) -> bool:
-    """Whether no intensity except zero is prescribed at ends that move."""
+    """Whether every end is singular, or free with the intensity K = 0."""
     return all(
         end.intensity is None or (end.moves and end.intensity == 0.0)
         for end in (*pieces.left, *pieces.right)
@@ -230,8 +236,9 @@ def _jumps_inside(equation: Equation, pieces: Zones, after: Array) -> Mask:
 class Slit(Kept):
     """One slit of a wide zone.
 
-    start, rest, half: distances of its ends from the zone's ends, and half width, over the zone's
-    half width; width: half width in units of length; modes: highest order of its series.
+    start, rest: distances of its left end from the zone's left end, and of its right end from the
+    zone's right end; half: half width of the slit. All three are divided by the zone's half width.
+    width: half width of the slit in units of length; modes: highest order of its series.
     """
 
     start: float
@@ -241,14 +248,15 @@ class Slit(Kept):
     modes: int
 
     def angle(self, left: Array, right: Array) -> Array:
-        """Angle theta in the wide zone, t = cos(theta), at distances from the slit's ends over its
-        half width.
+        """Angle theta in the wide zone, t = cos(theta).
+
+        left, right: distances from the slit's ends, in half widths of the slit.
         """
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right
         return theta(from_left, from_right)
 
     def root(self, left: Array, right: Array) -> Array:
-        """X = sqrt(1 - t^2) at distances from the slit's ends over its half width."""
+        """X = sqrt(1 - t^2) of the wide zone, at distances from the slit's ends in its half widths."""
         return root_weight(self.start + self.half * left, self.rest + self.half * right)
 
     @cached_property
@@ -258,25 +266,27 @@ class Slit(Kept):
 
     @cached_property
     def theta(self) -> Array:
-        """Angles in the wide zone of the Gauss nodes."""
+        """Angles in the wide zone of the slit's Gauss nodes."""
         return self.angle(*chebyshev.gauss_sides(self.nodes))
 
     @cached_property
     def x_root(self) -> Array:
+        """X = sqrt(1 - t^2) of the wide zone at the slit's Gauss nodes."""
         return self.root(*chebyshev.gauss_sides(self.nodes))
 
     def means(self, values: Array) -> Array:
-        """Means of values (..., nodes) times T_l, l = 0 ... modes, with the weight 1 / sqrt(1 -
-        z^2).
+        """Means over the slit of values (..., nodes) times T_l, l = 0 ... modes.
+
+        The weight is 1 / sqrt(1 - z^2).
         """
         return chebyshev.t_means(values, self.modes + 1)
 
     def at_gauss(self, d: Array) -> Array:
-        """sum d_l T_l at the Gauss nodes."""
+        """sum d_l T_l at the slit's Gauss nodes."""
         return np.asarray(chebyshev.t_matrix(self.nodes, len(d)) @ d)
 
     def over(self, d: Array, power: int) -> Array:
-        """T coefficients of sum d_l T_l / X^power."""
+        """Coefficients of T_l in the expansion of sum d_l T_l / X^power, X = sqrt(1 - t^2)."""
         values = self.at_gauss(d) / self.x_root**power
         out = 2 * chebyshev.t_means(values)
         out[0] *= 0.5
@@ -284,20 +294,24 @@ class Slit(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row by d: mean over the wide zone of the integral of s (weight 1 / sqrt(1 - t^2))."""
+        """Row whose product with d is the mean of the slack's integral over the wide zone.
+
+        The weight of the mean is 1 / sqrt(1 - t^2).
+        """
         middle = self.angle(np.ones(1), np.ones(1))
         return self.width * self.means((self.theta - middle) / self.x_root)
 
     def slack_matrix(self, count: int) -> Array:
-        """Matrix (count + 1, modes + 1) from d to s_k, k = 0 ... count."""
+        """Matrix (count + 1, modes + 1) from d to the slack coefficients s_k, k = 0 ... count."""
         k = np.arange(count + 1)[:, None]
         return 2 * self.half * self.means(np.sin(k * self.theta) / self.x_root)
 
 
 def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
-    """(1/pi) PV int sigma / (t - tau) off the slit, for a series d.
+    """(1/pi) PV int sigma / (t - tau) dtau off the slit, for the series d of sigma.
 
-    The points are at |z| - 1 = excess on the side `sign`.
+    excess: |z| - 1 at the points, the distance from the slit in its half widths; sign: 1 right of
+    the slit, -1 left of it.
     """
     return transform_of(
         *chebyshev.bounded_part(d[None]),
@@ -309,9 +323,10 @@ def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
 def _within(
     jumps: ForcingJumps, zone: int, start: Array, length: Array
 ) -> tuple[Index, ForcingJumps]:
-    """(numbers of the zone's jumps in slits, knots of its spline in slits).
+    """(indices of the zone's jumps that lie in slits, its spline's knots in slits as jumps).
 
-    start, length: of the slits.
+    start, length: distance of each slit from the zone's left end and width of the slit, both
+    divided by the zone's half width.
     """
 
     def inside(left: Array) -> Mask:
@@ -339,8 +354,8 @@ class Slits(Kept):
         self.which = np.flatnonzero(geometry.slit_zone == zone)
         a, b = geometry.slits.a[self.which], geometry.slits.b[self.which]
         w = self.w = float(geometry.wide.half[zone])
-        # Distances of the left ends from the left end of the zone, and of the right ends from its
-        # right end.
+        # start, stop: distances of the slits' ends from the left end of the zone; rest: distances
+        # of their right ends from its right end.
         every, (cut_a, cut_b) = np.full(len(a), zone), geometry.slits.rest[:, self.which]
         self.start, self.stop = (
             geometry.wide.beyond_a(a, every) + cut_a,
@@ -355,7 +370,7 @@ class Slits(Kept):
                 slit = (float(start[i]), float(rest[i]), float(half[i]) / w)
                 place = (float(within.left[k]), float(within.right[k]), int(within.order[k]))
                 self.kinks.append((i, SlitKink(float(within.height[k]), *slit, *place)))
-        # The far ends of the pieces on both sides are singularities of the slits.
+        # The slits' series have singularities at the far ends of the adjacent given zones.
         gaps_between = a[1:] - b[:-1]
         before = np.concatenate(([self.start[0]], gaps_between))
         after = np.concatenate((gaps_between, [self.rest[-1]]))
@@ -377,11 +392,12 @@ class Slits(Kept):
     def _modes_needed(
         self, jumps: ForcingJumps, middle: Array, half: Array, nearest: Array, waves: Array
     ) -> Array:
-        """Modes of each slit down to round-off, by its nearest singularities.
+        """Number of modes after which each slit's series is at round-off.
 
-        middle, half: of the slits, over the zone's half width; nearest: distance to the nearest far
-        end of a piece over the slit's half width; waves: modes that the zone's own series needs
-        there. Jumps outside the slits are singularities, too.
+        It follows from the nearest singularities: far ends of the adjacent given zones, and jumps
+        outside the slits. middle, half: middles and half widths of the slits, divided by the zone's
+        half width; nearest: distance to the nearest far end, divided by the slit's half width;
+        waves: modes needed for the zone's own series over the slit.
         """
         sharp = np.setdiff1d(
             np.flatnonzero((jumps.zone == self.zone) & (jumps.order == 0)), self._inside
@@ -392,7 +408,8 @@ class Slits(Kept):
         need = DIGITS / decay_rate(np.maximum(nearest, TINY)) + waves
         if self.zone not in jumps.by_zone:
             return np.asarray(need)
-        # Jumps next to a slit are weak singularities: the terms of the series soon become small.
+        # A jump outside the slit is a weak singularity. Its terms decay slowly but are small, so
+        # that `max_modes_for_jump` limits their number.
         place, order = jumps.places(self.zone)
         other = ~np.isin(place, np.append(jumps.left[self._inside], self._knots.left))
         place, order = place[other], order[other]
@@ -403,7 +420,7 @@ class Slits(Kept):
 
     @cached_property
     def by_coefficients(self) -> Array:
-        """Right sides of the slits' rows for the zone's smooth coefficients c_0 ... c_modes."""
+        """Matrix from the zone's smooth coefficients c_0 ... c_modes to the slits' right sides."""
         return self._rows(
             lambda slit, left, right: np.cos(
                 slit.angle(left, right)[:, None] * np.arange(self.modes + 1)
@@ -411,10 +428,13 @@ class Slits(Kept):
         )
 
     def of_jumps(self, jumps: ForcingJumps) -> Array:
-        """Right sides of the slits' rows for the jumps, with the slack psi of those in a slit."""
+        """Share of the jumps in the right sides of the slits' equations.
+
+        A jump in a slit is included together with its slack psi, see `sie.slits.kinks`.
+        """
         if self.zone not in jumps.by_zone:
             return np.zeros(self.offset[-1])
-        # Jumps of other zones have no share.
+        # Jumps in other zones have no share, and those in slits are `kinks`.
         rest = jumps.chosen(
             np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
         )
@@ -436,12 +456,15 @@ class Slits(Kept):
 
         out = self._rows(values)[:, 0]
         for i, kink in self.kinks:
-            # The share of psi in the integral of s.
+            # The integral of s over the slit is zero, and psi has a share in it.
             out[self.offset[i]] -= kink.total
         return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
-        """Projections of values on each slit, below a row of zeros for its condition."""
+        """Coefficients of U_(l-1) of given functions on each slit, below a row of zeros.
+
+        The first row of each slit stands for the condition on the integral of its slack.
+        """
         blocks = []
         for slit, (left, right) in zip(self.slits, self._angles, strict=True):
             rows = chebyshev.project_rows(values(slit, left, right))
@@ -450,8 +473,9 @@ class Slits(Kept):
 
     @cached_property
     def solve(self) -> Factored:
-        """Factors of the slits' equations: they give d of all slits from the right sides of their
-        rows.
+        """The factorised matrix of the slits' equations.
+
+        Applied to their right sides, it gives the series coefficients d of all slits.
         """
         matrix = np.zeros((self.offset[-1], self.offset[-1]))
         for i, slit in enumerate(self.slits):
@@ -460,7 +484,7 @@ class Slits(Kept):
             for j, other in enumerate(self.slits):
                 columns = slice(self.offset[j], self.offset[j + 1])
                 if i == j:
-                    # The integral of s over the slit.
+                    # First row: the integral of the slack over the slit. The others: U_(l-1).
                     matrix[self.offset[i], columns] = slit.means(1 / slit.x_root)
                     matrix[rows, columns] = np.eye(slit.modes, slit.modes + 1, 1)
                     continue
@@ -475,7 +499,10 @@ class Slits(Kept):
 
     @cached_property
     def slack_matrix(self) -> Array:
-        """Matrix from all d to s_k of the zone, k = 0 ... max(modes, min_slack_modes)."""
+        """Matrix from the series d of all slits to the slack coefficients s_k of the zone.
+
+        k = 0 ... max(modes, min_slack_modes).
+        """
         return np.concatenate(
             [slit.slack_matrix(max(self.modes, OPTIONS.min_slack_modes)) for slit in self.slits],
             axis=1,
@@ -483,7 +510,7 @@ class Slits(Kept):
 
     @cached_property
     def slack_of_kinks(self) -> Array:
-        """Share of the jumps in slits in s_k."""
+        """Slack coefficients s_k that come from the jumps in slits."""
         count = max(self.modes, OPTIONS.min_slack_modes)
         return np.sum(
             [np.zeros(count + 1), *(kink.slack_coefficients(count) for _, kink in self.kinks)],
@@ -492,10 +519,10 @@ class Slits(Kept):
 
     @property
     def mean_of_kinks(self) -> float:
-        """Share of the jumps in slits in the mean over the zone of the integral of s."""
+        """Mean over the zone of the integral of psi, the slack of the jumps in slits."""
         return self.w * sum(kink.mean_opening for _, kink in self.kinks)
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row by all d: mean over the zone of the integral of s."""
+        """Row whose product with all d is the mean of the slack's integral over the zone."""
         return np.concatenate([slit.mean_row for slit in self.slits])

@@ -1,9 +1,13 @@
 """Solutions on zones with narrow gaps: the system of the wide zones, with a slack in their slits.
 
-The slits change the right side of the wide zones' system by -s, and the level of each zone by the
-mean of the integral of s. The wide zones' coefficients are the right sides of the slits. If the
-system has factors, both are solved together by GMRES on the slits' series. If it is solved by
-iteration, the response of the slits is part of the rows.
+A slit is a narrow gap inside a wide zone, and its slack s is an unknown function (see
+`sie.slits.slits`). The slack changes the right side of the wide zones' system by -s, and the level
+of each wide zone by the mean of the integral of s. The coefficients of the density on a wide zone
+are the right sides of the equations of its slits.
+
+If the system of the wide zones is factorised, GMRES finds the common solution of both sets of
+equations. If that system is solved by iteration, the response of the slits is part of the matrix
+product in each step.
 """
 
 from collections.abc import Callable
@@ -32,9 +36,10 @@ from sie.trees.krylov import gmres
 
 @record
 class Opened(Trial):
-    """Changes, by the slack s, of the quantities in side conditions: constants only.
+    """Changes that the slack s in the slits makes to the quantities in side conditions.
 
-    slack: s_k of every wide zone that has slits; mean_opening: mean integral of s of each wide
+    The changes are known numbers, so that all matrices are zero. slack: coefficients s_k of the
+    slack in every wide zone that has slits; mean_opening: mean of the integral of s over each wide
     zone.
     """
 
@@ -46,9 +51,10 @@ class Opened(Trial):
         return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """Share of s in the integrals of weight times density.
+        """Share of the slack s in the integrals of weight times density.
 
-        The coupled coefficients are unknowns of the system; s adds to the coefficients beyond them.
+        The first coefficients of the density are unknowns of the system and contain the share of s
+        already. Only the coefficients of s beyond them are added here.
         """
         out = np.zeros(len(self.zones.solved))
         for place, i in enumerate(self.zones.solved.tolist()):
@@ -62,15 +68,18 @@ class Opened(Trial):
 
 
 class SlitsNotConverged(SingularSystem):
-    """System and slits have no common solution: a slit changes its surroundings too much."""
+    """The equations of the wide zones and of their slits have no common solution.
+
+    The response of a slit on the surrounding zones is too strong for the solver.
+    """
 
 
 class SlitSystem(Kept):
-    """The slits of all wide zones, solved together with the system of these."""
+    """The equations of all slits, solved together with the system of the wide zones."""
 
     def __init__(self, geometry: SlitGeometry, base: State, linear: float) -> None:
         self.geometry, self.base, self.system = geometry, base, base.system
-        # With a matrix at hand, solutions are exact to round-off at no cost.
+        # Without iteration, the factorised matrix gives solutions exact to round-off at no cost.
         self.linear = linear if base.iterated else 0.0
         system = self.system
         modes = base.sizes.own[: len(geometry.wide)]
@@ -81,7 +90,10 @@ class SlitSystem(Kept):
 
     @cached_property
     def _given(self) -> list[Array]:
-        """Right sides of the slits' rows: jumps, and coefficients beyond the coupled ones."""
+        """Known parts of the right sides of the slits' equations, for each wide zone with slits.
+
+        They come from the jumps and from the coefficients of the density that are not unknowns.
+        """
         out = []
         for here in self.slits:
             m = int(self.system.layout.m[here.zone])
@@ -89,7 +101,7 @@ class SlitSystem(Kept):
             count = min(self.system.g.shape[1], len(c))
             c[: m + 1] = -self.system.taken[here.zone, : m + 1]
             c[m + 1 : count] = -self.system.g[here.zone, m + 1 : count]
-            # The rows of the system contain s, and so the share of the kinks in slits in it.
+            # The unknown coefficients contain s, and so also the share of the kinks in slits.
             seen = np.where(
                 np.arange(here.modes + 1) <= m, here.slack_of_kinks[: here.modes + 1], 0.0
             )
@@ -98,8 +110,10 @@ class SlitSystem(Kept):
 
     @cached_property
     def _answers(self) -> list[tuple[Array, Array]]:
-        """(matrix by the zone's coefficients with s included, constants): series of the slits of
-        each zone.
+        """(matrix, constants) for each wide zone with slits.
+
+        The coefficients of its slits are matrix @ (unknowns of the zone) + constants. The unknowns
+        include the coefficients of the slack s.
         """
         out = []
         for here, given in zip(self.slits, self._given, strict=True):
@@ -115,7 +129,7 @@ class SlitSystem(Kept):
         return out
 
     def _series(self, folded: Array, homogeneous: bool) -> tuple[Array, ...]:
-        """Series of all slits for unknowns of the wide zones."""
+        """Series coefficients of all slits, given the unknowns of the wide zones."""
         y, offset = self.base.symmetry.unfold(folded), self.system.layout.offset
         return tuple(
             by @ y[offset[here.zone] : offset[here.zone] + by.shape[1]]
@@ -126,15 +140,15 @@ class SlitSystem(Kept):
     def solve(
         self, values: Array | None = None, loose: float = 0.0
     ) -> tuple[Array, tuple[Array, ...], float]:
-        """(unknowns of the wide zones, series of all slits, size of the last change).
+        """(unknowns of the wide zones, series of all slits, relative size of the last change).
 
-        values: of the side conditions, with no right side and no jumps; None: the equation itself.
-        loose: tolerance of an iteration, if larger than the present one.
+        values: values of the side conditions, for a zero right side without jumps; None solves the
+        equation itself. loose: tolerance of an iteration, if larger than the present one.
         """
         base, homogeneous, iteration = self.base, values is not None, self.base.iteration
 
         def slit_response(folded: Array) -> Array:
-            """Share of the slits' response in the right side of the wide zones."""
+            """Change of the wide zones' right side by the slits' response to these unknowns."""
             return self._right(self._series(folded, True), True)
 
         given = self._right(
@@ -142,7 +156,7 @@ class SlitSystem(Kept):
             homogeneous,
         )
         if iteration is not None:
-            # The slits' response is part of the rows, so that both are iterated at once.
+            # The slits' response is part of the operator, so that one iteration solves both.
             right, near = (
                 (iteration.right(), base.folded_unknowns)
                 if values is None
@@ -170,7 +184,11 @@ class SlitSystem(Kept):
         return folded, self._series(folded, homogeneous), change
 
     def _among_unknowns(self, slack: dict[int, Array]) -> Array:
-        """s_k at the places of the coefficients that they are added to among the unknowns."""
+        """The slack coefficients s_k as a vector with one entry for each unknown.
+
+        Each s_k stands at the unknown coefficient of the density that it is added to; the other
+        entries are zero.
+        """
         layout = self.system.layout
         s = np.zeros(layout.size)
         for zone, one in slack.items():
@@ -186,13 +204,14 @@ class SlitSystem(Kept):
         }
 
     def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
+        """Mean of the integral of the slack s over each wide zone."""
         out = np.zeros(len(self.geometry.wide))
         for here, one in zip(self.slits, d, strict=True):
             out[here.zone] = here.mean_row @ one + (0.0 if homogeneous else here.mean_of_kinks)
         return out
 
     def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        """Share of s in the right side of the wide zones' rows."""
+        """Change that the slack s makes to the right side of the wide zones' system."""
         system, base, slack = self.system, self.base, self.slack(d, homogeneous)
         rows, nothing = (
             -self._among_unknowns(slack)[system.diagonal],
@@ -208,12 +227,12 @@ class SlitSystem(Kept):
     def density(
         self, folded: Array, d: tuple[Array, ...], homogeneous: bool = False
     ) -> tuple[State, SlitDensity]:
-        """(state of the wide zones, density) for solved unknowns."""
+        """(state of the wide zones, density on the given zones) for solved unknowns."""
         base, system = self.base, self.system
         y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
         slack = self.slack(d, homogeneous)
-        # All zones get the same number of s_k.
+        # The tables have the same number of coefficients for all zones.
         count = max(
             int(system.layout.m.max()) + 1,
             OPTIONS.min_slack_modes + 1,
@@ -239,7 +258,7 @@ class SlitSystem(Kept):
         )
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
-        """`State.tails` for the part of the rows that is not s."""
+        """`State.tails` of the wide zones, from unknowns without the coefficients of the slack."""
         return field_tails(
             self.system, wide.unknowns - self._among_unknowns(self.slack(d, False)), wide.density
         )
@@ -247,10 +266,11 @@ class SlitSystem(Kept):
 
 @record
 class SlitState(Answered):
-    """The solution on zones with narrow gaps; as `State`, for the pieces between the slits.
+    """The solution on zones with narrow gaps, which are treated as slits of wide zones.
 
-    whole: state of the wide zones, slits included; rest: last change of the common solution, over
-    the largest coefficient.
+    It has the members of `State`, for the zones as they were given (the pieces of the wide zones
+    between the slits). whole: state of the wide zones, slits included; rest: last change of the
+    common solution, relative to its largest coefficient.
     """
 
     slit_system: SlitSystem
@@ -277,18 +297,18 @@ class SlitState(Answered):
         return self.whole.linear_error[self.geometry.piece_zone]
 
     def wide_of(self, zones: Index) -> tuple[State, Index]:
-        """The state of the wide zones, and the numbers of their wide zones for the given zones."""
+        """(state of the wide zones, index of the wide zone that contains each of the zones)."""
         return self.whole, self.geometry.piece_zone[zones]
 
-    # Further right sides.
+    # Solutions for other values of the side conditions.
     def response(self, values: Array, tolerance: float = 0.0) -> SlitDensity:
-        """See `State.response`."""
+        """The density caused by unit changes of the side conditions' values; see `State.response`."""
         return self.slit_system.density(
             *self.slit_system.solve(values, tolerance)[:2], homogeneous=True
         )[1]
 
     def with_value(self, condition: int, change: float) -> "SlitState":
-        """See `State.with_value`."""
+        """The state after the value of one side condition has changed."""
         folded, series, _ = self.slit_system.solve(self.values(condition, change))
         both = tuple(one + other for one, other in zip(self.series, series, strict=True))
         wide, density = self.slit_system.density(self.whole.folded_unknowns + folded, both)
@@ -296,11 +316,12 @@ class SlitState(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved wide zone."""
+        """Level of each solved wide zone, with the share of the slack in its slits."""
         opened = self.slit_system.mean_openings(self.series, False)
         return self.whole.levels + opened[self.geometry.wide.solved]
 
     def level_rates(self, values: Array) -> Array:
+        """Changes of the levels by unit changes of the side conditions' values."""
         folded, series, _ = self.slit_system.solve(values)
         opened = self.slit_system.mean_openings(series, True)
         return (
@@ -318,9 +339,10 @@ class SlitState(Answered):
         return self.whole.noise[self.geometry.piece_zone]
 
     def _intensities_of(self, of_coefficients: Array, at_slits: float = 1.0) -> Array:
-        """Intensities K at the ends of the pieces (2, n), from errors of the coefficients.
+        """Errors of the intensities K at the ends of the given zones (2, n).
 
-        of_coefficients: sum of the errors for each wide zone; at_slits: a factor at ends of slits.
+        of_coefficients: sum of the errors of the coefficients on each wide zone; at_slits: a factor
+        at ends of slits.
         """
         geometry = self.geometry
         wide = edge_scale(geometry.wide.half) * of_coefficients
@@ -329,7 +351,7 @@ class SlitState(Answered):
 
     @cached_property
     def intensity_noise(self) -> Array:
-        """See `State.intensity_noise`."""
+        """Rounding of the intensities K at the left and right ends of the given zones (2, n)."""
         rest = self.rest * row_sizes(self.whole.density.coefficients).max()
         # Round-off of the sums of the wide zones' coefficients.
         noise = self.whole.intensity_noise.max(axis=0) / edge_scale(self.geometry.wide.half)
@@ -337,8 +359,9 @@ class SlitState(Answered):
 
     @cached_property
     def _tails(self) -> Array:
-        """Estimated sum of the neglected coefficients of the slits of each wide zone, from the
-        decay.
+        """Estimated sum of the neglected coefficients of the slits of each wide zone.
+
+        It is extrapolated from the decay of the last coefficients.
         """
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slit_system.slits, self.density.series, strict=True):
@@ -351,7 +374,7 @@ class SlitState(Answered):
 
     @property
     def size(self) -> float:
-        """See `State.size`."""
+        """The largest coefficient of the density on all wide zones."""
         return self.whole.size
 
     @cached_property
@@ -362,8 +385,9 @@ class SlitState(Answered):
 
     @cached_property
     def missing(self) -> Array:
-        """Neglected coefficients of each wide zone, and of the equation between its nodes,
-        together.
+        """Truncation error of each wide zone: sum of its neglected coefficients.
+
+        It adds those of the series, those of the slits, and the residual between the nodes.
         """
         rounding = 2e-15 * self.whole.zone_sizes + self.whole.jumps_rounding
         return np.asarray(
@@ -379,8 +403,9 @@ class SlitState(Answered):
 
     @cached_property
     def _residuals(self) -> Array:
-        """Residual of the equation times the wide zone's sqrt(1 - t^2), at a few points of each
-        piece.
+        """Residual of the equation at a few points of each given zone (n, LOOKS).
+
+        It is multiplied by sqrt(1 - t^2) of the wide zone.
         """
         zones, t = self.density.zones, np.cos(THETA)
         x = (zones.middle[:, None] + zones.half[:, None] * t).ravel()
@@ -389,7 +414,7 @@ class SlitState(Answered):
 
     @cached_property
     def _wide_sines(self) -> Array:
-        """sqrt(1 - t^2) of the wide zone at a few points of each piece (n, LOOKS)."""
+        """sqrt(1 - t^2) of the wide zone at a few points of each given zone (n, LOOKS)."""
         zones, geometry, t = self.density.zones, self.geometry, np.cos(THETA)
         left = geometry.start[:, None] + (zones.half[:, None] * (1 + t))
         right = geometry.rest[:, None] + (zones.half[:, None] * (1 - t))
@@ -411,33 +436,39 @@ class SlitState(Answered):
 
     @cached_property
     def density_error(self) -> float:
-        """See `State.density_error`."""
+        """Estimated error of the density, relative to its `size`."""
         return float(self._errors_over(np.full(len(self.density.zones), self.size)).max())
 
     @cached_property
     def zone_errors(self) -> Array:
-        """See `State.zone_errors`; of the pieces."""
+        """Estimated error of the density on each given zone (n,), relative to its largest value.
+
+        Errors and values are multiplied by sqrt(1 - t^2) of the given zone.
+        """
         return self._errors_over(self.zone_sizes) * self._sines.max(axis=1)
 
     @cached_property
     def density_rounding(self) -> Array:
-        """See `State.density_rounding`; of the wide zones."""
+        """Effect of truncation and rounding of all rows on the density of each wide zone."""
         return density_rounding(self.whole, self.missing, self._no_modes)
 
     @cached_property
     def zone_sizes(self) -> Array:
-        """Largest value of the density times sqrt(1 - t^2) on each piece (n,)."""
+        """Largest value of the density times sqrt(1 - t^2) on each given zone (n,)."""
         left, right = sides(THETA)
         piece = np.arange(len(self.density.zones))[:, None]
         return np.asarray(np.abs(self.density.at(piece, left, right) * np.sin(THETA)).max(axis=1))
 
     @cached_property
     def _sines(self) -> Array:
-        """sqrt(1 - t^2) of each piece over that of its wide zone, at a few points (n, LOOKS)."""
+        """Ratio of sqrt(1 - t^2) of each given zone to that of its wide zone (n, LOOKS)."""
         return np.asarray(np.sin(THETA) / self._wide_sines)
 
     def _errors_over(self, sizes: Array) -> Array:
-        """Error of the density on each piece, times the wide zone's X, over sizes (n,)."""
+        """Error of the density on each given zone, divided by the given sizes (n,).
+
+        The error is multiplied by sqrt(1 - t^2) of the wide zone.
+        """
         wide, zone = self.whole, self.geometry.piece_zone
         sizes = np.where(sizes > 0.0, sizes, np.inf)
         of_wide = (
@@ -453,7 +484,11 @@ class SlitState(Answered):
 
     @cached_property
     def end_truncation(self) -> Array:
-        """See `State.end_truncation`; of the pieces."""
+        """Truncation error of each moving end of the given zones, relative to the zone's width.
+
+        Shape (n, 2). An error of the intensity K moves an end by 2 K / A, where A is the
+        coefficient of sqrt(d) in the density at the distance d from the end.
+        """
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
         through_rows = truncation_through_rows(self.whole, self.missing, self._no_modes).max(axis=0)
@@ -462,8 +497,9 @@ class SlitState(Answered):
 
     @property
     def _no_modes(self) -> Array:
-        """Lowest modes of the residual on the solved wide zones: none, for points in pieces do not
-        show them.
+        """The lowest modes of the residual on the solved wide zones: an empty table.
+
+        The residual is known only on the given zones, which do not determine modes of a wide zone.
         """
         return np.zeros((len(self.geometry.wide.solved), 0))
 
@@ -475,7 +511,7 @@ AnyDensity = Density | SlitDensity
 def solve_zones(
     equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None
 ) -> AnyState:
-    """`solve_fixed`, with narrow gaps between zones as slits of the wide zones that span them.
+    """The solution on zones with fixed ends; narrow gaps become slits of wide zones.
 
     Parameters
     ----------
@@ -513,7 +549,7 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
-    # By iteration, the wide zones alone are only a starting point.
+    # An iterative solution without the slits is only a starting point.
     inner.linear = sizes.linear if equation.grows else max(sizes.linear, OPTIONS.start_tolerance)
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value
@@ -535,7 +571,7 @@ def solve_zones(
             inner.iterations += more
             inner.kernel_evaluations += more * state.iteration.system.sums.size
         wide, density = slit_system.density(folded, series)
-        # The field of the slits through a smooth part of the kernel may need more modes.
+        # The slits' field through the smooth part of the kernel may need more modes on the zones.
         least = more_modes(wide, slit_system.tails(wide, series), tolerance)
         if least is None:
             break
@@ -552,8 +588,8 @@ def solve_zones(
     if any(here.kinks for here in slit_system.slits) and found_state.density_error > max(
         OPTIONS.retry_error * tolerance, OPTIONS.max_change
     ):
-        # A jump of a derivative that is not declared may lie between the given zones, but then it
-        # lies within a wide one.
+        # An undeclared jump of a derivative does no harm in a gap between the given zones. With a
+        # slit it lies within a wide zone, and the solution without slits may be better.
         separate = solve_fixed(equation, zones, tolerance, sizes)
         return separate if separate.density_error < found_state.density_error else found_state
     return found_state
