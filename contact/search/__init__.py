@@ -1,5 +1,5 @@
 """From a scene to the zones of its contact.
 
-`find` tries strategies in order, `refine` makes the result as precise as wanted. Both rest on
+`find` tries strategies in order, `refine` solves the result to the wanted error. Both use
 `topology`, `grid` and `strategies`.
 """

@@ -1,4 +1,4 @@
-"""What one search is given: the scene, the tolerance, similar solutions, and the plan it fills in.
+"""The context of one search: scene, tolerance, similar solutions, and the plan to be filled in.
 
 Solves of one profile and model under many controls share a `SceneCache`.
 """
@@ -40,13 +40,13 @@ from sie import Array, record
 
 
 class SceneCache(sie.Kept):
-    """What scenes share that differ in their control alone; each item is computed once."""
+    """Results shared by scenes that differ only in their control; each is computed once."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
 
     def of(self, scene: Scene) -> SceneCache:
-        """This cache if the other scene differs in its control alone, else a new one."""
+        """This cache if the other scene differs only in its control, else a new one."""
         own = self.scene
         same = (
             scene.profile is own.profile
@@ -73,7 +73,7 @@ class SceneCache(sie.Kept):
         return starts_from_one_zone(self.scene)
 
     def relief(self, problem: Problem) -> ScaledRelief:
-        """The pressure of full contact in the units of a problem, sampled once for all of them."""
+        """The relief R, see `Relief`, in the units of a problem; it is sampled once and shared."""
         return self.gap_guesses(problem).relief
 
     def gap_guesses(self, problem: Problem) -> GapGuesses:
@@ -93,7 +93,7 @@ Solver = Callable[[Scene, float, Progress | None, Solution | None, SceneCache], 
 
 # Smallest tolerance asked of the engine: ten times the round-off of one operation.
 LEAST = 2e-15
-# Tolerance of ends and density over the wanted error, which their truncation errors add up to.
+# Tolerance of ends and density, divided by the wanted error: several truncation errors add up.
 _INNER = 0.1
 
 
@@ -101,11 +101,12 @@ _INNER = 0.1
 class SolveContext:
     """Everything that one solve needs to know.
 
-    tol: the wanted error. tolerance: of the ends and of the density. cache: what scenes of the same
-    profile and model share. solver: solves other scenes on the way to this one. warm_start: a
-    solution of the same profile and model. previous: the last points of a curve of values of the
-    control, the nearest one last. branch: which of several equilibria is wanted.
-    spring_compliance: of a spring between the body and the prescribed approach [m per N/m].
+    tol: the wanted error. tolerance: of the ends and of the density. cache: results shared with
+    scenes of the same profile and model. solver: a function that solves intermediate scenes.
+    warm_start: a solution of the same profile and model. previous: the last points of a curve of
+    values of the control, the nearest one last. branch: which of several equilibria is wanted.
+    spring_compliance: compliance of a spring between the body and the prescribed approach [m per
+    N/m].
     """
 
     scene: Scene
@@ -129,7 +130,7 @@ class SolveContext:
         cache: SceneCache | None = None,
         **others: Any,
     ) -> SolveContext:
-        """The context of a scene, with the plan made for it. others: further fields."""
+        """The context of a scene with a new plan. others: further fields of the context."""
         made = plan(scene)
         made.decide(
             "solver",
@@ -146,12 +147,12 @@ class SolveContext:
         warm_start: Solution | None = None,
         progress: Progress | None = None,
     ) -> Solution:
-        """The solution of another scene on the way to this one."""
+        """The solution of an intermediate scene that this search needs."""
         return self.solver(scene, tol, progress, warm_start, self.cache.of(scene))
 
     @property
     def observer(self) -> Observer:
-        """Where a search reports its progress and its times."""
+        """The observer to which a search reports its progress and its times."""
         return Observer(self.progress, self.plan.timed)
 
     @property
@@ -179,7 +180,7 @@ class SolveContext:
         return replace(self, warm_start=solution)
 
     def control(self, problem: Problem) -> Control:
-        """The control of the scene, scaled; a machine where a spring is in series."""
+        """The scaled control of the scene; it is a `Machine` where a spring is in series."""
         control, units = scaled_control(self.scene, problem.units), problem.units
         return (
             control
@@ -190,7 +191,7 @@ class SolveContext:
     def refine_topology(
         self, problem: Problem, control: Control, table: Array, **settings: Any
     ) -> SolvedZones | Failure:
-        """Zones that pass the certificate, from proposed ones, or why there are none.
+        """Zones that pass the certificate, found from proposed ones, or a Failure.
 
         settings: those of `NewtonSettings`, except the tolerance.
         """
@@ -201,11 +202,11 @@ class SolveContext:
             return refine_topology(form, control, form.begun(table), newton, self.observer)
 
     def record_failure(self, strategy: str, failure: Failure) -> None:
-        """Keep in the plan that a strategy failed, and why."""
+        """Note in the plan that a strategy failed, and the reason."""
         self.plan.tried.append(f"{strategy}: {failure.reason}")
 
     def error(self, failure: Failure, problem: Problem) -> ContactError:
-        """The error to raise if no other strategy is left; it carries the best state."""
+        """The error to raise if no strategy is left; it contains the best state reached."""
         if failure.at_border:
             return OutOfRange(failure.reason)
         free = failure.free

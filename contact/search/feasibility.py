@@ -1,9 +1,9 @@
 r"""Controls that no load can bring about, refused before any search.
 
-Flat tops: where f is least on a whole stretch, all of the stretch is in contact under any load.
-f + u is the approach at some point of contact, so that u is nowhere larger than the approach less
-min f. Being harmonic, it stays below that outside contact, where the gap at a point of the stretch
-would be negative. So contact is wider than the stretches together under every positive load, and
+Flat tops: where f is least on a whole stretch, all of the stretch is in contact under any load. In
+contact u = approach - f, so that u is there at most approach - min f. As u is harmonic in the body,
+it is smaller than that outside contact. A point of the stretch outside contact would therefore have
+a negative gap. So contact is wider than the stretches together under every positive load, and
 narrows to them as the load goes to zero.
 
 A body on the whole line that falls without bound on one side finds no hold under any load. Far away
@@ -22,9 +22,9 @@ from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
 from sie import Array, Mask
 
-# Rounding of a few operations.
+# Relative round-off of a few operations.
 _ROUNDING = 16 * float(np.finfo(np.float64).eps)
-# Distances [m], a decade apart, far beyond any contact.
+# Distances [m] from x = 0, a decade apart, far beyond any contact.
 _DISTANCES = 10.0 ** np.arange(5, 13)
 _REMEDY = (
     "no load finds a hold. Give a tilt below its slopes, a part that rises on both sides, "
@@ -58,9 +58,9 @@ def refuse_below_plateau(scene: Scene) -> None:
 
 
 def lowest_stretches(profile: Profile) -> Array:
-    """Stretches (n, 2) of a period [m] on which f is least and has no slope.
+    """Intervals (n, 2) of a period [m] on which f is least and its slope is zero.
 
-    They are wider than two samples.
+    Only intervals wider than two samples are found.
     """
     x = period_samples(profile)
     height = np.asarray(profile.height(x), dtype=np.float64)
@@ -75,7 +75,7 @@ def lowest_stretches(profile: Profile) -> Array:
     low = lies_low(x)
     if low.all():
         return np.array([[x[0], x[-1]]])
-    # From a place that is not low on, no stretch crosses the border of the period.
+    # The samples begin at a place that is not lowest, so that no stretch crosses their border.
     first = int(np.argmin(low))
     at = np.concatenate((x[first:-1], x[: first + 1] + (x[-1] - x[0])))
     runs = runs_of(np.roll(low[:-1], -first))
@@ -99,12 +99,15 @@ def _edge(holds, inside: float, outside: float) -> float:  # type: ignore[no-unt
 
 
 def _level_from(profile: Profile, half_width: float) -> float:
-    """How far [m] a symmetric profile has no slope about x = 0; 0 if less than a half width."""
+    """Distance [m] from x = 0 up to which a symmetric profile is level.
+
+    It is 0 if the profile is not level up to `half_width`.
+    """
 
     def is_level(x: Array) -> Mask:
         return np.asarray(np.asarray(profile.slope(x)) == 0)
 
-    # At an edge the slope may be that of either side, so that the last sample is inside.
+    # The slope at an edge may be that of either side, so that the last sample lies just inside.
     if not is_level(half_width * np.append(np.arange(1, 32) / 32, 1 - _ROUNDING)).all():
         return 0.0
     reach = half_width
@@ -116,7 +119,7 @@ def _level_from(profile: Profile, half_width: float) -> float:
 
 
 def refuse_unbounded(scene: Scene) -> None:
-    """Raise OutOfRange for a body on the whole line that no load holds, at its tilt or at any."""
+    """Raise OutOfRange for a body on the whole line that has no equilibrium under any load."""
     profile = scene.profile
     if (
         scene.period is not None
@@ -142,7 +145,8 @@ def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
     """Raise OutOfRange if the body falls on one side at its tilt."""
     for side, slope in (("right", right - tilt), ("left", left + tilt)):
         turned = f", turned by {tilt:.6g}," if tilt else ""
-        # From decade to decade it falls by more; a straight line falls by ten times as much.
+        # The fall over each decade of distance must be at least twice that over the decade before
+        # it. On a straight line it is ten times as large.
         if np.all(slope < 0) and np.all(10 * slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(f"the profile{turned} falls without bound on the {side}: {_REMEDY}")
         if tilt and np.all(np.abs(slope) <= _ROUNDING * abs(tilt)):

@@ -6,8 +6,9 @@
     the control itself    first guesses of the zones (contact.search.strategies.guesses)
     loads                 the load with the wanted approach is bracketed
 
-A strategy returns a contact, `NOT_APPLICABLE`, or a `Failure` that the plan keeps. If all fail, the
-first refusal is raised, or a later one that says that no contact exists.
+A strategy returns a contact, `NOT_APPLICABLE`, or a `Failure`, which is noted in the plan. If all
+fail, the error of the first failure is raised, or that of a later failure which states that no
+contact exists.
 """
 
 from contact.errors import NotConverged, OutOfRange
@@ -30,7 +31,7 @@ _CLOSURE = "contact.localized.closure"
 
 
 def found(context: SolveContext) -> Outcome:
-    """The contact of the context's scene.
+    """The contact of the context's scene, from the first strategy that finds one.
 
     Raises OutOfRange where no contact exists, NotConverged where no strategy found it.
     """
@@ -58,7 +59,7 @@ def found(context: SolveContext) -> Outcome:
 
 
 def _says_more(later: Exception, first: Exception | None) -> bool:
-    """Whether a later refusal says why no contact exists, and the first one does not."""
+    """Whether a later error states that no contact exists, and the first one does not."""
     return isinstance(later, OutOfRange) and not isinstance(first, LevelOfFullGrid)
 
 
@@ -71,12 +72,12 @@ def _full_contact(context: SolveContext, refused: Failure | None) -> Outcome | F
 
 
 def _from_previous_zones(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """Newton from the last zones of a curve, extrapolated."""
+    """Newton's method from the zones extrapolated along a curve of values of the control."""
     return NOT_APPLICABLE if _tilt_and_load_unknown(context) else from_previous(context)
 
 
 def _at_known_tilt(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """Newton from a similar solution of a body of unknown tilt: its tilt is a good guess."""
+    """Newton's method from a similar solution, whose tilt is the guess of the unknown tilt."""
     start, scene = context.warm_start, context.scene
     if (
         start is None
@@ -93,9 +94,10 @@ def _at_known_tilt(context: SolveContext, refused: Failure | None) -> Outcome | 
 
 
 def _as_given(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """First guesses under the scene's own control.
+    """The contact from first guesses, solved under the scene's own control.
 
-    Of an upright body under an approach a refusal is a `Failure`, as loads may find the contact.
+    For an upright body under an approach an error becomes a `Failure`, as the strategy of loads may
+    still find the contact.
     """
     if _tilt_and_load_unknown(context):
         return NOT_APPLICABLE
@@ -114,7 +116,7 @@ def _as_given(context: SolveContext, refused: Failure | None) -> Outcome | Failu
 
 
 def _by_loads(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """The contact under an approach, from a solution under about the load with that approach."""
+    """The contact under an approach, from a solution under a load that has nearly this approach."""
     if _tilt_and_load_unknown(context):
         context.plan.decide("control", "loads", "neither tilt nor load is known")
         return _under_loads(context)
@@ -142,8 +144,9 @@ def _tilt_and_load_unknown(context: SolveContext) -> bool:
 def _loads_may_help(context: SolveContext, refusal: OutOfRange | NotConverged) -> bool:
     """Whether loads may lead to an approach that the grid does not find.
 
-    The lowest point of a coarse grid may lie above that of a lone profile, by more than the
-    approach. In a period the grid has found the lowest point; narrow gaps may hide in it.
+    On a lone body, the lowest point of a coarse grid may lie above the profile's lowest point by
+    more than the approach. On a period the grid does find the lowest point, but may miss narrow
+    gaps.
     """
     model = context.scene.interaction
     if not model.exact:
@@ -154,7 +157,7 @@ def _loads_may_help(context: SolveContext, refusal: OutOfRange | NotConverged) -
 
 
 def _of_scaled(context: SolveContext, scaled: ScaledScene) -> Outcome:
-    """The contact of a scaled scene, in a strip or not."""
+    """The contact of a scaled scene, by the method that its interaction model needs."""
     model, warm_start, table = context.scene.interaction, context.warm_start, None
     if model.follows_isolated:
         return require(_CLOSURE).first_order(context, scaled)
@@ -167,10 +170,11 @@ def _of_scaled(context: SolveContext, scaled: ScaledScene) -> Outcome:
 
 
 def _under_loads(context: SolveContext) -> Outcome:
-    """The contact under the scene's approach, by way of loads."""
+    """The contact under the scene's approach, from contacts under given loads."""
     if not context.scene.interaction.needs_period:
         return at_level(context)
-    # With a period, grids are solved by load: the zones of about the right load are the guess.
+    # Grids of a period are solved under loads. The zones of the load that has nearly the approach
+    # are the first guess.
     scaled = scaled_scene(context.scene, context.single)
     context = context.with_warm_start(at_approach(context, OPTIONS.near))
     outcome = attempted(lambda: _of_scaled(context, scaled))

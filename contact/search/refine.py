@@ -1,4 +1,4 @@
-"""Making a found contact as precise as wanted, if its stated error exceeds the wanted one."""
+"""Solve a found contact more precisely, if its stated error exceeds the wanted one."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,13 +19,13 @@ from contact.verify.error import SolvedGaps, SolvedZones, body_limit, limit, pos
 
 Search = Callable[[SolveContext], Outcome]
 
-# A lone body farther from the origin than this many times the span of its zones is solved again
-# about its place: its positions have lost 6 of their 53 bits.
+# A lone body whose zones lie farther from x = 0 than this many times their span is solved again
+# with the origin at the zones: relative to the zones, positions have lost 6 of their 53 bits.
 _FAR_SPANS = 64.0
 
 
 def refined(context: SolveContext, found: Outcome, search: Search) -> Outcome:
-    """The contact at the wanted error, or the best one.
+    """The contact with the wanted error, or else the one with the smallest error.
 
     search: the whole search, for a context with a smaller tolerance or without a warm start.
     """
@@ -34,7 +34,7 @@ def refined(context: SolveContext, found: Outcome, search: Search) -> Outcome:
         return outcome
     if not (context.previous or context.warm_start):
         return outcome
-    # From similar zones the ends may stop where rounding moves them more than elsewhere.
+    # A warm start may end at a state that rounding disturbs more than a search from nothing.
     afresh = replace(context, previous=(), warm_start=None)
     other: Outcome | Failure = attempted(lambda: _refined_once(afresh, search(afresh), search))
     if isinstance(other, Failure):
@@ -46,7 +46,7 @@ def refined(context: SolveContext, found: Outcome, search: Search) -> Outcome:
 
 
 def _refined_once(context: SolveContext, found: Outcome, search: Search) -> Outcome:
-    """The contact solved more precisely, as often as that helps."""
+    """The contact, solved to smaller tolerances as long as the error decreases."""
     # A cohesive zone is solved as precisely as possible where it is found.
     if isinstance(found, Full) or context.scene.law.tension:
         return found
@@ -86,8 +86,8 @@ def _from_near_origin(context: SolveContext, found: SolvedZones) -> SolvedZones:
 def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedGaps:
     """The same contact with the pressure as the unknown, if that has the smaller error.
 
-    That is not tried where the approach limits the error: near full contact the level of the zones
-    is a difference of large numbers as well.
+    This is not tried where the error comes from the approach: near full contact the level of the
+    zones is a difference of large numbers in both formulations.
     """
     if replace(found, control_error=0.0).error <= context.tol:
         return found
@@ -102,7 +102,7 @@ def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedG
 def _tightened(
     context: SolveContext, found: SolvedZones, search: Search
 ) -> SolvedZones | SolvedGaps:
-    """The contact solved more precisely: from its zones, or by the whole search if that fails."""
+    """The contact solved to a smaller tolerance, from its zones or else by the whole search."""
 
     def again(
         here: SolvedZones | SolvedGaps, tolerance: float
@@ -131,7 +131,7 @@ def _tightened(
 
 
 def _from_same_zones(context: SolveContext, found: SolvedZones) -> SolvedZones | None:
-    """The contact with the same zones to a smaller tolerance; None if their number changes."""
+    """The contact, solved from the same zones to a smaller tolerance; None if that fails."""
     problem, model, profile = found.fields.problem, context.scene.interaction, context.scene.profile
     control, table = context.control(problem), found.free.density.zones.table
     if not model.strip:
@@ -160,7 +160,7 @@ def _is_rounding(context: SolveContext, found: SolvedZones) -> bool:
         return True
     if found.free.state.iterated:
         return False
-    # `limit` compares with a quarter of its argument.
+    # `limit` compares with a quarter of the tolerance that it is given, hence the factors 4.
     return bool(
         limit(found.free, 4 * context.tol, "zone", 4 * position_rounding(found), problem.end)
     )

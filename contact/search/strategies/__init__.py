@@ -1,1 +1,1 @@
-"""From the context of a solve to a contact, or to the reason why a strategy failed; one a file."""
+"""Strategies, one in each file: a context comes in, a contact or a `Failure` goes out."""

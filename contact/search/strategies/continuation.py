@@ -1,8 +1,8 @@
 """The contact from the previous ones on a curve of values of one control.
 
 The zones are extrapolated to the new value in the scaled problem of the last solution. Where the
-extrapolation has the wrong number of zones, the topology loop corrects it, and needs no grid: zones
-are born where the gap is negative, and gaps that close are dropped.
+extrapolation has the wrong number of zones, the topology loop corrects it without a grid: zones are
+born where the gap is negative, and gaps that close are dropped.
 """
 
 import math
@@ -30,21 +30,22 @@ from sie import Array
 
 @dataclass(frozen=True)
 class ContinuationOptions:
-    """When extrapolated zones are corrected, and when a grid is the shorter way.
+    """When extrapolated zones are corrected, and when a grid is faster.
 
     Insensitive: 1 to 6 rounds and 2 to 8 changes take the same time on curves of 5 to 80 values.
     """
 
-    max_ratio: float = 16.0  # of values; beyond it the units of the last solution are unsuitable
-    max_rounds: int = 3  # of corrections
-    max_changes: int = 4  # zones that come or go, and are left to the corrections
+    # of successive values; beyond it the units of the last solution are unsuitable
+    max_ratio: float = 16.0
+    max_rounds: int = 3  # of corrections by the topology loop
+    max_changes: int = 4  # zones that come or go; with more a grid is faster than corrections
 
 
 OPTIONS = ContinuationOptions()
 
 
 def from_previous(context: SolveContext) -> Outcome | Failure:
-    """The contact from the last solution of a curve and those before it."""
+    """The contact from zones extrapolated through the last solutions of a curve."""
     if not context.previous or not _is_followed(context):
         return NOT_APPLICABLE
     last, value = context.previous[-1], context.scene.control[1]
@@ -79,15 +80,15 @@ def from_previous(context: SolveContext) -> Outcome | Failure:
 
 
 def _decide(context: SolveContext, way: str, changes: int) -> None:
-    """Keep in the plan where the first guess comes from."""
+    """Note in the plan from where the first guess was taken."""
     because = "{} zones come or go from the last value"
     context.plan.decide("first guess", way, because, changes, OPTIONS.max_changes)
 
 
 def _is_followed(context: SolveContext) -> bool:
-    """Whether one scaled problem serves at all values, and signs tell which zones there are.
+    """Whether the curve can be followed: one scaled problem, and signs that determine the zones.
 
-    A strip and a tilt change with the value.
+    A strip, or an unknown tilt, changes the scaled problem with the value.
     """
     scene = context.scene
     changes = scene.turned or scene.interaction.strip or scene.interaction.follows_isolated
@@ -96,7 +97,7 @@ def _is_followed(context: SolveContext) -> bool:
 
 
 def _recent_changes(previous: tuple[CurvePoint, ...]) -> int:
-    """By how much the number of zones changed between the last two values."""
+    """Change of the number of zones between the last two values."""
     if len(previous) < 2:
         return 0
     before, last = previous[-2:]
@@ -104,7 +105,7 @@ def _recent_changes(previous: tuple[CurvePoint, ...]) -> int:
 
 
 def _by_grid(context: SolveContext, problem: Problem, control: Control) -> Outcome | Failure:
-    """The contact from a coarse grid: zones that it has in excess are dropped by Newton."""
+    """The contact from a coarse grid; Newton's method drops zones that the grid has in excess."""
     profile = context.scene.profile
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))

@@ -1,4 +1,4 @@
-"""Full contact: the load at which it begins, and the controls that it makes impossible."""
+"""Full contact: the load at which it begins, and the controls that ask for it or beyond."""
 
 import math
 
@@ -11,7 +11,7 @@ from contact.search.context import SolveContext
 from contact.solution.assemble import mean_height
 from sie import record
 
-# Rounding of a height over the height: a few operations on it.
+# Rounding of a height relative to the height, after a few operations on it.
 _HEIGHT_ROUNDING = 8.0 * 2.0**-52
 
 
@@ -23,7 +23,7 @@ class Full:
 
 
 def smallest_full(context: SolveContext) -> Full:
-    """Full contact under the smallest mean pressure; OutOfRange where there is none."""
+    """Full contact under the smallest mean pressure; raises OutOfRange where there is none."""
     pressure = context.full.pressure
     if math.isfinite(pressure):
         return Full(pressure)
@@ -47,8 +47,9 @@ def no_inverse(context: SolveContext, what: str) -> str:
 def full_under(context: SolveContext, control: Control, but_for_kinks: bool = False) -> Full | None:
     """Full contact if the control asks for it, else None.
 
-    The load must be that of full contact or above it; so must the approach of a body with a base.
-    but_for_kinks: gaps over the kinks of valleys, narrower than digits resolve, count as closed.
+    The control asks for it if its mean pressure is at least that at which full contact begins.
+    but_for_kinks: gaps over the kinks of valleys that are narrower than the digits resolve count as
+    closed.
     """
     limit = context.full
     if not (limit.is_known if but_for_kinks else limit.possible):
@@ -89,7 +90,7 @@ def closed_pressure(context: SolveContext) -> float | None:
 
 
 def closed(context: SolveContext) -> Full:
-    """Surfaces closed by adhesion; OutOfRange if the control does not determine their pressure."""
+    """Surfaces closed by adhesion; raises OutOfRange if the control leaves their pressure open."""
     mean_pressure = closed_pressure(context)
     if mean_pressure is None:
         raise OutOfRange(
@@ -100,7 +101,7 @@ def closed(context: SolveContext) -> Full:
 
 
 def refuse_full_approach(context: SolveContext, problem: Problem, control: Control) -> None:
-    """Raise OutOfRange for an approach that no load has, or that means full contact or more."""
+    """Raise OutOfRange for an approach that no load has, or that is one of full contact."""
     if control.approach is None:
         return
     units, limit = problem.units, context.full

@@ -1,4 +1,4 @@
-"""Nearly full contact, solved for its gaps: the operator needs an inverse, the contact is wide."""
+"""Nearly full contact with the gaps as the unknown; this needs an inverse of the operator."""
 
 import math
 from dataclasses import dataclass
@@ -19,15 +19,15 @@ from sie import Array
 
 @dataclass(frozen=True)
 class GapOptions:
-    """From which contact fraction gaps are the unknowns, and how precisely they are found."""
+    """Contact fractions above which the gaps are the unknowns, and the tolerance of their ends."""
 
-    # Both ways solve a contact between 0.5 and 0.9; gaps need fewer modes above about 0.7.
+    # Zones and gaps both work for fractions from 0.5 to 0.9; gaps need fewer modes above about 0.7.
     wide_contact: float = 0.7
-    # With kinks in the valleys of several asperities: no load closes a gap over a kink, and narrow
-    # ones are lost between zones.
+    # The threshold for several asperities with kinks in their valleys. No load closes a gap over a
+    # kink, and narrow gaps are lost when zones are the unknown.
     wide_contact_with_kinks: float = 0.25
-    # Tolerance of gap ends over that of zone ends. An end of a gap moves all the pressure next to
-    # it, and a gap is narrow where contact is nearly full.
+    # Tolerance of the ends of gaps, divided by that of the ends of zones. It is smaller, as the
+    # error of an end changes all of the pressure next to a narrow gap.
     tolerance_factor: float = 0.01
 
 
@@ -41,9 +41,9 @@ NOT_WIDE = Failure(
 def gaps_are_better(
     context: SolveContext, problem: Problem, width: float, options: GapOptions | None = None
 ) -> bool:
-    """Whether contact of about this scaled width is better solved for its gaps.
+    """Whether contact of about this scaled width is better solved with the gaps as the unknown.
 
-    The answer is kept in the plan.
+    The answer is noted in the plan.
     """
     options, period = options or OPTIONS, problem.period
     if period is None:
@@ -75,10 +75,10 @@ def by_gaps(
     zones: Array | None = None,
     **newton: bool,
 ) -> SolvedGaps | Failure:
-    """The contact solved for its gaps, if its scaled width is about `width` and that is wide.
+    """The contact with its gaps as the unknown, if `width`, its scaled width, is large enough.
 
-    zones: about where contact is, if that is known. newton: `abandon_if_far` and `allow_loss` of
-    `NewtonSettings`.
+    zones: approximate zones of the contact, if they are known. newton: `abandon_if_far` and
+    `allow_loss` of `NewtonSettings`.
     """
     if control.half_width is not None or not gaps_are_better(context, problem, width):
         return NOT_WIDE
@@ -102,7 +102,7 @@ def _from_guesses(
     zones: Array | None,
     **newton: bool,
 ) -> SolvedGaps | Failure:
-    """Gaps from those between the known zones; else from where full contact would pull."""
+    """Gaps found from those between the known zones, else from the tension of full contact."""
     tolerance = OPTIONS.tolerance_factor * context.tolerance
     period, guesses = form.problem.repeat_length, context.cache.gap_guesses(form.problem)
     try:
@@ -110,7 +110,7 @@ def _from_guesses(
         if zones is not None and len(zones) > 0:
             table = united(gaps_between(zones, period), period, True, form.what)
             found = refine_topology(form, control, table, NewtonSettings(tolerance, mean, **newton))
-            # A grid does not see all gaps; the zones of a solution leave none out.
+            # The zones of a grid may leave out narrow gaps; those of a solution do not.
             if newton.get("abandon_if_far") or isinstance(found, SolvedGaps):
                 return found
         return refine_topology(form, control, guesses.gaps(mean), NewtonSettings(tolerance, mean))
@@ -127,9 +127,9 @@ def gaps_from_fields(
 
 
 def tightened_gaps(context: SolveContext, found: SolvedGaps, retry: bool = False) -> SolvedGaps:
-    """The same gaps solved more precisely, if the stated error exceeds the wanted one.
+    """The same gaps, solved more precisely if the stated error exceeds the wanted one.
 
-    retry: also where rounding kept the ends from the tolerance before.
+    retry: try this also where rounding kept the ends from reaching the last tolerance.
     """
 
     def again(here: SolvedGaps, tolerance: float) -> SolvedGaps | Failure:

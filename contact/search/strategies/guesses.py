@@ -1,11 +1,11 @@
 """First guesses of the zones, in the order in which they are tried.
 
-    zones near by       those of a similar solution, or the gaps between them where contact is wide
+    zones near by       zones of a similar solution, or its gaps where contact is wide
     the given zone      the one zone of a given half width
     one zone            one symmetric asperity: its half width in closed form
     a grid              a coarse contact on ever finer grids
 
-A guess leads to a contact that passes the certificate, or to a `Failure` that the plan keeps.
+A guess leads to a contact that passes the certificate, or to a `Failure` noted in the plan.
 """
 
 import math
@@ -43,16 +43,17 @@ Guess = Callable[[SolveContext, ScaledScene, Array | None], Outcome | Failure]
 
 @dataclass(frozen=True)
 class GuessOptions:
-    """How fine a grid and how wide a window may become, and where a guess is useless."""
+    """Refinement of grids, widening of windows, and limits beyond which a guess is useless."""
 
-    refinement: int = 4  # points of the next grid over the last: two halvings of a cell
-    max_widenings: int = 4  # of a window, each to twice its width
-    # Contact may be full only above this fraction of the period: finding the load costs time.
+    refinement: int = 4  # factor from one grid's points to the next: a cell is halved twice
+    max_widenings: int = 4  # largest number of times that a window is widened to twice its width
+    # Full contact is tested only above this fraction of the period, as the test takes time.
     maybe_full: float = 0.4
-    # Gap at the border of a strip over the last one of its branch: modes resolve none narrower.
+    # Smallest gap at the border of a strip, relative to the last gap of the tabulated branch: the
+    # modes do not resolve narrower ones.
     narrowest_border_gap: float = 0.1
-    # Above this fraction of the largest width the closed form of full contact is useless, and a
-    # failure of zones is due to narrow gaps.
+    # Above this fraction of the largest width the closed form of one zone is a useless guess, and
+    # if zones fail the reason is narrow gaps.
     almost_full: float = 0.99
 
 
@@ -73,7 +74,7 @@ def search(context: SolveContext, scaled: ScaledScene, start: Array | None = Non
     if scaled.control.approach is not None and (full := full_under(context, scaled.control)):
         return full
     refuse_full_approach(context, scaled.problem, scaled.control)
-    # A closure of the localized model asks for widths that the scene does not give.
+    # The scene itself must give the width: closures of the localized model also control widths.
     width_is_given = context.scene.given_fraction is not None
     if width_is_given and not context.single:
         return by_fraction(context, scaled)
@@ -96,7 +97,7 @@ def search(context: SolveContext, scaled: ScaledScene, start: Array | None = Non
 def _similar_solution(
     context: SolveContext, scaled: ScaledScene, start: Array | None
 ) -> Outcome | Failure:
-    """Zones of a similar solution, given up as soon as they turn out to be far off."""
+    """The contact from zones of a similar solution; given up as soon as they prove too far away."""
     if start is None:
         return NOT_APPLICABLE
     problem, control = scaled.problem, scaled.control
@@ -113,7 +114,7 @@ def _similar_solution(
 def _given_zone(
     context: SolveContext, scaled: ScaledScene, start: Array | None
 ) -> Outcome | Failure:
-    """The one zone of a given half width."""
+    """The contact that is one zone of a given half width."""
     a = scaled.control.half_width
     if a is None:
         return NOT_APPLICABLE
@@ -129,7 +130,7 @@ def _given_zone(
 
 
 def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -> Outcome | Failure:
-    """One zone about the tip of a symmetric asperity; its gaps, or full contact, if it is wide."""
+    """The contact of one symmetric asperity: one zone about its tip, its gaps, or full contact."""
     problem, control = scaled.problem, scaled.control
     if not context.single or problem.amplitude is not None:
         return NOT_APPLICABLE
@@ -150,7 +151,7 @@ def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -
         if full := full_under(context, control, but_for_kinks=True):
             return full
     has_branch = control.load is not None or control.approach is not None
-    # In a strip with neighbours contact never becomes full: there the branch gives the width.
+    # In a strip with neighbours contact never becomes full: the width is found along the branch.
     needs_branch = bool(
         has_branch
         and problem.interaction.neighbours
@@ -173,10 +174,11 @@ def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -
 
 
 def _half_width_on_branch(context: SolveContext, problem: Problem, control: Control) -> float:
-    """About the half width of one zone, along the branch from zero load.
+    """Approximate half width of one zone, found along the branch of contacts from zero load.
 
-    The controlled quantity grows with the width up to its maximum; in a strip with neighbours, up
-    to the border of the strip, as the logarithm of the gap there. OutOfRange beyond.
+    The controlled quantity grows with the width up to a maximum; OutOfRange is raised beyond it. In
+    a strip with neighbours it grows up to the border of the strip, as the logarithm of the gap
+    there.
     """
     with context.plan.timed("zone ends"):
         half_widths, values = single_branch(problem, control)
@@ -216,23 +218,24 @@ def from_grid(
 ) -> Outcome:
     """The contact from the zones of a coarse grid, refined until they pass the certificate.
 
-    points: of the first grid; None: as many as the profile needs.
-    allow_loss: see `NewtonSettings`.
+    points: number of points of the first grid; None: as many as the profile needs. allow_loss: see
+    `NewtonSettings`.
     """
     return _GridSearch(context, scaled, allow_loss).run(points)
 
 
 class _GridSearch:
-    """One search by ever finer grids, in windows that widen as needed."""
+    """One search by a sequence of finer grids, in windows that are widened if needed."""
 
     def __init__(self, context: SolveContext, scaled: ScaledScene, allow_loss: bool) -> None:
         self.context, self.scaled, self.allow_loss = context, scaled, allow_loss
         self.most = nested_grids.OPTIONS.usual_points
-        self.touched, self.widened = False, 0  # the border was touched; times the window widened
+        # whether contact touched the border; number of times the window was widened
+        self.touched, self.widened = False, 0
         self.failure: Failure | None = None
 
     def run(self, points: int | None) -> Outcome:
-        """The contact from the first grid that leads to one. points: of the first grid."""
+        """The contact from the first grid that leads to one. points: those of the first grid."""
         context = self.context
         self._begin()
         proposal: Proposal | None = None
@@ -254,7 +257,7 @@ class _GridSearch:
         raise self._error(proposal, points)
 
     def _begin(self) -> None:
-        """Keep the choice in the plan; refuse a load that pulls."""
+        """Note the choice in the plan; refuse a load that is not positive."""
         context, control = self.context, self.scaled.control
         part = context.plan["coarse search"]
         if not part.used:
@@ -271,7 +274,7 @@ class _GridSearch:
             )
 
     def _proposed(self, points: int | None) -> Proposal:
-        """Zones of one grid."""
+        """Zones proposed by one grid."""
         context, scaled = self.context, self.scaled
         control = scaled.control
         if context.progress is not None:
@@ -287,8 +290,9 @@ class _GridSearch:
     def _beyond_border(self, points: int) -> int | None:
         """Points of the next grid after one whose contact touches the border of the window.
 
-        A coarse grid may touch the border by its own error, so a finer one is tried first. Then a
-        wider window is: the few points of the first one may have missed zones next to it.
+        Contact on a coarse grid may touch the border because of the grid's error, so a finer grid
+        is tried first. Then the window is widened: the few points of the first window may have
+        missed zones outside it.
         """
         finer = OPTIONS.refinement * points
         if not self.touched and finer <= self.most:
@@ -302,7 +306,7 @@ class _GridSearch:
         return None
 
     def _wider_window(self) -> ScaledScene | None:
-        """The scene in a window of twice the width; None if all that is known is in the window."""
+        """The scene in a window of twice the width; None if the window holds all of the profile."""
         lo, hi = self.scaled.cell
         known = known_part(self.context.scene.profile) or (-math.inf, math.inf)
         half = 0.5 * (hi - lo)
@@ -310,7 +314,7 @@ class _GridSearch:
         return None if cell == self.scaled.cell else replace(self.scaled, cell=cell)
 
     def _from_proposal(self, proposal: Proposal) -> Outcome | Failure:
-        """The contact from the zones of a grid: full, by its gaps, or by its zones."""
+        """The contact from the zones of a grid: full, or solved by its gaps or its zones."""
         context, problem, control = self.context, self.scaled.problem, self.scaled.control
         width = proposal.width / problem.units.length
         if (
@@ -332,7 +336,7 @@ class _GridSearch:
         return found
 
     def _is_hopeless(self, found: Failure, points: int) -> bool:
-        """Keep a failure; whether a finer grid would end in the same way."""
+        """Note a failure in the plan; return whether a finer grid would fail in the same way."""
         self.context.record_failure(f"zones of a grid of {points} points", found)
         is_same = self.failure is not None and found.same(self.failure)
         self.failure = found

@@ -1,7 +1,7 @@
-"""Controls found by way of loads: an approach that a grid does not find, and a contact fraction.
+"""Contacts of a given approach or contact fraction, found from contacts under given loads.
 
-A contact under a load is found with certainty. A bracket on the load comes so close to the wanted
-value that the zones under the load lead to those of the control itself.
+A contact under a load can always be found. The load is bracketed until the controlled quantity is
+close to its given value. From the zones under that load Newton's method finds those of the control.
 """
 
 import math
@@ -32,15 +32,17 @@ from sie import Array
 
 @dataclass(frozen=True)
 class LoadControlOptions:
-    """How close a load comes before the control itself is solved for."""
+    """How closely the load is bracketed before the contact is solved under the control itself."""
 
     # Relative error of a load, or of a contact fraction, at which zones have the number and about
     # the place of the wanted ones.
     near: float = 5e-3
-    retry_factor: float = 0.1  # how much closer the load comes before the next attempt
-    # Of what is in contact, or of what is not: a grid is a better start than zones farther away.
+    retry_factor: float = 0.1  # factor on this error after each attempt that fails
+    # Change of the contact width, relative to the smaller of contact and its complement. From zones
+    # whose width differs by more, Newton's method is no better than from a grid.
     max_change: float = 0.2
-    # Of the period: narrower open parts are tops of the full contact's pressure, unseen by grids.
+    # If less than this part of the period is open, gaps are guessed from the tension of full
+    # contact, as grids do not resolve them.
     last_open: float = 1e-3
     tolerance: float = 1e-6  # of solutions on the way
 
@@ -51,7 +53,7 @@ class LoadControlOptions:
 
 
 OPTIONS = LoadControlOptions()
-# Bracket on a load that round-off closes.
+# Relative width of a bracket on a load below which it is closed by round-off.
 _ROUNDING = 64 * float(np.finfo(np.float64).eps)
 
 
@@ -86,7 +88,7 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
 
 
 def at_level(context: SolveContext) -> SolvedZones:
-    """The contact of a lone body under its approach, from zones of about the right load."""
+    """The contact of a lone body under its approach, from zones under nearly the right load."""
     failure, problem = Failure("no load was tried"), None
     for nearness in (OPTIONS.near, OPTIONS.nearest):
         context = context.with_warm_start(at_approach(context, nearness))
@@ -129,7 +131,8 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
     limits = KnownLoads(closed=_ROUNDING)
     for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
         last, fraction = here, contact_fraction(here)[0]
-        # The fraction itself tells how close it is where it grows fast with the load.
+        # Where the fraction grows fast with the load, its own error is larger than that of the
+        # load.
         error = max(load_error, abs(goal - fraction) / smaller_part)
         if error > near_enough:
             continue
@@ -147,7 +150,7 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
 def _by_first_guess(
     context: SolveContext, scaled: ScaledScene, goal: float
 ) -> SolvedZones | SolvedGaps | float:
-    """The contact of a given fraction from the gaps or a grid, or the load that the grid has."""
+    """The contact of a given fraction from its gaps or from a grid, else the load of the grid."""
     problem, control = scaled.problem, scaled.control
     if 1 - goal < OPTIONS.last_open:
         found_by_gaps = by_gaps(context, problem, control, control.value)
@@ -176,8 +179,8 @@ def _from_grid(
     found_by_gaps = by_gaps(context, problem, control, control.value, table)
     if isinstance(found_by_gaps, SolvedGaps):
         return found_by_gaps
-    # All zones are widened alike to the wanted width. Without this, ends move by more in a step
-    # than the kernel of a thin layer allows.
+    # All zones are scaled by one factor to the wanted total width. Without this, the ends move by
+    # more in a step than the kernel of a thin layer allows.
     half = np.diff(table) / 2
     table = table + half * [-1.0, 1.0] * (control.value / (2 * half.sum()) - 1.0)
     return _refined(context, problem, control, table, proposal.load / problem.units.load)
@@ -186,9 +189,10 @@ def _from_grid(
 def _at_jump(
     context: SolveContext, problem: Problem, control: Control, last: Solution
 ) -> SolvedZones | SolvedGaps:
-    """The contact under the load of a given width, where the zones of the width do not settle.
+    """The contact under the load that has a given width, where solving for the width fails.
 
-    That is so at a birth or a merger. Raises NotConverged where the fraction jumps with the load.
+    It fails where a zone is born or two merge. Raises NotConverged where the fraction jumps with
+    the load.
     """
     assert last.contact_fraction is not None and problem.period is not None
     error = abs(last.contact_fraction - control.value / problem.period)
@@ -229,12 +233,12 @@ def _from_solution(
 def _refined(
     context: SolveContext, problem: Problem, control: Control, table: Array, load: float
 ) -> SolvedZones | Failure:
-    """Zones that pass the certificate, from a table that is close to them."""
+    """Zones that pass the certificate, found from a table of zones close to them."""
     return context.refine_topology(problem, control, table, load_guess=load)
 
 
 def _under_load(context: SolveContext, load: float, nearest: Solution | None) -> Solution:
-    """The solution under a load; from a grid if contact is far from that of the nearest one."""
+    """The solution under a load, from the nearest solution or, if that is too far, from a grid."""
     if nearest is not None:
         fraction, rate = contact_fraction(nearest)
         change = abs(rate * (load - nearest.load))
@@ -249,12 +253,12 @@ def _solver_of_loads(context: SolveContext) -> Callable[[float, Solution | None]
     """A function that solves the scene under a load, from the nearest solution."""
 
     def solve(load: float, nearest: Solution | None) -> Solution:
-        """The solution under a load, or a rougher one if that does not converge."""
+        """The solution under a load, or one of larger error if the tolerance is not met."""
         loaded, start = context.scene.under("load", load), nearest or context.warm_start
         try:
             return context.solve_scene(loaded, OPTIONS.tolerance, start, context.progress)
         except NotConverged as failure:
-            # A rougher solution serves as well on the way.
+            # A solution with a larger error is precise enough as an intermediate one.
             if failure.best is None or not failure.best.error < OPTIONS.near:
                 raise
             return failure.best

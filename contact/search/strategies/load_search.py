@@ -1,13 +1,15 @@
-"""The load at which a quantity that grows with it has a wanted value: a bracketed Newton method.
+"""Bracketed Newton method for the load at which a growing quantity has a wanted value.
 
-A solution under a load always exists and is unique, and a bracket on the load cannot fail. Newton's
-step assumes a power of the load, from the last two rates: the approach of a tilted body goes
-with load^-2, other approaches about with the load, a contact fraction about with its root. Each
-load is solved from the zones of the nearest one. The approach of an upright body is concave in the
-load and stays below its tangents, which soon show that no load has the wanted approach.
+A solution under a load always exists and is unique, so that a bracket on the load cannot fail.
+Newton's step assumes that the quantity is a power of the load, plus a constant. The exponent is
+fitted to the last two rates: about -2 for the approach of a tilted body, 1 for other approaches,
+1/2 for a contact fraction. Each load is solved from the zones of the nearest one. The approach of
+an upright body is concave in the load and stays below its tangents, which soon show that no load
+has the wanted approach.
 
-A control of a user's own is found by the same bracket. A second load next to each one gives the
-rates of the quantity, of the zones and of the pressure, hence the error that comes from the load.
+A user's own control is found by the same bracket. A second solution under a slightly smaller load
+gives the rates of the quantity, of the zones and of the pressure. From these the error that comes
+from the load is estimated.
 """
 
 import math
@@ -25,15 +27,17 @@ from contact.solution.solution import Solution
 
 @dataclass(frozen=True)
 class LoadSearchOptions:
-    """Limits of the bracket, and the steps of differences between loads."""
+    """Limits of the bracket, and the step of load that is used for finite differences."""
 
     max_loads: int = 80  # halving alone needs some 50
-    max_unsolved: int = 4  # loads without a solution; another load next to each is tried
-    # The first load over E* and a length; any start leads on. No load below this part of the first
-    # one is tried: the approach of a lone body hardly changes there.
+    max_unsolved: int = 4  # loads without a solution; after each one another load is tried
+    # The first load, divided by E* and a length; the search succeeds from any. No load below this
+    # fraction of the first one is tried: the approach of a lone body hardly changes there.
     first_load: float = 1e-3
-    rate_step: float = 1e-4  # of a load, for differences; its error is the square, 1e-8
-    tolerance_factor: float = 1e-2  # of solves for differences, over the wanted error
+    # relative step of the load for differences, whose relative error is about its square
+    rate_step: float = 1e-4
+    # tolerance of solutions used in differences, divided by the wanted error
+    tolerance_factor: float = 1e-2
     least_tolerance: float = 1e-13  # the smallest that `contact.solve` accepts
 
 
@@ -49,18 +53,18 @@ Solve = Callable[[float, Solution | None], Solution]
 
 @dataclass(frozen=True)
 class KnownLoads:
-    """What is known of the loads of a search."""
+    """Prior knowledge about the loads of a search."""
 
-    least: float = 0.0  # [N/m] too small for any solution
+    least: float = 0.0  # [N/m]; loads up to this one have no solution
     bounded: bool = False  # a large load may bring the contact to the end of the known profile
     concave: bool = False  # the quantity is concave in the load
     closed: float = (
         conjugate_gradient.OPTIONS.closed
-    )  # the bracket at which the search ends, over the load
+    )  # width of the bracket at which the search ends, relative to the load
 
 
 def approach(solution: Solution) -> tuple[float, float]:
-    """The approach [m] and its rate with the load; over a datum it falls beyond a maximum."""
+    """The approach [m] and its rate with the load; with a datum the rate may be negative."""
     assert solution.approach is not None and solution.stiffness is not None
     return solution.approach, 1 / solution.stiffness
 
@@ -74,10 +78,10 @@ def contact_fraction(solution: Solution) -> tuple[float, float]:
 def nearer(
     solve: Solve, quantity: Quantity, goal: float, first: float, limits: KnownLoads = KnownLoads()
 ) -> Iterator[tuple[Solution, float]]:
-    """Yield solutions whose quantity approaches the goal, each with its relative error of the load.
+    """Yield solutions whose quantity approaches the goal, with the relative error of each load.
 
-    first: the load to begin with [N/m]. Ends where the bracket is closed or no load has the goal.
-    Raises OutOfRange if no load has a solution at all.
+    first: the load to begin with [N/m]. It ends when the bracket is closed or no load can have the
+    goal. Raises OutOfRange if no load has a solution at all.
     """
     search = _Bracket(goal, limits, first)
     refused: OutOfRange | None = None
@@ -118,8 +122,10 @@ class _Bracket:
         self.goal, self.limits = goal, limits
         self.low, self.high = limits.least, math.inf
         self.load = max(first, 2 * limits.least)
-        self.solutions: list[Solution] = []  # the last below and above the goal, the newest last
-        self.tangents = (0.0, math.inf)  # loads between which tangents of concave curves allow it
+        # the last solutions below and above the goal, the newest last
+        self.solutions: list[Solution] = []
+        # loads between which the tangents of a concave curve allow the goal
+        self.tangents = (0.0, math.inf)
         self.slow_steps = 0
 
     @property
@@ -135,7 +141,7 @@ class _Bracket:
         return min(self.solutions, key=lambda other: abs(math.log(other.load / self.load)))
 
     def narrow(self, from_above: bool) -> None:
-        """Put one end of the bracket at the load."""
+        """Move the upper or the lower end of the bracket to the present load."""
         if from_above:
             self.high = self.load
         else:
@@ -144,7 +150,7 @@ class _Bracket:
     def add(
         self, here: Solution, value: float, rate: float, last_rate: tuple[float, float] | None
     ) -> float:
-        """Narrow the bracket by a solution; return Newton's next load, nan if there is none."""
+        """Narrow the bracket by a solution and return Newton's next load, nan if there is none."""
         load, miss = self.load, self.goal - value
         rises = rate > 0.0 and miss > 0.0  # the rate is negative beyond a maximum
         kept = [other for other in self.solutions[-2:] if (other.load > here.load) == rises]
@@ -160,7 +166,7 @@ class _Bracket:
         return _newton(here.load, rate, miss, last_rate)
 
     def is_over(self, step: float) -> bool:
-        """Move to the next load: Newton's, or one that halves the bracket; True if it is closed."""
+        """Choose the next load, Newton's or one in the bracket; return whether the search is over."""
         is_closed_above, is_closed_below = self.high < math.inf, self.low > 0.0
         stalled = self.slow_steps > 2 and is_closed_above and is_closed_below
         if not self.low < step < self.high or stalled:
@@ -178,14 +184,15 @@ class _Bracket:
 def _newton(load: float, rate: float, miss: float, before: tuple[float, float] | None) -> float:
     """Newton's load for value = constant + B load^q; nan if there is none.
 
-    rate: at this load. before: another load and its rate, which give q, from -4 to 1.
+    rate: the rate at this load. before: another load and its rate; both rates give the exponent q,
+    limited to -4 to 1.
     """
     power = 1.0
     if before is not None and before[0] != load and before[1] * rate > 0.0:
         power += math.log(rate / before[1]) / math.log(load / before[0])
     power = min(max(power, -4.0), 1.0)
     relative = miss / rate / load if rate != 0.0 else math.nan
-    # The limit of small steps, where the power below would lose its digits.
+    # For small steps the power below would lose digits, so its linear limit is used.
     if abs(power * relative) < 1e-6:
         return load * (1.0 + relative)
     base = 1.0 + power * relative
@@ -200,7 +207,7 @@ def by_quantity(
     warm_start: Solution | None,
     solve: Callable[[Scene, float, Solution | None], Solution],
 ) -> Solution:
-    """The contact under a control of a user's own. solve: the contact under a load."""
+    """The contact under a user's own control. solve: finds the contact under a load."""
     control, sign = scene.control_object, -1.0 if scene.control_object.falls else 1.0
     tolerance = max(OPTIONS.tolerance_factor * tol, OPTIONS.least_tolerance)
     told = AuthorMethod(f"{control.name}.of(solution)", "control")
@@ -224,7 +231,8 @@ def by_quantity(
         else warm_start.load
     )
     best: Solution | None = None
-    sides: set[bool] = set()  # whether the quantity was above the goal, or not, under some load
+    # True: some load gave a quantity above the goal; False: some load gave one not above
+    sides: set[bool] = set()
     goal, limits = sign * control.value, KnownLoads(bounded=True)
     for here, load_error in nearer(under, quantity, goal, first, limits):
         value, rate = quantity(here)
@@ -245,12 +253,14 @@ def by_quantity(
 
 
 def _length(scene: Scene) -> float:
-    """A length of the scene [m]."""
+    """A typical length of the scene [m], from which the first load is chosen."""
     return scene.profile.period or scene.profile.resolution or 1.0
 
 
 def _rate_of_error(here: Solution, other: Solution) -> float:
-    """Change of ends over widths and of pressures over the peak, per logarithm of the load.
+    """Rate of the relative changes of ends and pressures, per unit of ln(load), with a margin.
+
+    Changes of ends are relative to the width of their zone, those of pressures to the peak.
 
     It is infinite where the numbers of zones differ.
     """

@@ -1,4 +1,4 @@
-"""Solving again with a smaller tolerance, if the stated error exceeds the wanted one."""
+"""Solve again with a smaller tolerance, if the stated error exceeds the wanted one."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,10 +13,10 @@ Kind = TypeVar("Kind", bound=Solved)
 
 @dataclass(frozen=True)
 class TighteningOptions:
-    """When to solve again, and when further digits are rounding."""
+    """How often a contact is solved again, and by how much the tolerance decreases."""
 
     max_solves: int = 3  # the error falls with the tolerance, so one or two suffice
-    safety: float = 0.05  # the next tolerance over the one that would just do
+    safety: float = 0.05  # factor on the tolerance that would just suffice
 
 
 def tightened(
@@ -27,12 +27,12 @@ def tightened(
     is_limited_by_rounding: Callable[[Kind, float], bool],
     options: TighteningOptions = TighteningOptions(),
 ) -> Kind:
-    """The best of a solution and of more precise ones of the same contact.
+    """The most precise of a solution and of further solutions of the same contact.
 
-    again: solves from a solution to a tolerance. Where a smaller tolerance does not reduce the
-    error, the smallest one is tried last.
+    again: solves from a solution to a tolerance. If a smaller tolerance hardly reduces the error,
+    the smallest tolerance is tried as the last one.
     """
-    is_useless = False  # a solve left more than half of the error: the rest is rounding
+    is_useless = False  # whether the last solve left more than half of the error
     for _ in range(options.max_solves):
         if found.error <= context.tol or tolerance <= LEAST:
             break

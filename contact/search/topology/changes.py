@@ -10,7 +10,7 @@ import numpy as np
 from contact.formulation.tables import ascending, centred_on
 from sie import Array
 
-# Place of a merger or a split: the gap, and this part of it on either side.
+# The place stated for a merger or a split is the gap, widened by this fraction on either side.
 _MARGIN = 0.25
 
 
@@ -19,7 +19,7 @@ class Change:
     """One change of the number of zones.
 
     kind: "birth" or "merge"; on the way back "death" or "split". where: the zone that begins or
-    vanishes, or the gap between two zones that meet or part, with a margin.
+    vanishes, or the gap between two zones that meet or part, widened by a margin.
     """
 
     kind: str
@@ -27,14 +27,15 @@ class Change:
 
     @property
     def of_gap(self) -> bool:
-        """Whether the gap becomes zero there, else the pressure does."""
+        """Whether the gap becomes zero where the zones change; otherwise the pressure does."""
         return self.kind in ("birth", "death")
 
     @property
     def ahead(self) -> bool:
-        """Whether the earlier contact has the zones in which the change is a smooth condition.
+        """Whether the change is found with the zones of the earlier contact.
 
-        These are the zones without the one that begins, or with the two as one.
+        The condition of the change is smooth with the zones without the one that begins, or with
+        the two as one.
         """
         return self.kind in ("birth", "split")
 
@@ -55,7 +56,7 @@ def overlapping(
 ) -> Array:
     """The zones (k, 2), moved by periods, that overlap the one from a to b.
 
-    shared: by more than this part of the narrower one.
+    shared: the least overlap, divided by the width of the narrower of the two zones.
     """
     zones = ascending(centred_on(zones, 0.5 * (a + b), period))
     zones = zones[(zones[:, 0] < b) & (zones[:, 1] > a)]
@@ -66,7 +67,7 @@ def overlapping(
 def _grown(
     low: Array, high: Array, period: float | None, shared: float, birth: str, merger: str
 ) -> list[Change]:
-    """Zones of `high` that `low` does not have, and those that are several zones of `low`."""
+    """Changes from zones `low` to zones `high`: births and mergers, under the given names."""
     found = []
     for a, b in high.tolist():
         parts = overlapping(low, a, b, period, shared)

@@ -1,11 +1,11 @@
 """Zones of a contact extrapolated along a curve of values of one control.
 
-With s the logarithm of the value, middles and squared half widths of zones and of gaps are smooth
-in s, through births and mergers too: a zone is born, and a gap closes, where its square is zero.
-Each end follows the narrower of the zone and the gap that it bounds, by Hermite's polynomial
-through the values and rates of the last solutions that have this interval. The rates are those with
-the load. An interval whose square is negative has vanished, and where the least gap of a place
-becomes negative a zone is born.
+Let s be the logarithm of the control's value. The middles and the squared half widths of zones and
+gaps are smooth functions of s, through births and mergers too: a zone is born, and a gap closes,
+where its squared half width is zero. An end is taken from the narrower of the zone and the gap that
+it bounds. That interval is extrapolated by Hermite's polynomial through its values and rates at the
+last solutions that have it. An interval whose squared half width becomes negative has vanished, and
+where the least gap of a place becomes negative a zone is born.
 """
 
 from __future__ import annotations
@@ -28,12 +28,14 @@ from sie import Array, Index, Mask, record
 
 @dataclass(frozen=True)
 class ExtrapolationOptions:
-    """Doubts about intervals that vanish on the way, and places of new zones."""
+    """When an extrapolated interval has vanished or begun, and how wide a new zone may be."""
 
-    # Half width kept of an interval that may have vanished, over what it was: Newton decides. A
-    # zone is also born where the least gap would be below this part of its change.
+    # Half width given to an interval that may have vanished, divided by its last half width:
+    # Newton's method decides. A zone is also born where the least gap would be below this fraction
+    # of its change.
     doubt: float = 0.1
-    # Half width of a new zone over the room on either side: its neighbours stay apart.
+    # Largest half width of a new zone, divided by the distance to its neighbours: it does not touch
+    # them.
     clearance: float = 0.4
 
 
@@ -48,13 +50,13 @@ class CurvePoint(sie.Kept):
 
     @property
     def fields(self) -> ZoneFields | GapFields | None:
-        """Its fields, if these have rates."""
+        """The fields of the solution if they have rates, else None."""
         fields = self.solution.fields
         return fields if isinstance(fields, ZoneFields | GapFields) else None
 
     @property
     def problem(self) -> Problem:
-        """Its scaled problem."""
+        """The scaled problem of the solution."""
         assert self.fields is not None
         return self.fields.problem
 
@@ -65,7 +67,7 @@ class CurvePoint(sie.Kept):
 
     @cached_property
     def zones(self) -> Array:
-        """Its scaled zones (n, 2)."""
+        """The scaled zones (n, 2) of the solution."""
         fields = self.fields
         assert fields is not None
         return fields.zones
@@ -79,14 +81,15 @@ class CurvePoint(sie.Kept):
     def rates(self) -> tuple[Array, Array]:
         """Rates per unit of the logarithm of the control's value.
 
-        First how far each end moves outward (n, 2), then by how much the least gaps open (k,).
+        Returns the outward rates of the ends (n, 2) and the rates at which the least gaps open
+        (k,).
         """
         fields = self.fields
         assert fields is not None
         outward, opening = fields.rates(self.lowest[:, 0])
         if self.solution.scene.held(Quantity.WIDTH) is None:
             return outward, opening
-        # The rates are with the logarithm of the load; those with the width follow.
+        # These rates are per unit of ln(load); the control is the width, so they are converted.
         per_width = float(np.diff(self.zones, axis=1).sum()) / float(outward.sum())
         return outward * per_width, opening * per_width
 
@@ -105,9 +108,9 @@ class CurvePoint(sie.Kept):
 
 @record
 class Motion:
-    """Intervals (n, 2) and how they move.
+    """Intervals (n, 2) and their rates along the curve.
 
-    values: middle and squared half width (2, n). rates: of these (2, n).
+    values: middles and squared half widths (2, n). rates: the rates of the values (2, n).
     """
 
     table: Array
@@ -121,15 +124,15 @@ class Motion:
             half = 0.5 * (table[:, 1] - table[:, 0])
             values = np.array([0.5 * (table[:, 0] + table[:, 1]), half**2])
             rates = np.array([0.5 * (left + right), half * (right - left)])
-            # The gap beside a lone zone is infinite and does not move.
+            # The gap next to a lone zone is infinite and does not move.
             rates = np.where(np.isfinite(values), rates, 0.0)
         return cls(table, values, rates)
 
 
 def extrapolated(previous: tuple[CurvePoint, ...], at: float) -> tuple[Array, int]:
-    """Scaled zones (n, 2) at a logarithm of the control's value, and how many come or go.
+    """Extrapolated scaled zones (n, 2), and the number of zones that come or go.
 
-    There are no zones where they fill the period.
+    at: the logarithm of the control's value. The table is empty where the zones fill the period.
     """
     last = previous[-1]
     known = _alike(previous)
@@ -160,8 +163,8 @@ def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
 def _extrapolate(known: list[Motion], away: list[float], period: float | None) -> Array:
     """Middles and squared half widths (2, n) of the intervals of the nearest point.
 
-    away: of each point from the wanted value, in the logarithm. Each interval is extrapolated from
-    as many points as have it.
+    away: distance of each point from the wanted value, in the logarithm. Each interval is
+    extrapolated from all successive points that have it.
     """
     first = known[0]
     out = first.values - away[0] * first.rates
@@ -185,7 +188,7 @@ def _extrapolate(known: list[Motion], away: list[float], period: float | None) -
 
 
 def _hermite(away: Array) -> tuple[Array, Array]:
-    """Weights of values and rates at these places in Hermite's polynomial at 0."""
+    """Weights of the values, and of the rates, in Hermite's interpolation at 0 from `away`."""
     differences = away[:, None] - away
     np.fill_diagonal(differences, 1.0)
     others = ~np.eye(len(away), dtype=bool)
@@ -227,15 +230,15 @@ def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, 
 
 
 def _joined(last: CurvePoint, zones: Array, gaps: Array) -> tuple[Array, int]:
-    """Zones from extrapolated zones and gaps (2, n), and how many of these vanish.
+    """Zones from extrapolated zones and gaps (2, n), and the number of intervals that vanish.
 
-    Each end is that of the narrower of the two intervals that it bounds.
+    Each end is taken from the narrower of the two intervals that it bounds.
     """
     period = last.problem.period
     width, gap = (motion.values[1] for motion in (last.zone_motion, last.gap_motion))
     before = np.roll(gap, 1)
     half, lost = _half_widths(zones[1], width)
-    # In a contact solved by its zones Newton cannot drop a gap: it counts as closed at once.
+    # Newton's method on the zones cannot drop a gap, so that a doubtful gap counts as closed.
     by_gaps = isinstance(last.fields, GapFields)
     half_gap, closed = (
         _half_widths(gaps[1], gap)
@@ -259,15 +262,16 @@ def _half_widths(square: Array, before: Array) -> tuple[Array, Mask]:
 
     An interval that may have vanished keeps a small half width.
     """
-    # It has for certain where it would also vanish after half of the way: Newton drops others.
+    # An interval has certainly vanished if it would also vanish after half of the step. Newton's
+    # method drops the others if need be.
     gone = square <= -0.5 * (before - square)
     return np.sqrt(np.maximum(square, OPTIONS.doubt**2 * before)), gone
 
 
 def _remaining(left: Array, right: Array, lost: Mask, closed: Mask, period: float | None) -> Array:
-    """The zones that have not vanished, those over closed gaps merged.
+    """The zones that have not vanished, merged where the gap between them has closed.
 
-    There are none where all gaps have closed, as contact is full.
+    The table is empty where all gaps have closed, as contact is full.
     """
     if lost.all() or (period is not None and closed.all() and not lost.any()):
         return np.zeros((0, 2))
@@ -276,7 +280,7 @@ def _remaining(left: Array, right: Array, lost: Mask, closed: Mask, period: floa
 
 
 def _with_new(zones: Array, last: CurvePoint, away: float) -> Array:
-    """The zones, and new ones where the extrapolated gap is negative."""
+    """The zones together with new ones where the extrapolated gap is negative."""
     place, value, bend = last.lowest.T
     change = away * last.rates[1]
     depth = np.where(

@@ -1,4 +1,4 @@
-"""Why a strategy has led to no contact: a value, so that the next strategy can be tried."""
+"""`Failure`: the reason why a strategy found no contact, returned so that the next one runs."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import sie
 from contact.errors import NotConverged, OutOfRange
 from sie import Array, record
 
-# Said with every refusal of a strip.
+# This text is part of every message that refuses a strip.
 EXACT = "interaction = Periodic() needs no strip"
 
 
 class WrongTopology(Exception):
-    """Corrections do not lead to intervals that pass.
+    """Raised if corrections of the intervals do not lead to ones that pass the certificate.
 
     It is raised within a search only, which returns its `failure`. free: the last Newton result.
     """
@@ -28,7 +28,7 @@ class WrongTopology(Exception):
 
 @record
 class Failure:
-    """Why there is no contact from here.
+    """The reason why a strategy led to no contact.
 
     reason: in words. free: the last Newton result. at_border: a zone reached the border of the
     known part of the profile. refusal: the error to raise if no other strategy leads to a contact.
@@ -47,7 +47,7 @@ class Failure:
 
     @property
     def unresolved(self) -> bool:
-        """Whether the modes of its zones do not resolve the equation."""
+        """Whether the modes of the last Newton result do not resolve the equation."""
         return self.free is not None and self.free.unresolved
 
 
@@ -63,7 +63,7 @@ def attempted(strategy: Callable[[], Any]) -> Any:
 
 
 def same(table: Array, other: Array) -> bool:
-    """Whether these are the same intervals, to a millionth of their widths."""
+    """Whether two tables have the same intervals, to a millionth of their widths."""
     return table.shape == other.shape and bool(
         np.all(np.abs(table - other) <= 1e-6 * (table[:, 1:] - table[:, :1]))
     )

@@ -1,4 +1,4 @@
-"""A nearly full contact by its gaps: open inside the gaps, pressure positive outside them."""
+"""The formulation by gaps: the gap is positive inside them, the pressure positive outside."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from sie import Array, record
 class GapForm:
     """A scaled problem with the slope of its gaps as the unknown.
 
-    relief: the pressure of full contact less its mean. most_steps: from the first guess a few
-    Newton steps are enough, or the contact is not one for gaps.
+    relief: minus the pressure of full contact, without its mean. most_steps: limit of Newton steps;
+    if so few do not suffice, the contact is better solved by its zones.
     """
 
     problem: Problem
@@ -38,8 +38,8 @@ class GapForm:
     def equation(self, control: Control) -> sie.Equation:
         """The equation of the slope of the gap.
 
-        The mean pressure is an unknown column. Subtracted from the right side instead, it would
-        leave little but the rounding of both.
+        The mean pressure is the unknown amplitude of a column. Subtracting it from the right side
+        instead would cancel most digits of both.
         """
         problem, slope = self.problem, self.problem.forcing
         right = sie.Forcing(
@@ -72,7 +72,7 @@ class GapForm:
     def formal(
         self, load: float, table: Array, tolerance: float, decay: float | None = None
     ) -> GapFields:
-        """Fields with this number of gaps under a load, whatever the signs.
+        """Fields with this number of gaps under a load, without a check of signs.
 
         decay: see `sie.NewtonOptions`.
         """
@@ -90,7 +90,7 @@ class GapForm:
         return GapFields(self.problem, free.state, load / self.problem.repeat_length, self.relief)
 
     def refuse(self, table: Array, free: sie.Free) -> None:
-        """Nothing is refused: gaps that vanish or meet are what they seem."""
+        """Refuse nothing: gaps may vanish or meet, and none is lost by rounding."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> GapFields:
         """Fields of the gaps under the mean pressure that was found."""
@@ -107,7 +107,7 @@ class GapForm:
         return certify_gaps(fields)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
-        """The gaps without parts that interpenetrate, and new ones where the pressure pulls."""
+        """The gaps without parts that interpenetrate, and new gaps where pressure is negative."""
         parts = np.concatenate((without(zones.table, certificate.overlaps), certificate.negative))
         return united(parts, self.problem.repeat_length, True, self.what)
 
@@ -125,12 +125,12 @@ class GapForm:
         )
 
     def is_slight(self, found: Solved) -> bool:
-        """Whether the pressure outside has a dip as small as the error."""
+        """Whether the pressure outside the gaps has a minimum as small as the error."""
         return found.certificate.dip <= TOLERANCES.error_margin * found.tolerance
 
 
 def _rounding_of_mean(control: Control, fields: GapFields) -> float:
-    """The error that rounding makes of the mean pressure under an approach.
+    """Rounding error of the mean pressure under a given approach, else 0.
 
     The approach is a difference of numbers of the size of the profile, and hardly changes near full
     contact.

@@ -1,4 +1,4 @@
-"""First guesses of the gaps of a nearly full contact: where full contact would pull."""
+"""First guesses of the gaps in nearly full contact: where full contact would be in tension."""
 
 from functools import cached_property
 
@@ -12,7 +12,7 @@ from contact.search.topology.failure import WrongTopology
 from contact.search.topology.intervals import united
 from sie import Array, Index, Mask, record
 
-# Samples over which a gap is resolved; narrower ones are placed by closed forms.
+# A gap over at least this many samples is resolved; narrower gaps are placed by closed forms.
 _RESOLVED = 4
 
 
@@ -20,7 +20,7 @@ _RESOLVED = 4
 class GapGuesses:
     """First guesses of the gaps: where the relief R exceeds the mean pressure.
 
-    R is the pressure of full contact, with the opposite sign, less its mean.
+    R is minus the pressure of full contact, without its mean.
     """
 
     relief: ScaledRelief
@@ -37,7 +37,7 @@ class GapGuesses:
 
     @property
     def value(self) -> Array:
-        """Samples of R."""
+        """Samples of the relief R."""
         return self.relief.samples[1]
 
     @property
@@ -48,8 +48,8 @@ class GapGuesses:
     def gaps(self, mean: float) -> Array:
         """First guesses (n, 2) under a mean pressure.
 
-        Runs of samples above it, widened as a lone gap in a parabola of R would be, and lone gaps
-        over kinks.
+        They are the runs of samples of R above the mean pressure, widened as a lone gap in a
+        parabola of R would be, and lone gaps over kinks.
         """
         valleys = self._over_kinks(mean)
         above = self.value > mean
@@ -72,7 +72,7 @@ class GapGuesses:
             )
         if len(valleys):
             return united(valleys, self.period, True, "gap")
-        # The gap about the highest R, narrower than the samples.
+        # No sample is above the mean pressure: the gap about the maximum of R lies between samples.
         return self._about(*maximum(self.relief, np.append(self.x, self.x[0] + self.period)), mean)
 
     def mean_of(self, width: float) -> float:
@@ -97,7 +97,7 @@ class GapGuesses:
         return float(np.sum(table[:, 1] - table[:, 0]))
 
     def _about(self, place: float, highest: float, mean: float) -> Array:
-        """The gap (1, 2) about a top of R, a parabola between the samples; none if R is lower."""
+        """The gap (1, 2) about a maximum of R, taken as a parabola; none if R is below the mean."""
         sides = np.asarray(self.relief(np.array([place - self.step, place + self.step])))
         bend = 2 * highest - float(sides.sum())
         if highest <= mean or not bend > 0:
@@ -106,7 +106,7 @@ class GapGuesses:
         return np.array([[place - half, place + half]])
 
     def _placed(self, seen: Array, mean: float) -> Array:
-        """Gaps, with those of few samples placed about the top of R between the samples."""
+        """The gaps, those of few samples placed about the maximum of R between the samples."""
         out = []
         for row in seen:
             if row[1] - row[0] < _RESOLVED * self.step:
@@ -121,7 +121,7 @@ class GapGuesses:
         return np.array(out).reshape(-1, 2)
 
     def _top(self, sample: int) -> tuple[float, float]:
-        """(place, value) of the greatest R about a sample."""
+        """Place and value of the maximum of the relief R near a sample."""
         if sample not in self._tops:
             around = self.x[0] + self.step * (sample + np.arange(-3.0, 4.0))
             self._tops[sample] = maximum(self.relief, around)
@@ -134,7 +134,7 @@ class GapGuesses:
     def _over_kinks(self, mean: float) -> Array:
         """Lone gaps over the kinks of valleys that the samples do not resolve.
 
-        They are wide enough to have two ends.
+        Gaps too narrow to have two different ends in double precision are left out.
         """
         kinks, rest = self._valleys
         at, heights = self.relief.at[kinks], self.relief.heights[kinks]
@@ -144,13 +144,14 @@ class GapGuesses:
 
     @cached_property
     def _valleys(self) -> tuple[Index, Array]:
-        """The kinks of valleys, and R there without the kink's own logarithm."""
+        """Indices of the kinks of valleys, and R at each without that kink's own logarithm."""
         kinks = np.flatnonzero(self.relief.heights < 0)
         return kinks, self.relief.without_own(kinks)
 
     def _runs(self, above: Mask, mean: float) -> Array:
-        """The runs of samples above the mean pressure, from crossing to crossing, widened by
-        sqrt(2).
+        """The runs of samples of R above the mean pressure, widened by the factor sqrt(2).
+
+        Each run extends from one crossing of the mean pressure to the next.
         """
         shift = int(np.argmin(above))  # start in contact, so that no run crosses the border
         x = np.concatenate((self.x[shift:], self.x[:shift] + self.period))

@@ -6,13 +6,13 @@ from contact.formulation import tables
 from contact.search.topology.failure import WrongTopology
 from sie import Array, Index
 
-# Width of a new zone over that of the overlap that it removes: 1 / sqrt(2) in Hertz's contact of
-# spheres, and about that in the plane.
+# Width of a new zone, divided by the width of the overlap of the bodies that it removes: 1 /
+# sqrt(2) in Hertz's contact of spheres, and about that in the plane.
 NEW_ZONE = 0.7
 
 
 def without(table: Array, parts: Array) -> Array:
-    """Intervals (n, 2) without the parts (m, 2); both are ascending."""
+    """The intervals `table` (n, 2) after `parts` (m, 2) are cut out; both are ascending."""
     # Only the few intervals that a part overlaps are cut one by one.
     first = np.searchsorted(parts[:, 1], table[:, 0], side="right")
     after = np.searchsorted(parts[:, 0], table[:, 1], side="left")
@@ -30,7 +30,7 @@ def without(table: Array, parts: Array) -> Array:
 
 
 def merged(table: Array, met: Index, period: float | None) -> Array:
-    """The intervals with each of those in `met` merged with the next one.
+    """The intervals, where each one whose index is in `met` is merged with the next one.
 
     With a period, the last one is merged with the first one of the next period.
     """
@@ -43,7 +43,7 @@ def merged(table: Array, met: Index, period: float | None) -> Array:
 
 
 def united(table: Array, period: float | None, around: bool, what: str) -> Array:
-    """The intervals with overlapping ones united; WrongTopology if they fill the period.
+    """The intervals, overlapping ones united; raises WrongTopology if they fill the period.
 
     around: the last one may reach over the border of the period. what: their name in a message.
     """

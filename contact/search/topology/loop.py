@@ -35,16 +35,17 @@ Kind = TypeVar("Kind", bound=Solved)
 class LoopTolerances:
     """Tolerances of the ends in the rounds of the loop."""
 
-    # The smallest tolerance, a few round-offs. A slight dip of the pressure may be a narrow gap:
-    # only a solution to this tolerance shows which it is.
+    # The smallest tolerance, a few round-offs. Where the pressure has a minimum close to zero there
+    # may be a narrow gap: only a solution to this tolerance shows whether there is.
     tight: float = 1e-15
-    tighten: float = 1e-3  # next tolerance over the last, if only the error of ends breaks signs
-    error_margin: float = 10.0  # over the stated error of an end; signs closer to it mean nothing
+    tighten: float = 1e-3  # factor on the tolerance if signs fail only within the error of the ends
+    # factor on the stated error of an end; signs closer to the end are not checked
+    error_margin: float = 10.0
 
 
 @dataclass(frozen=True)
 class RoughRoundOptions:
-    """First rounds of very many intervals, with ends known to a part of their widths only.
+    """First rounds of very many intervals, whose ends are found to a loose relative tolerance.
 
     The first guess of so many intervals never has the right number. Rough rounds correct most of it
     at a fraction of the cost.
@@ -52,8 +53,8 @@ class RoughRoundOptions:
 
     min_intervals: int = 1000
     tolerance: float = 1e-3
-    unresolved_fraction: float = 0.005  # of the ends, which may stay unknown
-    patience: int = 2  # Newton steps granted to these ends
+    unresolved_fraction: float = 0.005  # fraction of the ends that may stay unconverged
+    patience: int = 2  # Newton steps granted to the last unconverged ends
 
 
 TOLERANCES = LoopTolerances()
@@ -62,7 +63,7 @@ MAX_ROUNDS = 12
 
 
 class Formulation(Protocol[Kind]):
-    """What is unknown, and on which intervals.
+    """The unknown function and its intervals, as the loop needs them.
 
     Either the pressure on zones (`pressure_form`), or the slope of the gap on gaps (`gap_form`).
     what: "zone" or "gap".
@@ -84,22 +85,22 @@ class Formulation(Protocol[Kind]):
         """The intervals with their ends found by Newton's method."""
 
     def refuse(self, table: Array, free: sie.Free) -> None:
-        """Raise WrongTopology if Newton's result from this table leads to no solution."""
+        """Raise WrongTopology if Newton's result, found from this table, leads to no solution."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> Any:
         """Fields of the intervals under the load that they have."""
 
     def certificate(self, fields: Any, control: Control, few: float = 0.0) -> Certificate:
-        """The check of signs on the whole line. few: part of all ends that is unknown."""
+        """The check of signs on the whole line. few: fraction of all ends that are unconverged."""
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
-        """New intervals (n, 2), from where signs fail."""
+        """New intervals (n, 2), corrected where the certificate's signs fail."""
 
     def solved(self, round: Round) -> Kind:
         """The result of a round that passed."""
 
     def is_slight(self, found: Kind) -> bool:
-        """Whether the number of intervals rests on a sign as small as the error."""
+        """Whether the number of intervals depends on a sign that is as small as the error."""
 
 
 @record
@@ -107,13 +108,14 @@ class NewtonSettings:
     """How Newton's method finds the ends of the intervals.
 
     tolerance: of the ends. load_guess: the load, or the mean pressure, where the control does not
-    give it. max_steps: 0 leaves it to the formulation. max_rounds: of the loop. abandon_if_far:
-    give up as soon as the intervals turn out to be far from the solution, or not as many.
-    initial_error: of the ends, over the widths of their intervals, as far as it is known.
-    modes_like: a solution on about the same intervals, whose numbers of modes are the first ones.
-    unresolved_fraction: the part of all ends that may stay unknown, after `patience` steps.
-    allow_loss: intervals may vanish or merge. decay: wanted of the coefficients, over the largest;
-    None: what goes with the tolerance.
+    give it. max_steps: limit of Newton steps; 0 leaves it to the formulation. max_rounds: limit of
+    rounds of the loop. abandon_if_far: give up as soon as the intervals turn out to be far from the
+    solution, or their number to be wrong. initial_error: error of the given ends, divided by the
+    widths of their intervals; 1 if unknown. modes_like: a solution on about the same intervals,
+    whose numbers of modes are the first ones. unresolved_fraction: the fraction of all ends that
+    may stay unconverged, after `patience` steps. allow_loss: intervals may vanish or merge. decay:
+    the last coefficients of the series must be this small relative to the largest; None: chosen
+    from the tolerance.
     """
 
     tolerance: float
@@ -154,7 +156,7 @@ class NewtonSettings:
 
 @record
 class Observer:
-    """What a search reports to: progress to a caller, times to the plan."""
+    """Receiver of a search's reports: progress goes to the caller, times go to the plan."""
 
     progress: Progress | None = None
     timed: Timed = nullcontext
@@ -183,7 +185,7 @@ def refine_topology(
     observer: Observer = SILENT,
     formal: bool = False,
 ) -> Kind | Failure:
-    """Intervals that pass the certificate, from proposed ones (n, 2), or why there are none.
+    """Intervals that pass the certificate, from proposed ones (n, 2), or a Failure.
 
     formal: the proposed intervals are kept, whatever the signs, as for a reference solution.
     """
@@ -192,18 +194,20 @@ def refine_topology(
         for found in _Loop(form, control, newton, observer, formal).rounds(table):
             if formal or found.tolerance <= TOLERANCES.tight or not form.is_slight(found):
                 return found
-            # At this tolerance a slight dip may be a gap: the loop continues with the smallest one.
+            # A minimum of the pressure as small as the error may be a gap: the loop continues with
+            # the smallest tolerance to find out.
             slight = slight or found
     except WrongTopology as wrong:
         if slight is None:
             return wrong.failure
     assert slight is not None
-    # Round-off is larger than the dip.
+    # Even at the smallest tolerance, round-off is larger than the minimum of the pressure that may
+    # be a gap. The result is returned and marked as undecided.
     return replace(slight, certificate=replace(slight.certificate, undecided=True))
 
 
 class _Loop(Generic[Kind]):
-    """The rounds of one search, with what one round leaves to the next."""
+    """The rounds of one search, with the state that one round passes to the next."""
 
     def __init__(
         self,
@@ -220,7 +224,7 @@ class _Loop(Generic[Kind]):
         self.removals = 0
 
     def rounds(self, table: Array) -> Iterator[Kind]:
-        """Yield results that pass: to the wanted tolerance, then to the smallest one."""
+        """Yield the results that pass, at the wanted tolerance and then at the smallest one."""
         self._begin_roughly(len(table))
         free: sie.Free | None = None
         done = 0
@@ -228,7 +232,8 @@ class _Loop(Generic[Kind]):
             done += 1
             if self.observer.progress is not None:
                 self.observer.progress(f"{self.form.what}s", done, None)
-            # The last result of many intervals takes as much memory as this one: it is dropped.
+            # The last result of many intervals takes much memory, so it is freed before the next
+            # solve.
             before = None if free is None or free.state.iterated else free
             free = None
             free = self._ends_from(table, before)
@@ -268,7 +273,7 @@ class _Loop(Generic[Kind]):
             )
 
     def _ends_from(self, table: Array, before: sie.Free | None) -> sie.Free:
-        """Newton's result from a table; WrongTopology if that leads nowhere."""
+        """Newton's result from a table of intervals; raises WrongTopology if there is none."""
         form, what = self.form, self.form.what
         if len(table) and not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
             raise WrongTopology(f"the {what}s are too narrow to tell their ends apart", before)
@@ -301,10 +306,10 @@ class _Loop(Generic[Kind]):
         )
 
     def _without_lost(self, free: sie.Free) -> tuple[Array, bool]:
-        """The intervals without those that vanished or met; whether this counts as no round.
+        """The remaining intervals, and whether this solve does not count as a round.
 
-        Of very many intervals some are always about to vanish, so that in rough rounds it counts
-        as none.
+        Intervals that vanished are dropped, those that met are merged. Among very many intervals
+        some vanish in almost every rough solve, so that such a solve does not count.
         """
         table = free.density.zones.table
         if len(free.lost):
@@ -343,15 +348,16 @@ class _Loop(Generic[Kind]):
             return self.form.corrected(zones, here.certificate) if is_missing else zones.table
         if here.certificate.holds:
             return here
-        # A rougher next round would lose intervals whose pressure is small.
+        # The stated error makes the next solve start as precisely as this one. Without it, that
+        # solve would begin roughly and lose intervals whose pressure is small.
         known = self.newton.tolerance if here.free.state.iterated else 1.0
         self.newton = replace(self.newton, initial_error=known)
         return self._after_failed_signs(here)
 
     def _after_rough(self, here: Round[Kind]) -> Array:
-        """The intervals after a rough round, corrected where more than the error breaks signs.
+        """The intervals after a rough round, corrected where signs fail beyond the error of ends.
 
-        The next round is to the wanted tolerance.
+        The next round has the wanted tolerance.
         """
         free, newton = here.free, self.newton
         failures = (here.certificate.negative, here.certificate.overlaps)
@@ -387,7 +393,8 @@ class _Loop(Generic[Kind]):
         self.tried.append((newton.tolerance, table))
         if not repeats:
             return corrected
-        # Back and forth between two numbers of intervals: an error breaks the signs of one.
+        # The number of intervals alternates between two values: an error of ends makes the signs of
+        # one of them fail.
         if is_tight:
             raise WrongTopology(f"the number of {form.what}s did not settle", free)
         self.tried[-1] = (tighter.tolerance, table)
@@ -398,8 +405,8 @@ class _Loop(Generic[Kind]):
 def end_errors(free: sie.Free, state: sie.AnyState) -> Array:
     """Bounds (Z, 2) of the errors of the ends, with a margin.
 
-    Signs closer to an end mean nothing. state: on the same intervals, under the load that they
-    have.
+    Signs closer to an end than this are not checked. state: the solution on the same intervals,
+    under the load that they have.
     """
     zones = free.density.zones
     relative = free.end_error + state.end_truncation
@@ -413,11 +420,11 @@ def _is_error(here: Round[Any]) -> bool:
 
 
 def _are_next_to_ends(free: sie.Free, state: sie.AnyState, bad: Array) -> Mask:
-    """Which intervals (n, 2) of failed signs the error of an end may have made."""
+    """Mask of the intervals `bad` (n, 2) of failed signs that the error of an end may explain."""
     if len(bad) == 0:
         return np.zeros(0, dtype=bool)
     ends, reach = free.density.zones.table.ravel(), end_errors(free, state).ravel()
-    # The two ends on either side of each.
+    # The two nearest ends on the left and on the right of each interval.
     nearest = np.searchsorted(ends, bad.mean(axis=1))[:, None] + np.arange(-2, 2)
     nearest = np.clip(nearest, 0, len(ends) - 1)
     left = np.abs(bad[:, :1] - ends[nearest]) <= reach[nearest]

@@ -1,4 +1,4 @@
-"""A contact by its zones: pressure positive inside them, the gap positive outside."""
+"""The formulation by zones: pressure is positive inside them, the gap is positive outside."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ from sie import Array, record, wrapped
 
 @dataclass(frozen=True)
 class PressureFormOptions:
-    """Widths of new zones, and gaps too narrow to be found."""
+    """The width of new zones at corners, and the width below which a gap counts as lost."""
 
-    # Width of a new zone at a corner over the overlap that it removes: its other end grows.
+    # Width of a new zone at a corner, divided by the width of the overlap that it removes: small,
+    # as Newton's method then moves its other end outward.
     new_zone_at_corner: float = 0.1
-    # A gap over the kink of a valley narrows with the load and never closes. One narrower than
-    # this part of the zones next to it has vanished for lack of digits.
+    # A gap over the kink of a valley narrows with the load and never closes. If it becomes narrower
+    # than this fraction of the zones next to it, it was lost for lack of digits.
     narrow_valley: float = 1e-3
 
 
@@ -44,7 +45,7 @@ class PressureForm:
     most_steps: int = 40
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
-        """The zones with their kinds of ends; WrongTopology if no contact has them."""
+        """The zones with the kinds of their ends; raises WrongTopology if no contact has them."""
         if len(table) == 0:
             raise WrongTopology("all zones vanished", None)
         _within_strip(self.problem, table)
@@ -55,8 +56,8 @@ class PressureForm:
     def begun(self, table: Array) -> Array:
         """Proposed zones, ordered so that the period begins in a wide gap.
 
-        Levels are tied from each zone to the next, and at the border of the period with the sum of
-        all rounding: a narrow zone there would feel the rounding of the widest gap.
+        The equation makes the levels of successive zones equal, so that rounding adds up towards
+        the border of the period. A narrow zone at the border would be disturbed by all of it.
         """
         problem = self.problem
         bounded = bool(np.isfinite(problem.corners).any())
@@ -85,7 +86,7 @@ class PressureForm:
     def formal(
         self, load: float, table: Array, tolerance: float, decay: float | None = None
     ) -> ZoneFields:
-        """Fields with this number of zones under a load, whatever the signs.
+        """Fields with this number of zones under a load, without a check of signs.
 
         decay: see `sie.NewtonOptions`.
         """
@@ -146,7 +147,7 @@ class PressureForm:
         return certify(fields, control.load, control, few)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
-        """The zones without parts that pull, and a new zone in every overlap.
+        """The zones without parts of negative pressure, and a new zone in every overlap.
 
         A new zone reaches the corner or the border at which its overlap begins or ends.
         """
@@ -158,7 +159,8 @@ class PressureForm:
         width = right - left
         middle, half = 0.5 * (left + right), 0.5 * NEW_ZONE * width
         narrow = OPTIONS.new_zone_at_corner * width
-        # A zone pinned at a corner may press where one with two free ends would vanish.
+        # A zone with an end pinned at the corner may exist where one with two free ends would
+        # vanish.
         new = np.where(
             (left <= lo)[:, None],
             np.column_stack((left, left + narrow)),
@@ -187,7 +189,7 @@ class PressureForm:
         )
 
     def is_slight(self, found: Solved) -> bool:
-        """Whether a dip of the pressure, or a gap between zones, is as small as the error.
+        """Whether a minimum of the pressure, or a gap between zones, is as small as the error.
 
         For a reference solution the number of zones does not matter.
         """
@@ -266,9 +268,10 @@ def _within_borders(problem: Problem, zones: sie.Zones) -> None:
 
 
 def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | None:
-    """Width of a narrow gap over the kink of a valley that Newton closed or moved off its kink.
+    """Width of a gap over the kink of a valley that Newton's method has lost, else None.
 
-    Such a gap does not close but narrows as exp(-pressure); None if no gap was lost.
+    Such a gap narrows as exp(-pressure) but never closes. It is lost if Newton's method closed it
+    or moved it away from its kink.
     """
     kinks, heights = problem.forcing.kinks
     if not np.any(heights < 0) or len(table) < 2 or len(free.density.zones) < len(table):
