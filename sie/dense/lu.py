@@ -9,17 +9,17 @@ from scipy.linalg import lapack, lu_factor
 
 from sie.basis.data import Array, Index, record
 
-# Right sides with up to this many numbers are solved for one by one. LAPACK would give several of
-# them to the threads of BLAS, which takes as long and leaves the threads spinning for 0.1 s.
+# Several right sides with up to this many numbers in all are solved one after the other. Together,
+# BLAS would use threads, which takes as long and leaves the threads spinning for 0.1 s.
 _ONE_BY_ONE = 1024
 
 
 @record
 class Factored:
-    """LU factors of the rows.
+    """LU factors of the matrix of the equation and its conditions.
 
     size_of_rows: root of the sum of squares of each row's terms at the solution; last: columns of
-    the last coefficient of each solved zone; rows: the matrix itself, where intensities are
+    the last coefficient of each solved zone; rows: the matrix itself, kept only if intensities are
     prescribed and their rates are needed.
     """
 

@@ -1,16 +1,16 @@
-"""Numbers of modes of each zone: its own, by the decay of the right side, and the coupled ones.
+"""Numbers of modes of each zone: those of the right side on it, and those coupled to other zones.
 
-Coefficients of the right side decay by its smoothness. It is sampled on nodes that double until
-they have decayed, which is cheap, because a zone's own operator is diagonal. The field of the other
-zones decays as rho^k, where rho belongs to the nearest foreign end (or image, or singularity of a
-column). So narrow zones far apart need few coupled modes.
+The right side is sampled with a number of nodes that doubles until its coefficients have decayed.
+This is cheap, because a zone's own operator is diagonal. The coefficients of the field of the other
+zones decay as rho^k, where rho belongs to the nearest end of another zone (or image, or singularity
+of a column). So narrow zones far apart need few coupled modes.
 
-The neighbours of a small zone, where each holds its level, are to a load between them like the
-half-lines x < -g and x > g' of a grounded plane. z -> tan(asin(s)/2) takes the plane slit along |s|
-> 1 to the disk, where s is measured from the middle of the gap in half gaps. So a load at the
-origin has the potential log(r / R) near it, R = 4 g g' / (g + g') is the conformal radius, and the
-level of the left half-line is felt with the harmonic measure 1/2 - asin(s) / pi, s = (g - g') / (g
-+ g').
+If the neighbours of a small zone keep their levels, they act on a load between them like the
+grounded half-lines x < -g and x > g', with g and g' the distances from the load. Let s be the
+position from the middle of the gap, divided by half the gap. The map s -> tan(asin(s)/2) takes the
+plane slit along |s| > 1 to the unit disk. So a load at the origin has the potential log(r / R) near
+it, with the conformal radius R = 4 g g' / (g + g'). A level of the left half-line contributes to
+the potential there with the harmonic measure 1/2 - asin(s) / pi, where s = (g - g') / (g + g').
 """
 
 import math
@@ -33,46 +33,48 @@ OWN_SIZES = np.sort(np.concatenate((8 * 2 ** np.arange(13), 24 * 2 ** np.arange(
 class ModeOptions:
     """Limits and tolerances of the numbers of modes."""
 
-    # Nodes at most: of one of many zones, or of one whose last coefficients are not below
-    # `nearly_decayed` of the largest; and of all zones together, each counted with the largest
-    # number.
+    # Largest number of nodes of a zone. If its last coefficients are below `nearly_decayed` of the
+    # largest, a zone may have up to `max_nodes_together` divided by the number of zones.
     max_nodes: int = 8192
     nearly_decayed: float = 1e-6
     max_nodes_together: int = 1 << 20
-    # First nodes of a smooth right side. If it is singular next to the zones, as many that its
-    # coefficients fall to `first_decay`.
+    # First number of nodes of a zone. If the right side is singular close to the zone, it is the
+    # number for which its coefficients decay to `first_decay`.
     first_nodes: int = 16
     first_decay: float = 1e-12
-    # A plateau of coefficients is noise only below this part of the largest. Coefficients of a
-    # kernel as rough as |x - xi| fall by more than half with half as many modes again.
+    # Coefficients that have stopped decreasing are noise only below this fraction of the largest.
+    # Those of a kernel as rough as |x - xi| decrease to less than half with 1.5 times the modes.
     noise_plateau: float = 1e-5
+    # With fewer nodes for each jump on a zone, the decay of coefficients is not judged.
     nodes_per_piece: int = 4
-    # Series from this length on are cut if half of their coefficients are at most `plateau_ratio`
-    # times the last ones, since those of a jump would fall to half. `kept_beyond` more are kept.
+    # Series from this length on are cut where noise begins. It has begun if the second half of the
+    # coefficients is at most `plateau_ratio` times the last ones: those of a jump would decrease to
+    # half. At least `kept_beyond` coefficients are kept after the cut.
     long_series: int = 96
     plateau_ratio: float = 1.5
     kept_beyond: int = 8
-    # Places rounded to less than this part of a zone count as exact.
+    # Positions whose round-off is below this fraction of the half width count as exact.
     exact_places: float = 1e-14
-    # The largest coefficient of a jump's part is among so many.
+    # Number of leading coefficients of the jumps that are searched for the largest one.
     leading_coefficients: int = 8
-    # Modes at most: as a rule; for a regular kernel that needs more, or next to narrow gaps with
-    # fixed ends; and numbers in the matrix for which the second holds. Zones with moving ends need
-    # not more, since narrow gaps between them are slits.
+    # Largest number of coupled modes of a zone.
     max_modes: int = 768
+    # The same for a regular kernel that needs more, or next to narrow gaps with fixed ends. Zones
+    # with moving ends do not need more, since narrow gaps between them are treated as slits.
     max_modes_regular: int = 3072
+    # Matrices may have more entries than this only by zones with at most `max_modes` modes.
     max_matrix_numbers: float = 4e7
-    # Rounding of a regular kernel's coefficients over its size.
+    # Round-off of a regular kernel's coefficients, relative to its size.
     kernel_rounding: float = 2e-15
-    # First modes of a zone per square root of its half width over the length of a regular kernel:
-    # the density varies over the length next to the ends only, where modes are as dense. 24 leave
-    # about 1e-12, and modes grow where they are too few.
+    # First number of modes, divided by the square root of (half width / length of a regular
+    # kernel). The density varies on the kernel's length only close to the ends, where Chebyshev
+    # nodes are dense. 24 give an error of about 1e-12, and modes are added where they are too few.
     first_modes_per_root: float = 24.0
 
 
 OPTIONS = ModeOptions()
 
-# Decay of a zone without neighbours: exp(-ALONE) is the smallest number.
+# Decay rate of a zone without neighbours: exp(-ALONE) is the smallest normal number.
 ALONE = -math.log(np.finfo(float).tiny)
 COUPLED_SIZES = np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 12]).ravel()))
 
@@ -83,10 +85,10 @@ def most(kernel: Kernel) -> int:
 
 
 def enough(kernel: Kernel, tolerance: float) -> float:
-    """Part of the largest coefficient to which those of a regular part have to fall.
+    """Level, relative to the largest, to which the coefficients of a regular part have to decay.
 
-    Where they fall exponentially, more costs little. What is left of them may count more than it
-    seems if the regular part nearly cancels the poles.
+    If the kernel has a length they decay exponentially, so that a lower level costs little. It is
+    useful because the truncation error counts more if the regular part nearly cancels the poles.
     """
     return max(
         10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance, OPTIONS.kernel_rounding
@@ -95,10 +97,11 @@ def enough(kernel: Kernel, tolerance: float) -> float:
 
 @record
 class Growth:
-    """Last coefficients of each zone's fields while its modes grew.
+    """History of the last coefficients of the field on each zone, while modes were added.
 
-    m: modes of the last solution (Z,); tails: its last coefficients, after those of the two sizes
-    before (3, Z); floor: noise of a user's functions, which more modes do not reduce (Z,).
+    m: numbers of modes of the last solution (Z,); tails: sizes of the last coefficients with the
+    last three numbers of modes, the newest last (3, Z); floor: noise of a user's functions, which
+    more modes do not reduce (Z,).
     """
 
     m: Index
@@ -107,22 +110,23 @@ class Growth:
 
     @classmethod
     def first(cls, m: Index, tails: Array) -> "Growth":
-        """The growth after a first solution."""
+        """The history after a first solution."""
         return cls(
             m, np.array([np.full(len(m), np.inf), np.full(len(m), np.inf), tails]), np.zeros(len(m))
         )
 
     def after(self, m: Index, tails: Array, own: Index) -> "Growth":
-        """The growth after the next solution; own: number of coefficients of the right side on each
-        zone.
+        """The history after the next solution.
+
+        own: number of coefficients of the right side on each zone.
         """
         if len(m) != len(self.m):
             return Growth.first(m, tails)
         grew = m > self.m
         kept = np.where(grew, self.tails[1:], self.tails[:2])
-        # With fewer modes than the right side has, what follows may be more than noise.
+        # With fewer modes than the right side has, the further coefficients may be more than noise.
         noisy = grew & (m > own) & (tails < OPTIONS.noise_plateau) & (tails > 0.5 * kept[0])
-        # Noise differs from one solution to the next, so four times it is taken.
+        # The factor four is a margin, since the noise differs from one solution to the next.
         return Growth(
             m,
             np.array([*kept, tails]),
@@ -131,7 +135,7 @@ class Growth:
 
 
 def least(zones: Zones, kernel: Kernel) -> Index:
-    """First coupled modes of each zone if the kernel's regular part is a user's own."""
+    """First number of coupled modes of each zone if the user gives the kernel's regular part."""
     lengths = zones.half / kernel.length
     return np.maximum(
         OPTIONS.first_nodes, np.ceil(OPTIONS.first_modes_per_root * np.sqrt(lengths))
@@ -150,7 +154,7 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
             [np.inf],
         )
     )
-    # Singularities lie strictly outside the zone; at its ends there is none.
+    # Only singularities strictly outside the zone count, not those at its ends.
     left, right = (
         at[np.searchsorted(at, zones.a) - 1],
         at[np.searchsorted(at, zones.b, side="right")],
@@ -179,16 +183,16 @@ def most_own(zones: Zones) -> int:
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
-    """Coupled modes per zone, so that rho^m at the nearest foreign end is below the tolerance.
+    """Number m of coupled modes of each zone, at least `least`.
 
-    They are at least `least`.
+    With it, rho^m of the nearest end of another zone is below the tolerance.
     """
     by = decay(zones, kernel)
     most_here = OPTIONS.max_modes if zones.moves.any() else OPTIONS.max_modes_regular
     want = np.minimum(
         np.where(by < ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here
     )
-    # Zones that need the most give way first.
+    # If the matrix is too large, the zones with the most modes are reduced first.
     while (
         want.max(initial=0.0) > OPTIONS.max_modes and want.sum() ** 2 > OPTIONS.max_matrix_numbers
     ):
@@ -199,7 +203,10 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
 
 
 def decay(zones: Zones, kernel: Kernel) -> Array:
-    """-log(rho) of the nearest foreign end (Z,): the rate at which coefficients of fields fall."""
+    """Decay rate of the coefficients of the field of other zones, for each zone (Z,).
+
+    It is -log(rho) of the nearest end of another zone or image.
+    """
     left, right = gaps(zones, kernel)
     return decay_rate(np.minimum(np.minimum(left, right) / zones.half, 1e300))
 
@@ -216,8 +223,8 @@ def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
 class Samples:
     """The sampled smooth part of the right side.
 
-    coefficients: U coefficients g_k at [:, k] (g_0 unused); own: number of nodes per zone; tail:
-    size of the last coefficients per zone; evaluations: number of values.
+    coefficients: U coefficients g_k at [:, k] (g_0 unused); own: number of nodes of each zone;
+    tail: size of the last coefficients of each zone; evaluations: number of values computed.
     """
 
     coefficients: Array
@@ -231,10 +238,10 @@ def sample(
 ) -> Samples:
     """Sample the right side on each zone, with nodes doubled until the coefficients have decayed.
 
-    A symmetric set is sampled on its right half only. Where jumps of g leave nothing smooth, as in
-    a wedge, the decay is measured relative to them, since their rounding remains. Where only
-    derivatives jump it is measured relative to g itself, because their parts may be much larger
-    than their sum.
+    A symmetric set is sampled on its right half only. The decay is measured relative to the
+    coefficients of the smooth part or of the subtracted jumps, whichever are larger: under a wedge
+    nothing but the round-off of the jumps remains. If only derivatives jump, the decay is measured
+    relative to g itself, because the terms of the jumps may be much larger than their sum.
     """
     own = own.copy()
     subtracted = np.abs(jumps.t_coefficients(zones, OPTIONS.leading_coefficients)).max(axis=1)
@@ -244,7 +251,7 @@ def sample(
     # The largest of many coefficients of noise is some four times their standard deviation.
     noise = np.maximum(jumps.rounding(len(zones)), 4 * np.sqrt(2) * forcing.resolution.rounding)
     found: list[tuple[Index, Array]] = []
-    # The last two sizes and tails of each zone.
+    # The last two numbers of nodes, and sizes of last coefficients, of each zone.
     sizes, tails = np.ones((len(zones), 2)), np.full((len(zones), 2), -np.inf)
     calm = np.zeros(len(zones), dtype=np.intp)
     pending = zones.solved
@@ -262,8 +269,8 @@ def sample(
             scale = np.where(
                 bent[group], largest_value, np.maximum(np.abs(g).max(axis=1), subtracted[group])
             )
-            # Places are rounded to half a unit in their last digit, which the slope of g turns into
-            # noise in all coefficients.
+            # Positions are rounded to half a unit in their last digit, which the slope of g turns
+            # into noise in all coefficients.
             rounded = (
                 place_rounding(zones, group)
                 * root_of_squares(g, np.arange(1.0, int(n) + 1))
@@ -273,16 +280,16 @@ def sample(
                 last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))
             ) & (n < largest)
             grow &= (n < OPTIONS.max_nodes) | (last <= OPTIONS.nearly_decayed * scale)
-            # A jump of g leaves coefficients ~ 1/n and rounding ~ 1/sqrt(n): what falls no faster
-            # is rounding. Sizes two steps apart have the ratio two; next to knots, two successive
-            # sizes may differ by chance.
+            # Last coefficients ~ 1/n come from a jump of g, and ~ 1/sqrt(n) from round-off. So
+            # those that decrease more slowly than n^-0.75 are round-off. This is tested for the
+            # last two numbers of nodes, since next to knots one of them may agree by chance.
             slow = (tails[group, 1] >= 0) & (
                 last[:, None] > tails[group] * (sizes[group] / n) ** 0.75
             ).all(axis=1)
             sizes[group], tails[group] = sizes[group][:, [1, 1]], tails[group][:, [1, 1]]
             sizes[group, 1], tails[group, 1] = n, last
-            # Too few nodes do not resolve the pieces between jumps, and do not show how
-            # coefficients fall.
+            # Too few nodes do not resolve the function between jumps, so that its coefficients do
+            # not yet show how they decay.
             calm[group] += (
                 slow
                 & (last < OPTIONS.noise_plateau * scale)
@@ -307,10 +314,10 @@ def sample(
 
 
 def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
-    """Cut long series that have stopped falling half way: the rest is rounding.
+    """Cut long series whose second half no longer decreases, in place: that half is round-off.
 
-    Next to an end their sum grows as n^1.5, and that of fewer coefficients from as many nodes by
-    less.
+    Close to an end the sum of the round-off of n coefficients grows as n^1.5. It is smaller with
+    fewer coefficients from the same number of nodes.
     """
     for zone in zones[own[zones] >= OPTIONS.long_series]:
         n = int(own[zone])
@@ -323,7 +330,7 @@ def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
 
 
 def place_rounding(zones: Zones, group: Index) -> Array:
-    """Spacing of numbers at zones over their half widths."""
+    """Spacing of floating-point numbers at zones, divided by their half widths."""
     return np.asarray(
         np.spacing(np.maximum(np.abs(zones.a[group]), np.abs(zones.b[group]))) / zones.half[group]
     )
@@ -338,7 +345,7 @@ def mirror(zones: Zones, table: Array) -> None:
 def _values(
     forcing: Forcing, zones: Zones, jumps: ForcingJumps, group: Index, n: int
 ) -> tuple[Array, Array]:
-    """(smooth part of g at the nodes of zones, largest |g| on each)."""
+    """(smooth part of the right side g at the nodes of zones, largest |g| on each zone)."""
     _, right, left = chebyshev.lobatto(n)
     left, right = left[1:-1], right[1:-1]
     w = zones.half[group][:, None]
@@ -350,7 +357,8 @@ def _values(
     # The nodes of each zone, one zone after the other.
     of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
     if float(place_rounding(zones, group).max()) > OPTIONS.exact_places:
-        # What a jump adds to the slope does not belong to g on either side.
+        # The slope of g is needed. Jumps of g are removed first, since g on either side of a jump
+        # has a slope without them.
         levels = jumps.level_part(*of_jumps).reshape(len(group), -1)
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)
     else:
@@ -361,14 +369,15 @@ def _values(
 
 
 def conformal_radius(left: Array, right: Array) -> Array:
-    """R by the distances to the neighbours, of which one may be infinite."""
+    """Conformal radius R by the distances to both neighbours; one of them may be infinite."""
     with np.errstate(divide="ignore"):
         return np.asarray(4 / (1 / left + 1 / right))
 
 
 def felt(left: Array, right: Array) -> tuple[Array, Array]:
-    """Parts of the left and of the right neighbour's level that are felt between them; their sum is
-    one.
+    """Weights of the left and of the right neighbour's level in the potential between them.
+
+    They are harmonic measures (see the head of this file), and their sum is one.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         # sqrt(left / right) is the tangent of half the angle of asin(s) from -pi / 2.

@@ -1,15 +1,15 @@
 """Lowest coefficients of the right side on zones with many jumps of its derivatives.
 
 Truncated powers h (t - s)_+^q grow across a zone. For n knots of a spline, they and the remaining
-polynomial are up to n^2 times the right side itself. Within one zone that does no harm. But its
-neighbours, and the level that it shares with a lightly loaded zone, would see the rounding of a
-difference of large numbers. So the lowest coefficients and the mean of the primitive G are taken
-from g itself,
+polynomial are up to n^2 times the right side g itself. Within one zone that does no harm. But the
+field on its neighbours, and a level that it shares with a lightly loaded zone, would have the
+round-off of a difference of large numbers. So the lowest coefficients of g and the mean of its
+primitive G are computed from g itself,
 
     g_k = (2/pi) int_0^pi g sin(theta) sin(k theta) dtheta,    mean = (1/pi) int_0^pi G dtheta,
 
-by Gauss-Legendre rules on the stretches between jumps, where g is smooth. The unknowns are then
-those of the whole density, with the T_l coefficients of the jumps' parts.
+by Gauss-Legendre rules on the intervals between jumps, where g is smooth. The unknowns are then the
+coefficients of the whole density, those of the jumps included.
 """
 
 from dataclasses import dataclass
@@ -28,20 +28,22 @@ from sie.jumps.forcing import ForcingJumps
 class MomentOptions:
     """Options of the coefficients by integrals between jumps."""
 
-    # With this number of jumps in a zone the truncated powers are some ten times the right side.
+    # Zones with at least this number of jumps use the integrals. With so many jumps the truncated
+    # powers are some ten times the right side.
     min_jumps: int = 32
-    # Nodes on a stretch, and the largest angle by which sin(k theta) turns on it: the rule is then
-    # exact to rounding.
+    # Gauss-Legendre nodes on each part of an interval between jumps.
     nodes: int = 16
 
 
 OPTIONS = MomentOptions()
 
+# Largest change of k theta over one part: with `MomentOptions.nodes` nodes the rule is then exact
+# up to round-off.
 _TURN = 2 * np.pi
 
 
 def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
-    """Solved zones with many jumps of derivatives of the right side or of the density, in order."""
+    """Ascending solved zones with many jumps of derivatives of the right side or the density."""
     if len(forcing.jumps) == 0:
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
@@ -52,8 +54,9 @@ def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
 
 
 def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
-    """(angles, weights) on the stretches between the jumps of a zone, exact up to sin(highest
-    theta).
+    """(angles, weights) of the quadrature between the jumps of a zone.
+
+    It is exact for sin(k theta) up to k = `highest`.
     """
     cuts = np.concatenate(([0.0], np.sort(jumps.angles(zone)), [np.pi]))
     parts = np.maximum(np.ceil(np.diff(cuts) * (highest / _TURN)), 1.0).astype(np.intp)
@@ -63,7 +66,10 @@ def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
 def coefficients(
     forcing: Forcing, zones: Zones, jumps: ForcingJumps, chosen: Index, m: Index
 ) -> tuple[Array, Array]:
-    """(g_k at [:, k] for k = 1 ... m, mean of the primitive or 0) on chosen zones."""
+    """(coefficients g_k at [:, k] for k = 1 ... m, mean of the primitive) of the chosen zones.
+
+    The means are 0 if the right side has no primitive.
+    """
     rules = [rule(jumps, int(zone), int(m[zone])) for zone in chosen]
     first = np.cumsum([0, *(len(theta) for theta, _ in rules)])
     theta, weights = (np.concatenate(parts) for parts in zip(*rules, strict=True))

@@ -1,13 +1,14 @@
-"""The rows of the equation on given zones, where every zone sees the others through closed forms.
+"""The rows of the equation on given zones, with the fields of the zones in closed form.
 
 The unknowns are, per zone, the coefficients c_0 ... c_m of T_l / sqrt(1 - t^2), and the amplitudes
-of the columns. Projected on U_{k-1}, a zone's own transform is -c_k, so the rows are
+lambda of the columns. Projected on U_{k-1}, a zone's own transform is -c_k, so the rows are
 
     -c_k + (field of other zones, images and regular part)_k - sum lambda C_k = g_k,  k = 1 ... m,
 
-a second-kind system. Coefficients beyond m are -g_k, because the field of the other zones is smooth
-there. Fields are computed in `sie.basis.interval`. Of symmetric zones some unknowns are kept, and
-the mirrored ones follow from them.
+with C_k and g_k the coefficients of the columns and of the right side: a second-kind system. For
+k > m the coefficients are c_k = -g_k, because the field of the other zones is smooth and has no
+such modes. Fields are computed in `sie.basis.interval`. If zones are symmetric, only half of the
+unknowns are kept, and the mirrored ones follow from them.
 """
 
 from collections.abc import Callable
@@ -35,8 +36,10 @@ from sie.trees.tree import CACHED, TERMS
 
 @record
 class Layout:
-    """Places of the unknowns: coefficients offset[i] ... offset[i] + m[i] of zone i, then
-    amplitudes.
+    """Order of the unknowns.
+
+    Zone i has the coefficients offset[i] ... offset[i] + m[i]. The amplitudes of the columns follow
+    after all zones.
     """
 
     m: Index
@@ -65,7 +68,7 @@ class Layout:
 
     @cached_property
     def given(self) -> Mask:
-        """Mask of a (zones, max m + 1) table: which places are unknowns."""
+        """Mask of a (zones, max m + 1) table: which of its entries are unknowns."""
         return np.asarray(np.arange(int(self.m.max()) + 1) <= self.m[:, None])
 
     def padded(self, y: Array) -> Array:
@@ -75,7 +78,10 @@ class Layout:
         return out
 
     def flat(self, table: Array) -> Array:
-        """The inverse of `padded`, with amplitudes zero."""
+        """The unknowns with these coefficients, in the order of `Layout`; amplitudes are zero.
+
+        It is the inverse of `padded`.
+        """
         out, count = np.zeros(self.size), self.given.shape[1]
         out[: self.coefficients] = widened(table, count)[:, :count][self.given]
         return out
@@ -107,12 +113,12 @@ class Targets:
         return cls(zone, lefts, rights, x)
 
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
-        """(targets as seen from zones `sources` shifted by `shift`, mask), (points, sources) each.
+        """(targets relative to the zones `sources` moved by `shift`, mask), (points, sources) each.
 
-        The mask is 0 for a target on the source itself, else 1; None if there is no such pair.
-        Distances are those of the gap between the zones and of the point from its own zone's end,
-        so that only the ends cancel. A target on the source is put anywhere: its caller has the
-        closed form of the zone itself.
+        The mask is 0 for a target on the source itself, else 1. It is None if `shift` is not 0,
+        since then there is no such pair. Distances are sums of the gap between the two zones and
+        the distance of the point from its own zone's end, so that only the ends cancel. The
+        position of a target on the source itself is arbitrary: the caller uses another formula.
         """
         a, b = zones.a[sources] + shift, zones.b[sources] + shift
         z = self.zone
@@ -146,7 +152,7 @@ class Places:
 
 
 def outside(a: Array, b: Array, x: Array) -> Outside:
-    """Points outside intervals as seen from them."""
+    """Points x outside the intervals [a, b], relative to these intervals."""
     right = x > 0.5 * (a + b)
     return Outside(np.where(right, 1.0, -1.0), np.where(right, x - b, a - x) / (0.5 * (b - a)))
 
@@ -154,10 +160,10 @@ def outside(a: Array, b: Array, x: Array) -> Outside:
 def fields(
     zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout, potential: bool
 ) -> Array:
-    """Transform, or potential over half widths, of each unknown at the targets (points,
-    coefficients).
+    """Transform at the targets of the density of each unknown coefficient, (points, unknowns).
 
-    The effect of a zone on itself is left out.
+    If `potential` is set it is the potential divided by the half width of the zone. The effect of a
+    zone on itself is omitted.
     """
     out = np.zeros((len(targets.x), layout.size))
     for m in np.unique(layout.m):
@@ -180,7 +186,7 @@ def fields(
 def _add_regular(
     out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Layout, potential: bool
 ) -> None:
-    """Add the field of the kernel's regular part at points x."""
+    """Add the field of the kernel's regular part at points x to `out`."""
     regular = kernel.regular_potential if potential else kernel.regular
     if regular is None:
         raise ValueError("a condition on potentials needs the regular kernel's potential")
@@ -204,7 +210,10 @@ def _add_regular(
 def _panel_moments(
     zones: Zones, panels: Panels | Skeleton, layout: Layout, over_width: bool
 ) -> Array:
-    """Moments of the panels by each unknown coefficient."""
+    """Moments on the panels of the density of each unknown coefficient, (moments, coefficients).
+
+    over_width: whether they are divided by the half width of the zone.
+    """
     out = np.zeros((panels.size, layout.coefficients))
     modes = panels.modes(zones.half)
     for i in range(len(zones)):
@@ -219,7 +228,7 @@ def _panel_moments(
 
 
 class System(Rows):
-    """The rows of the equation over the unknowns, and what side conditions ask for (see `Rows`).
+    """Matrix rows of the equation, and of the quantities in side conditions (see `Rows`).
 
     coefficients: U coefficients g_k of the smooth part of the right side at [:, k], for all zones.
     """
@@ -230,7 +239,7 @@ class System(Rows):
         self.equation, self.zones, self.jumps, self.g = equation, zones, jumps, coefficients
         self.layout = Layout(m, len(equation.columns))
         self.known = jumps.first_coefficients(zones, m + 1)
-        # Where moments are used, the jumps' parts are among the unknowns up to m.
+        # On zones with many jumps, the unknowns up to m include the coefficients of the jumps.
         self.by_moments = many_jumps(equation.forcing, zones, jumps)
         self.taken = np.zeros_like(self.known)
         self.lowest = coefficients
@@ -238,8 +247,8 @@ class System(Rows):
             self._take(m)
         self.targets = Targets.lobatto(zones, zones.solved, m)
         self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
-        # Unknown c_k of each row k = 1 ... m of the solved zones, and the rows that are kept: for a
-        # zone at the centre those of even k.
+        # Index of the unknown c_k of each row k = 1 ... m of the solved zones, and the rows that
+        # are kept: a zone at the centre of symmetry keeps those of even k only.
         zone, k = np.repeat(zones.solved, m[zones.solved]), numbered(m[zones.solved]) + 1
         self.own = self.layout.offset[zone] + k
         self.kept: Index | slice = (
@@ -248,7 +257,7 @@ class System(Rows):
             else slice(None)
         )
         self.source_tails = np.zeros(len(zones))
-        # Largest value on each solved zone of the field of each unknown, computed where modes grow.
+        # Largest value on each solved zone of each unknown's field, computed if modes may grow.
         self.field_sizes: Array | None = None
 
     def _take(self, m: Index) -> None:
@@ -262,8 +271,9 @@ class System(Rows):
                 self.equation.forcing, zones, self.jumps, chosen, m
             )
         else:
-            # For jumps of the density g is not smoother between them: the coefficients are those of
-            # what is left of it, less the kernel's effect on their parts.
+            # With jumps of the density, g is not smoother between the jumps, so integrals between
+            # them do not help. The coefficients are those of the smooth part less those of the
+            # jumps.
             of_g = widened(self.g[chosen], self.taken.shape[1])
             of_g[:, : self.taken.shape[1]] -= self.taken[chosen]
         count = max(self.g.shape[1], of_g.shape[1])
@@ -271,16 +281,15 @@ class System(Rows):
         inner = np.arange(count) <= m[chosen, None]
         self.lowest[chosen] = np.where(inner, widened(of_g, count), self.lowest[chosen])
 
-    # rows of the equation
-    # -------------------------------------------------------------------------------------------
     def equation_rows(self) -> tuple[Array, Array]:
         """(matrix, right side) of the kept rows."""
         layout, zones = self.layout, self.zones
-        if len(self.own) == 0:  # zones that feel no others: all but their totals is known
+        if len(self.own) == 0:  # no zone has coupled modes: only the totals are unknown
             return np.zeros((0, layout.size)), np.zeros(0)
         raw = fields(zones, self.equation.kernel, self.targets, layout, potential=False)
         if self.equation.kernel.grows and panels_over(self.equation.kernel, zones) is None:
-            # The last coefficients of the kernel in xi show whether the quadrature resolves it.
+            # The last coefficients of the kernel as a function of xi show whether the quadrature
+            # resolves it.
             if np.isfinite(self.equation.kernel.length):
                 self.source_tails = self._quadrature_tails()
             else:
@@ -301,10 +310,10 @@ class System(Rows):
         return rows[self.kept], right[self.kept]
 
     def _quadrature_tails(self) -> Array:
-        """Error of the quadrature over each zone (Z,), of a kernel that declares its length.
+        """Quadrature error on each zone (Z,), relative, for a kernel that declares its length.
 
-        It is the coefficient of the kernel that Gauss' rule takes for part of the highest mode,
-        seen from the ends and from the middle of the zone.
+        It is the size of the kernel's coefficient that Gauss's rule confuses with the highest mode,
+        extrapolated for x at both ends and in the middle of the zone.
         """
         zones, kernel, tails = self.zones, self.equation.kernel, np.zeros(len(self.zones))
         assert kernel.regular is not None
@@ -319,9 +328,7 @@ class System(Rows):
         return tails
 
     def projected(self, values: Array) -> Array:
-        """U coefficients k = 1 ... m on each solved zone, one after the other, of values at the
-        targets.
-        """
+        """U coefficients k = 1 ... m of values at the targets, one solved zone after the other."""
         m = self.layout.m[self.zones.solved]
         first, out = np.cumsum(m) - m, np.empty((int(m.sum()), *values.shape[1:]))
         for count in set(m.tolist()):
@@ -333,13 +340,14 @@ class System(Rows):
 
     @cached_property
     def panels(self) -> Panels | Skeleton | None:
-        """Fast sums of the kernel's regular part."""
+        """The panels or skeleton for fast sums of the kernel's regular part, or None."""
         return panels_over(self.equation.kernel, self.zones)
 
     @cached_property
     def unseen_moments(self) -> Array | None:
-        """Moments of the coefficients that are not unknowns, up to those that the regular part
-        sees, or None.
+        """Moments on the panels of the coefficients above m, which are not unknowns, or None.
+
+        It is None if the regular part of the kernel acts on no such coefficients.
         """
         zones, panels = self.zones, self.panels
         if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):
@@ -352,7 +360,7 @@ class System(Rows):
         return moments_of(panels, zones, self.equation.kernel, table, ForcingJumps.none())
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
-        """(all rows of the equation, levels) of a density with given moments of the panels."""
+        """(all rows of the equation, levels) of a density, from its moments on the panels."""
         assert self.panels is not None
         spread = self.panels.spread(self.targets.x)
         rows = self.projected(self.panels.at(spread, moments, False))
@@ -362,14 +370,14 @@ class System(Rows):
 
     @cached_property
     def diagonal(self) -> Index:
-        """Unknown c_k of each kept row of the equation."""
+        """Index of the unknown c_k of each kept row of the equation."""
         return self.own[self.kept]
 
     @cached_property
     def last_unknowns(self) -> Index:
         """Index of the last kept coefficient of each solved zone among the kept unknowns.
 
-        For a zone at the centre it is an even one.
+        A zone at the centre of symmetry has even coefficients only.
         """
         solved, m = self.zones.solved, self.layout.m
         last = m[solved] - (m[solved] % 2) * ((np.arange(len(solved)) == 0) & self.zones.central)
@@ -379,8 +387,6 @@ class System(Rows):
     def symmetry(self) -> "MirrorSymmetry":
         return MirrorSymmetry.of(self.zones, self.layout)
 
-    # what conditions ask for
-    # ----------------------------------------------------------------------------------------
     def _zero_rows(self) -> Array:
         return np.zeros((len(self.zones.solved), self.layout.size))
 
@@ -401,8 +407,9 @@ class System(Rows):
     def weighted(
         self, weight: Callable[[Array], Array], degree: int | None
     ) -> tuple[list[Array], Array]:
-        """(factors of each solved zone's coefficients, constants) of the integrals of a weight
-        times the density.
+        """(factors of the coefficients, constants) of the integral of weight times density.
+
+        Both have one entry for each solved zone.
         """
         tables, constants = [], np.zeros(len(self.zones.solved))
         least = max(self.g.shape[1], int(self.layout.m.max()) + 1, 16) + 16
@@ -425,9 +432,10 @@ class System(Rows):
     def moments(
         self, weight: Callable[[Array], Array], zone: int, size: int, degree: int | None = None
     ) -> Array:
-        """Means of weight times T_l over a zone, with the weight 1 / sqrt(1 - t^2).
+        """Means over a zone of the function `weight` times T_l, with respect to theta.
 
-        A polynomial has as many as its degree, other weights as many as it takes them to decay.
+        Their number follows from the degree of a polynomial. For other functions it is doubled from
+        `size` on until they have decayed.
         """
         if degree is not None:
             return self._moments(weight, zone, degree + 2)[: degree + 1]
@@ -455,7 +463,10 @@ class System(Rows):
         return (left, constant_left), (right, constant_right)
 
     def intensities_of(self, coefficients: Array) -> tuple[Array, Array]:
-        """K at the left and right end of each solved zone, of coefficients (all zones, n + 1)."""
+        """The intensities K at the left and the right end of each solved zone.
+
+        coefficients: those of the density, (all zones, n + 1).
+        """
         solved = self.zones.solved
         table, root = coefficients[solved], edge_scale(self.zones.half[solved])
         return root * (table[:, ::2].sum(axis=1) - table[:, 1::2].sum(axis=1)), root * table.sum(
@@ -464,8 +475,10 @@ class System(Rows):
 
     @cached_property
     def beyond(self) -> Array:
-        """Coefficients that are not unknowns, less the parts of the jumps that are among the
-        unknowns.
+        """Known coefficients of the density for intensities, (all zones, n + 1).
+
+        Above m they are those of the right side. Up to m they correct for jumps whose coefficients
+        the unknowns include.
         """
         count = max(self.g.shape[1], self.taken.shape[1])
         g, taken = widened(self.g, count), widened(self.taken, count)
@@ -479,7 +492,7 @@ class System(Rows):
 
     @cached_property
     def wants_levels(self) -> bool:
-        """Whether a condition speaks of levels."""
+        """Whether a side condition involves levels."""
         return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
 
     @property
@@ -487,26 +500,27 @@ class System(Rows):
         return self.levels()[1]
 
     def level_changes(self, y: Array) -> Array:
-        """Changes of the levels by unknowns y."""
+        """The part of the levels that is linear in the unknowns, for unknowns y."""
         return np.asarray(self.levels()[0] @ y)
 
     @property
     def integrated(self) -> bool:
-        """Whether differences of levels are integrals of g; then they do not have its primitive's
-        rounding.
+        """Whether differences of levels are computed as integrals of g.
+
+        Then they do not have the round-off of its primitive.
         """
         return False
 
     def level_rounding(self, y: Array) -> Array | float:
-        """Root mean square of the rounding of each level's potentials."""
+        """Root mean square of the round-off of the potentials in each level."""
         return 2.2e-16 * root_of_squares(self.levels()[0], y)
 
     def levels(self) -> Linear:
-        """See `Rows`.
+        """Levels of the solved zones, as (rows, constants); see `Rows`.
 
-        The mean of a zone's own potential is w c_0 log(w / 2). The mean of the primitive follows
-        from its values at the ends and from the coefficients of g, since the antiderivative of
-        U_{k-1} is T_k / k.
+        The mean of a zone's own potential is w c_0 log(w / 2), with the half width w. The mean of
+        the primitive of g follows from its values at the ends and from the coefficients of g, since
+        the antiderivative of U_{k-1} is T_k / k.
         """
         return self._levels
 
@@ -533,7 +547,7 @@ class System(Rows):
         return self.means(primitive(self.targets.x))
 
     def means(self, values: Array) -> Array:
-        """Means over each solved zone of values at its nodes (n, ...)."""
+        """Means with respect to theta over each solved zone, of values at its nodes (n, ...)."""
         return np.array(
             [
                 (values[s:e].sum(axis=0) - 0.5 * (values[s] + values[e - 1])) / (e - s - 1)
@@ -562,7 +576,7 @@ class System(Rows):
 
 
 def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, Array]:
-    """(rows, values) of all side conditions, and of the intensities prescribed at fixed ends."""
+    """(matrix rows, right sides) of all side conditions, then of intensities at fixed ends."""
     zones, rows, values = system.zones, [np.zeros((0, size))], [np.zeros(0)]
     for condition in equation.conditions:
         matrix, constants, wanted = asked(condition, system, size)
@@ -581,9 +595,10 @@ def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, 
 
 @record
 class MirrorSymmetry:
-    """Which unknowns are kept: of symmetric zones half, else all.
+    """Which unknowns are kept: half of them for symmetric zones, else all.
 
-    keep: the kept unknowns; those at `follow` are `sign` times those at `source`.
+    whole: number of all unknowns; size: number of kept ones; keep: indices of the kept ones. The
+    unknowns at `follow` are `sign` times those at `source`.
     """
 
     whole: int
@@ -619,13 +634,13 @@ class MirrorSymmetry:
         )
 
     def position(self, unknowns: Index) -> Index:
-        """Index of kept unknowns among the kept ones."""
+        """Positions of the given unknowns among the kept ones; -1 if an unknown is not kept."""
         places = np.full(self.whole, -1, dtype=np.intp)
         places[self.keep] = np.arange(self.size)
         return np.asarray(places[unknowns])
 
     def fold(self, matrix: Array) -> Array:
-        """Add the columns of mirrored zones to those they follow from, and drop them."""
+        """The matrix for kept unknowns: columns of mirrored ones are added to their sources."""
         if len(self.follow):
             matrix[:, self.source] += matrix[:, self.follow] * self.sign
         return np.asarray(matrix[:, self.keep])

@@ -36,7 +36,7 @@ class QuadratureOptions:
     # solves them.
     max_dense_conditions: int = 64
     # Gauss-Legendre nodes of each panel in the integral of the right side g over a gap. A panel is
-    # `lengths_per_panel` resolution lengths of g long. For a wave of that length the error is 1e-19.
+    # `lengths_per_panel` resolution lengths of g long; for a wave of that length it errs by 1e-19.
     gauss_nodes: int = 16
     lengths_per_panel: int = 2
 
@@ -164,7 +164,7 @@ class IterativeSystem(System):
 
     @cached_property
     def springs(self) -> Array:
-        """Factor of the coefficient c_0 in each zone's own condition on its level; 0 without one."""
+        """Factor of the coefficient c_0 in each zone's own condition on its level, or 0."""
         own = self.of_zones
         none = np.zeros(len(self.zones.solved))
         return (

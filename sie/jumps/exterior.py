@@ -76,10 +76,7 @@ class ExteriorLogarithms(PerZone):
         return np.asarray(-2 * self.weight[:, None] * self.rho[:, None] ** j / j)
 
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Slopes of the density by the angle from the left and from the right end, for each entry.
-
-        The angle is the one from the end concerned.
-        """
+        """Slopes of the density by the angle from the left and from the right end, by entry."""
         with np.errstate(divide="ignore"):
             return -2 * self.weight * self.rho / (1 + self.rho), -2 * self.weight * self.rho / (
                 1 - self.rho

@@ -1,4 +1,4 @@
-"""Places of jumps within zones, and the closed forms of each; formulas in `sie.jumps.forcing`."""
+"""Positions of jumps in zones, and the closed forms derived in `sie.jumps.forcing`."""
 
 import math
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.sums import PerZone
 
 HIGHEST = 2
-# Binomial coefficients of q over p; zero for p > q.
+# Binomial coefficient "q choose p" at [q, p]; zero for p > q.
 _BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
 
 
@@ -22,11 +22,11 @@ _BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
 class JumpOptions:
     """When jumps and singular points are treated in closed form, and when by their series."""
 
-    # Singular points outside a zone nearer than this many half widths are carried in closed form;
-    # farther ones are smooth on the zone. Insensitive: 0.3 to 1.
+    # Singular points outside a zone, within this many half widths of it, are treated in closed
+    # form. The effect of farther ones is smooth on the zone. Insensitive: 0.3 to 1.
     reach: float = 0.5
-    # Values of |rho| below which closed forms cancel, and the series of all jumps of a zone is
-    # summed. The next larger value pays off from `far_jumps` jumps on.
+    # For |rho| below the first value closed forms cancel, so the series of all jumps of a zone is
+    # summed instead. With at least `far_jumps` jumps the series is faster up to the next values.
     far_rho: tuple[float, ...] = (0.25, 0.6, 0.87)
     far_jumps: tuple[int, ...] = (10, 36)
 
@@ -43,8 +43,8 @@ OPTIONS = JumpOptions()
 class PlacedJumps(PerZone):
     """Jumps inside the zones.
 
-    zone: zone of each; left, right: distances from the zone's ends over w; height: h = J w^q / q!;
-    order: q.
+    zone: zone of each jump; left, right: distances from the zone's ends in half widths w; order: q,
+    the number of the derivative that jumps; height: h = J w^q / q!, with J the size of the jump.
     """
 
     zone: Index
@@ -55,12 +55,12 @@ class PlacedJumps(PerZone):
 
     @staticmethod
     def nothing() -> tuple[Index, Array, Array, Array, Index]:
-        """Fields of no jumps."""
+        """The fields of an empty set of jumps."""
         none, places = np.zeros(0, np.intp), np.zeros(0)
         return none, places, places, places, none
 
     def chosen(self, which: Mask | Index) -> Self:
-        """The given jumps only."""
+        """The jumps selected by a mask or by indices."""
         zone, left, right = self.zone[which], self.left[which], self.right[which]
         return replace(
             self,
@@ -90,10 +90,10 @@ class PlacedJumps(PerZone):
     def s(self) -> Array:
         return 0.5 * (self.left - self.right)
 
-    # Values of jumps k at points; arrays of both broadcast.
+    # Values of jumps k at points; the arrays of jumps and points are broadcast.
     @cached_property
     def line(self) -> tuple[Array, Array]:
-        """(constant, slope) of P_q(t) = constant + slope t, for each jump."""
+        """(constant, slope) of the polynomial P_q(t) = constant + slope t, for each jump."""
         first, second = self.order == 1, self.order == HIGHEST
         return np.where(second, -1.5 * self.s, first) * self.sine, np.where(second, self.sine, 0.0)
 
@@ -103,9 +103,7 @@ class PlacedJumps(PerZone):
         return np.asarray(slope[k] * t + constant[k])
 
     def turn(self, k: Index, away: Array) -> Array:
-        """The factor of (t - s)^q in the transform on the zone, without its smooth part; away = t -
-        s.
-        """
+        """The factor of (t - s)^q in the transform on the zone; away = t - s."""
         return np.where(away > 0, self.psi[k], -self.phi[k])
 
     def turn_off(self, k: Index, rho: Array) -> Array:
@@ -113,12 +111,12 @@ class PlacedJumps(PerZone):
         return np.asarray(2 * np.arctan2(rho * self.sine[k], 1 - rho * np.cos(self.phi[k])))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
-        """The function kappa at points given by their distances from the zone's ends over w."""
+        """The function kappa at points given by distances from the zone's ends in half widths."""
         return kappa(
             np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k]), left - self.left[k]
         )
 
-    # Density, transform and potential of jumps k, over h / pi.
+    # Density, transform and potential of jumps k, divided by h / pi.
     def on_zone(self, k: Index, left: Array) -> Array:
         """Transform on the zone."""
         away = left - self.left[k]
@@ -135,7 +133,7 @@ class PlacedJumps(PerZone):
             return np.where((away == 0) & (q > 0), 0.0, power(away, q) * self.shape(k, left, right))
 
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Integral of the density from the left end over w, for kinks only.
+        """Integral of the density from the left end, divided by the half width, for q = 0 only.
 
         The integral of kappa is (t - s) kappa - theta sin(phi).
         """
@@ -151,14 +149,14 @@ class PlacedJumps(PerZone):
             ] * theta(right, left)
 
     def potential_on(self, k: Index, left: Array, right: Array) -> Array:
-        """Potential over w on the zone, without c_0 log(w)."""
+        """Potential on the zone, divided by the half width w, without c_0 log(w)."""
         away, nothing = left - self.left[k], np.zeros_like(left)
         return np.asarray(
             self.potential_of(k, away, 0.5 * (left - right), self.turn(k, away), nothing, nothing)
         )
 
     def potential_off(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
-        """Potential over w off the zone, without c_0 log(w)."""
+        """Potential off the zone, divided by the half width w, without c_0 log(w)."""
         seen = Outside(np.where(left > 0, 1.0, -1.0), np.maximum(-left, -right))
         return np.asarray(
             self.potential_of(
@@ -172,7 +170,10 @@ class PlacedJumps(PerZone):
         )
 
     def potential_of(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
-        """Closed potentials from z - s, F, A and B of `sie.jumps.forcing`, real or complex."""
+        """The potentials in closed form, at real or complex points.
+
+        away: z - s; turn, grown, root: the functions F, A and B of `sie.jumps.forcing`.
+        """
         orders = self.order[k]
         if np.all(orders == orders[:1]):
             return (
@@ -185,7 +186,7 @@ class PlacedJumps(PerZone):
         return out
 
     def _potential(self, q: int, k: Index, parts: tuple[Any, ...]) -> Any:
-        """The closed potential of jumps of order q."""
+        """The potential in closed form of jumps of order q."""
         away, z, turn, grown, root = parts
         s, sine = self.s[k], self.sine[k]
         if q == 0:
@@ -200,7 +201,7 @@ class PlacedJumps(PerZone):
 
     # Series of jumps k.
     def sine_weights(self, k: Index, j: Array) -> Array:
-        """Weights b_j of jumps k, whose function is sum_j (2/j) b_j sin(j theta)."""
+        """Weights b_j of jumps k; for q = 0 the density is (h/pi) sum_j (2/j) b_j sin(j theta)."""
         from_left = (self.psi < self.phi)[k][:, None]
         sines = np.sin(j * np.minimum(self.phi, self.psi)[k][:, None])
         return np.asarray(np.where(from_left & (j % 2 == 0), -sines, sines))
@@ -235,12 +236,12 @@ class PlacedJumps(PerZone):
 def kappa(up: Array, vp: Array, away: Array) -> Array:
     """log(sin((theta + phi)/2) / |sin((theta - phi)/2)|) at t = cos(theta), with s = cos(phi).
 
-    up and vp have sum and difference 2 sin((theta +- phi)/2); away = t - s. Their product is (s -
-    t)/2 without cancellation.
+    The sum and difference of up and vp are 2 sin((theta +- phi)/2); away = t - s. The product of
+    these two sines is (s - t)/2, which away gives without cancellation.
     """
     small, large = np.minimum(up, vp), np.maximum(up, vp)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # 2 artanh of the ratio has all digits for a jump or a point close to an end.
+        # 2 artanh of the ratio is accurate to all digits for a jump or a point close to an end.
         far = 2 * np.arctanh(np.minimum(small / large, 0.5))
         return np.where(small < 0.5 * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away))))
 
@@ -248,7 +249,7 @@ def kappa(up: Array, vp: Array, away: Array) -> Array:
 def power(away: Array, order: Index) -> Array:
     """away^order for orders 0 to 2.
 
-    Squares are ten times as fast as general powers; knots of splines need squares only.
+    Products are ten times as fast as general powers. Knots of splines need squares only.
     """
     return (
         away * away

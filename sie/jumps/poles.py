@@ -11,10 +11,10 @@ rule in log(eta), of step h, gives
     g = Re sum_k c_k / (y - i eta_k),
     c_k = (h/pi) eta_k^(p+1) (cos(pi p/2) (right - left) + i sin(pi p/2) (right + left)),
 
-with an aliasing error of exp(-pi^2/h) of |y|^p, for all y (L. N. Trefethen, J. A. C. Weideman, SIAM
-Rev. 56, 2014, 385-458). Poles farther away than the zone is wide are smooth on it and are left to
-its modes. The transform on the line maps c_k to i c_k, which gives the algebraic points of the
-wanted density.
+with an aliasing error of exp(-pi^2/h) relative to |y|^p, for all y (Trefethen, Weideman, SIAM
+Rev. 56, 2014, 385-458). Poles with eta above the half width are omitted: their field is smooth on
+the zone, and its modes represent it. The transform on the line maps c_k to i c_k, which gives the
+algebraic points of the wanted density.
 
 With t = (x - middle)/w, z a pole in t, rho = z - (z^2 - 1)^(1/2) and q = -2 c / (z^2 - 1)^(1/2),
 the density of a pole, its transform off the zone, and its potential there without c_0 log(w) are
@@ -46,7 +46,7 @@ _STEP = np.pi**2 / DIGITS
 
 @dataclass(frozen=True, eq=False)
 class AlgebraicPoints:
-    """Points beside which the right side, or the wanted density, is a power of the distance.
+    """Points near which the right side, or the wanted density, is a power of the distance.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class AlgebraicPoints:
     exponents : array_like
         Exponents p (k,), above -1.
     left, right : array_like
-        Coefficients (k,): of (s - x)^p for x < s, and of (x - s)^p for x > s. What is left of the
+        Coefficients (k,): of (s - x)^p for x < s, and of (x - s)^p for x > s. The rest of the
         function is smooth at s.
 
     Raises
@@ -109,12 +109,13 @@ class AlgebraicPoints:
         return np.unique(np.asarray(self.at))
 
     def lowest(self, place: int) -> float:
-        """Least exponent at a place."""
+        """Least exponent at the position with index `place`."""
         return float(np.asarray(self.exponents)[self._at(place)].min())
 
     def poles(self, place: int, farthest: float) -> tuple[Array, Complex]:
-        """(eta_k, c_k) of a place, with the largest eta `farthest`; all powers share the same
-        poles.
+        """(distances eta_k, coefficients c_k) of the poles of a position.
+
+        The largest distance is `farthest`. All powers at the position share the same poles.
         """
         rows = self._at(place)
         p, weights = np.asarray(self.exponents)[rows], self.weights[rows]
@@ -123,10 +124,10 @@ class AlgebraicPoints:
         return away, _STEP * (away[:, None] ** (p + 1.0)) @ weights
 
     def left_out(self, place: int, farthest: float) -> complex:
-        """Sum of c / eta over the omitted poles, which are closer to the place than those of
-        `poles`.
+        """Sum of c / eta over the omitted poles, which are closer to the position than all others.
 
-        Only the place itself sees them, and only for small p. Infinite if p is not positive.
+        They matter at the position itself only, and only for small exponents. The sum is infinite
+        if an exponent is not positive.
         """
         p = np.asarray(self.exponents)[self._at(place)]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -142,9 +143,10 @@ class AlgebraicPoints:
 class Poles(PerZone):
     """Poles of the right side in zones and close to them.
 
-    zone: of each pole; left, right: distances of its point from the zone's ends over w; away: eta
-    over w; size: c over w. points: for each place inside a zone the zone, the distance from its
-    left end over w, its least exponent, and the density of the omitted poles there.
+    All lengths are in half widths of the zone. zone: zone of each pole; left, right: distances of
+    its point from the zone's ends; away: distance eta of the pole from the line; size: coefficient
+    c, divided by the half width. points: for each point inside a zone (zone, distance from its left
+    end, least exponent, density of the omitted poles there).
     """
 
     zone: Index
@@ -169,7 +171,10 @@ class Poles(PerZone):
         period: float | None,
         of_density: bool = False,
     ) -> "Poles":
-        """The poles of all points in zones and close to them; of_density: of the wanted density."""
+        """The poles of all points in zones and close to them.
+
+        of_density: whether the points are those of the wanted density, not of the right side.
+        """
         if points is None or not np.any(points.weights):
             return NO_POLES
         found, inside = [], []
@@ -211,15 +216,15 @@ class Poles(PerZone):
         return np.asarray(-2.0 * self.size / (p * m))
 
     def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
-        """Real part of the sums over the poles of the zone of each point.
+        """Real part of the sum over the poles of the zone of each point.
 
-        of(points, poles): the term of a pole.
+        of(points, poles): the term of each pair.
         """
         return self.grouped.summed(zone, np.ones(len(self.zone)), of)
 
-    # Values at points (n,) of zones, given by their distances from the zone's ends over w.
+    # Values at points (n,) of zones, given by their distances from the zone's ends in half widths.
     def _past(self, at: Index, k: Index, left: Array, right: Array) -> Complex:
-        """t - z, computed from the nearer end."""
+        """The differences t - z of points and poles, computed from the end nearer to the point."""
         past = np.where(left[at] <= right[at], left[at] - self.left[k], self.right[k] - right[at])
         return np.asarray(past - 1j * self.away[k])
 
@@ -243,7 +248,7 @@ class Poles(PerZone):
         return out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the density from the zone's left end, over w."""
+        """Integral of the density from the zone's left end, divided by the half width."""
         angle, sine = theta(right, left), root_weight(np.maximum(left, 0.0), np.maximum(right, 0.0))
         p, m = self.roots
         tangent = np.sqrt(left / np.maximum(right, 1e-300))
@@ -259,7 +264,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def transform(self, zone: Index, rho: Array) -> Array:
-        """Transform off the zone, at points with this rho."""
+        """Transform at points off the zone, given by their rho."""
 
         def part(at: Index, k: Index) -> Array:
             both = self.rho[k] * rho[at]
@@ -268,7 +273,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_on(self, zone: Index, left: Array, right: Array) -> Array:
-        """Potential over w on the zone, without c_0 log(w)."""
+        """Potential on the zone, divided by the half width w, without c_0 log(w)."""
         t = 0.5 * (left - right)
 
         def part(at: Index, k: Index) -> Array:
@@ -279,7 +284,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_off(self, zone: Index, rho: Array) -> Array:
-        """Potential over w off the zone, without c_0 log(w)."""
+        """Potential off the zone, divided by the half width w, without c_0 log(w)."""
 
         def part(at: Index, k: Index) -> Array:
             return np.real(
@@ -295,7 +300,7 @@ class Poles(PerZone):
         return np.asarray((rho - 1.0 / rho) * np.log1p(-rho * seen) - seen - rho * log)
 
     def potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential over w, on the zone and off it, without c_0 log(w)."""
+        """Potential on the zone and off it, divided by the half width w, without c_0 log(w)."""
         out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
         out[on] = self.potential_on(zone[on], seen.left[on], seen.right[on])
         out[off] = self.potential_off(zone[off], seen.rho[off])
@@ -305,7 +310,7 @@ class Poles(PerZone):
     def sine_coefficients(self, zones: int, count: int) -> Array:
         """Coefficients of sin(j theta), j = 1 ... count, of the density of each zone.
 
-        They are the coefficients of T_j of the right side, too.
+        The right side has the same coefficients, of the polynomials T_j.
         """
         out, power = np.empty((count, zones)), self.q.copy()
         for j in range(count):
@@ -314,16 +319,16 @@ class Poles(PerZone):
         return out.T
 
     def mean_offsets(self, zones: int) -> Array:
-        """Offsets of the mean level of each zone, see `ForcingJumps.mean_offsets`.
+        """Corrections of the mean of the primitive of g, as in `ForcingJumps.mean_offsets`.
 
-        T_1 contributes -1/4 and T_j of odd j > 1 contributes 1 / (j^2 - 1).
+        T_1 contributes -1/4. T_j with odd j > 1 contributes 1 / (j^2 - 1).
         """
         p, m = self.roots
         parts = 0.25 * self.q * (1.0 / self.rho - self.rho) * np.log(4.0 * p * m / (p + m) ** 2)
         return np.asarray(np.bincount(self.zone, parts.real, zones), dtype=float)
 
     def edge_slopes(self, zones: int) -> tuple[Array, Array]:
-        """Coefficients of the angle from the left and from the right end of each zone."""
+        """Slopes of the density by the angle from the left and the right end of each zone."""
         p, m = self.roots
         left, right = (0.5 * self.q / root**2 for root in (p, m))
         out = np.array(
@@ -337,8 +342,9 @@ class Poles(PerZone):
 
     # Values at complex points, see `sie.density.plane`.
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """Transform, derivative by zeta, or potential over w without c_0 log(w), summed over poles
-        k.
+        """Sum over poles k of their transform, its derivative by zeta, or their potential.
+
+        The potential is divided by the half width w and lacks the term c_0 log(w).
         """
         at, rho = seen.rho[:, None], np.concatenate((self.rho[k], np.conj(self.rho[k])))
         weight = 0.5 * np.concatenate((self.q[k], np.conj(self.q[k])))
@@ -353,7 +359,10 @@ class Poles(PerZone):
 def _seen(
     zones: Zones, places: Array, period: float | None
 ) -> Iterator[tuple[int, int, float, float]]:
-    """(place, zone, distances from both ends) for all places within reach of a zone."""
+    """(index of the position, zone, distances from the left and right end) of all close pairs.
+
+    A position is close to a zone if it lies in it or within `JumpOptions.reach` half widths.
+    """
     shifts = np.zeros(1)
     if period is not None:
         places = places + np.ceil((zones.a[0] - places) / period) * period

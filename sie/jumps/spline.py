@@ -1,13 +1,13 @@
 r"""Quadratic splines inside one zone, in place of hundreds of truncated powers.
 
-The truncated powers of n jumps of a second derivative grow to n^2 times their sum, and lose as many
-digits. A spline f with these jumps is known piece by piece instead.
+The truncated powers of n jumps of a second derivative grow to n^2 times their sum. So their sum
+loses as many digits. This module evaluates a spline f with these jumps piece by piece instead.
 
-`QuadraticSpline` is a spline that is a part of the density itself. f is a sum of B-splines sum_j
-d_j B_j, each no wider than three pieces, d_j = 2 f((u + v)/2) - (f(u) + f(v))/2 with u, v the inner
-knots of B_j (its blossom; L. Ramshaw, Comput. Aided Geom. Des. 6 (1989) 323-358). The B-splines
-inside the zone make a part of the density that is nowhere larger than f; jumps are left at the
-first three and the last three knots only.
+`QuadraticSpline` is a spline f that is a part of the density itself. It is a sum of B-splines,
+sum_j d_j B_j, each three pieces wide. With u, v the inner knots of B_j, the coefficient is the
+blossom d_j = 2 f((u + v)/2) - (f(u) + f(v))/2 (L. Ramshaw, Comput. Aided Geom. Des. 6 (1989)
+323-358). The sum of the B-splines inside the zone is nowhere larger than f. It has all jumps of f
+but those at the first three and the last three knots.
 
 `ConjugateSpline` is the density, bounded at both ends, whose transform is a spline g less its mean
 over theta. With t = cos(theta) it is the conjugate of g(cos(theta)),
@@ -21,11 +21,12 @@ zone the transform and the potential of this density are
     (2/pi) int g rho (cos(phi) - rho) / |1 - rho e^(i phi)|^2 dphi,
     (2/pi) int g sin(phi) arg(1 / (1 - rho e^(i phi))) dphi - rho g_0 - c_0 ln(2 |rho|),
 
-with g_0, c_0 the means of g and g cos(phi). Their singularities lie no nearer to a phi than the
-ends of the zone. Panels that double in length away from the ends hold all of g in a few moments
-each, so that the integrals are sums over some hundred nodes, whatever the number of knots.
+with g_0, c_0 the means of g and g cos(phi). As functions of phi, the other factors are singular at
+the ends of the zone only, so panels that double in length away from the ends resolve them. On each
+panel g enters through a few moments. So the integrals are sums over some hundred nodes, whatever
+the number of knots.
 
-Places are distances from the zone's left end over its half width.
+Positions are distances from the zone's left end, in half widths.
 """
 
 import math
@@ -46,33 +47,34 @@ from sie.trees.tree import SEPARATION, TERMS
 
 @dataclass(frozen=True)
 class SplineOptions:
-    """When a spline takes the place of jumps, and how finely it is integrated."""
+    """When a spline replaces the jumps of a zone, and how finely it is integrated."""
 
-    # Jumps of g'' in a zone from which a spline takes their place; below, closed forms of the jumps
-    # are faster.
+    # From this number of jumps of g'' in a zone on, a spline replaces them. With fewer jumps, their
+    # closed forms are faster.
     min_jumps: int = 400
-    # The same of the density: other zones see the digits that n jumps lose, n^2 units of the last.
+    # The same number for jumps of the density. It is smaller because other zones are affected by
+    # the round-off of n jumps, which is n^2 units of the last digit.
     min_density_jumps: int = 128
-    # Gauss nodes on a piece of the spline or on a part of one.
+    # Gauss nodes on a piece of the spline, or on a part of a piece.
     gauss_nodes: int = 16
     # Pieces nearer than this many of their lengths are integrated in closed form, others by Gauss's
     # rule, whose error is (4 * 2.5)^-32.
     near_lengths: float = 2.5
-    # Coefficients for each knot that show the potential off the zone.
+    # Chebyshev coefficients per knot in the series for the potential of a spline of the density.
     coefficients_per_knot: int = 8
 
     @property
     def max_turn(self) -> float:
-        """Largest angle by which cos(l theta) turns over the nodes of a part, or over a panel.
+        """Largest change of l theta over one part or panel, for integrals of cos(l theta).
 
-        At two nodes a radian, Gauss's rule has no error above round-off.
+        At two nodes per radian, Gauss's rule has no error above round-off.
         """
         return self.gauss_nodes / 2
 
 
 OPTIONS = SplineOptions()
-# Half of all digits: knots nearer to an end of the zone change g by the square of this, and jumps
-# of f that differ from the declared ones by less are the same.
+# Half of all digits. Knots nearer to an end of the zone are ignored, since they change g by the
+# square of this only. Jumps of f within this fraction of the declared ones count as equal.
 _HALF_DIGITS = math.sqrt(EPS)
 
 
@@ -91,13 +93,14 @@ def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
 def with_jumps(knots: Array, jumps: Array) -> Callable[[Array], Array]:
     """The quadratic spline on a zone with these jumps and the least sum of squares at the knots.
 
-    The jumps are half of those of the second derivative. If f is more than a spline, this is the
-    part of it that jumps.
+    The jumps are half of those of the second derivative. If a function is not itself a quadratic
+    spline, this spline is the part of it that has the jumps.
     """
     ends = np.concatenate(([0.0], knots, [2.0]))
     length, bend, before = np.diff(ends), np.concatenate(([0.0], np.cumsum(jumps))), np.zeros(3)
     for _ in range(2):
-        # The trend is subtracted twice: after the first time it may still hide small values.
+        # The quadratic trend is subtracted twice: the round-off of the first time may still be
+        # larger than small values.
         slope = before[1] + np.concatenate(([0.0], np.cumsum(2 * bend * length)[:-1]))
         value = before[0] + np.concatenate(([0.0], np.cumsum(length * (slope + bend * length))))
         trend = np.polynomial.polynomial.polyfit(ends, value, 2)
@@ -132,10 +135,10 @@ class QuadraticSpline(Kept):
 
     @classmethod
     def of(cls, knots: Array, control: Array) -> "QuadraticSpline":
-        """The spline with these middle control points of its pieces, zero at the first and last
-        knot.
+        """The spline whose pieces have these middle Bezier control points.
 
-        Where the first and the last of these points are zero, the slope is zero at both ends, too.
+        It is zero at the first and the last knot. If the first and the last of the control points
+        are zero, so are the slopes there.
         """
         length = np.diff(knots)
         at_knots = np.zeros(len(knots))
@@ -154,9 +157,10 @@ class QuadraticSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, f: Callable[[Array], Array]
     ) -> "tuple[QuadraticSpline, Array, Array] | None":
-        """(the B-splines of f between these knots, remaining jumps, no further jumps), or None.
+        """(spline of the B-splines of f, remaining jumps, empty table of added jumps), or None.
 
-        Jumps are half of those of the second derivative. None if f has other jumps than these.
+        Jumps are half of those of the second derivative. The result is None if f has other jumps
+        than the given ones.
         """
         within = np.flatnonzero(np.minimum(knots, 2 - knots) > _HALF_DIGITS)
         knots = knots[within]
@@ -204,12 +208,12 @@ class QuadraticSpline(Kept):
         raise ValueError("the potential of a spline of the density is no closed form")
 
     def transform_off(self, z: Array, rho: Array) -> Array:
-        """Transform off the zone, at z counted from its middle."""
+        """Transform off the zone; z is the distance from the middle of the zone in half widths."""
         return self.own_transform(1 + z)
 
     @property
     def edge_slopes(self) -> tuple[float, float]:
-        """Coefficients of the angle from both ends of the zone: zero."""
+        """Slopes of the density by the angle from both ends of the zone: zero."""
         return 0.0, 0.0
 
     @property
@@ -218,14 +222,14 @@ class QuadraticSpline(Kept):
 
     @cached_property
     def _before(self) -> Array:
-        """Integral up to each knot."""
+        """Integral of the spline from its first knot to each knot."""
         y, p = np.diff(self.knots), self.pieces
         return np.concatenate(
             ([0.0], np.cumsum(y * (p[:, 0] + y * (p[:, 1] / 2 + y * p[:, 2] / 3))))
         )
 
     def integral(self, x: Array) -> Array:
-        """Integral up to x."""
+        """Integral of the spline from its first knot to x."""
         i, y, inside = self._locate(x)
         p = self.pieces[i]
         part = self._before[i] + y * (p[..., 0] + y * (p[..., 1] / 2 + y * p[..., 2] / 3))
@@ -240,7 +244,7 @@ class QuadraticSpline(Kept):
         parts = np.maximum(np.ceil(-np.diff(angle) * (count / OPTIONS.max_turn)), 1.0).astype(
             np.intp
         )
-        # From the right end to the left, so that the angles fall.
+        # Knots ascend, so the angles descend and the weights are negative.
         theta, weights = legendre(angle, OPTIONS.gauss_nodes, parts)
         out = waves(
             (-2 / np.pi) * weights * np.sin(theta) * self(sides(theta)[0]), theta, count
@@ -256,7 +260,7 @@ class QuadraticSpline(Kept):
 
     @cached_property
     def _close(self) -> PiecewiseTransform:
-        """The transform on the spline and close to it, by cells."""
+        """The transform on the spline and close to it, from Chebyshev series on cells."""
         lo, hi = self._reach
         first, last = np.diff(self.knots)[[0, -1], None] * (2.0 ** np.arange(1, 60) - 1)
         before = self.knots[0] - first[first < 0.75 * (self.knots[0] - lo)]
@@ -270,7 +274,7 @@ class QuadraticSpline(Kept):
 
     @cached_property
     def _moments(self) -> Array:
-        """int f T_k dt over pi, doubled for k > 0, with T_k on the spline's own interval."""
+        """(1/pi) int f T_k dt, doubled for k > 0, with the T_k of the spline's own interval."""
         x, weights = legendre(self.knots, TERMS)
         u = (x - 0.5 * (self.knots[0] + self.knots[-1])) / (0.5 * (self.knots[-1] - self.knots[0]))
         values, angle = self(x) * weights, np.arccos(np.clip(u, -1.0, 1.0))
@@ -293,10 +297,11 @@ class QuadraticSpline(Kept):
     def in_plane(self, seen: InPlane, what: What) -> Complex:
         """(1/pi) int f / (zeta - tau) dtau, or its derivative, at complex points.
 
-        Piece by piece, by Gauss's rule or, close to the piece, by
+        The integral over each piece is computed by Gauss's rule or, close to the piece, by
 
-            int_0^h (p_0 + p_1 y + p_2 y^2) / (Y - y) dy = p(Y) log(Y / (Y - h)) - p_1 h - p_2 (h Y
-            + h^2/2).
+            int_0^h p(y) / (Y - y) dy = p(Y) log(Y / (Y - h)) - p_1 h - p_2 (h Y + h^2/2),
+
+        with the polynomial p(y) = p_0 + p_1 y + p_2 y^2 of the piece.
         """
         knots, p = self.knots, self.pieces
         h = np.diff(knots)
@@ -307,7 +312,7 @@ class QuadraticSpline(Kept):
         out = np.empty(seen.left.shape, dtype=complex)
         for here in pair_blocks(len(out), len(places)):
             at = seen.left[here]
-            # Each distance is from the knot that keeps the most digits.
+            # A piece is close to a point if its middle is within a few of its lengths.
             close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < OPTIONS.near_lengths * h
             terms = sign * weighted / (at[:, None] - places) ** power
             value = np.where(np.repeat(close, OPTIONS.gauss_nodes, axis=1), 0.0, terms).sum(axis=1)
@@ -317,7 +322,8 @@ class QuadraticSpline(Kept):
             with np.errstate(divide="ignore", invalid="ignore"):
                 log = np.log(past) - np.log(before)
                 f = one + past * (two + past * three)
-                # At a knot both pieces have the same value, and their logarithms cancel.
+                # At a knot both pieces have the same value. So the infinite parts of their
+                # logarithms cancel and are omitted.
                 log = np.where(
                     (past == 0) | (before == 0),
                     np.where(past == 0, -1.0, 1.0) * np.log(size) - 1j * np.pi * (past == 0),
@@ -338,8 +344,8 @@ class QuadraticSpline(Kept):
 class ConjugateSpline(Kept):
     """The density, bounded at both ends, whose transform is a spline less its mean over theta.
 
-    spline: g by the distance from the zone's left end over its half width, from one end to the
-    other; its value and slope are zero at both ends.
+    spline: the spline g from one end of the zone to the other, as a function of the distance from
+    the left end in half widths. Its value and slope are zero at both ends.
     """
 
     spline: QuadraticSpline
@@ -349,10 +355,11 @@ class ConjugateSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, g: Callable[[Array], Array]
     ) -> "tuple[ConjugateSpline, Array, Array] | None":
-        """(the spline, remaining jumps: none, place and height of one more jump), or None.
+        """(spline, remaining jumps (all zero), position and height of one added jump), or None.
 
-        The rest of g has its values and slopes at both ends, and two pieces; no coefficient is
-        larger than these slopes. None if g has other jumps than these.
+        The spline is g less a function of two quadratic pieces that has the values and slopes of g
+        at both ends. The added jump is that of the second derivative where the two pieces meet. The
+        result is None if g has other jumps than the given ones.
         """
         left = np.zeros_like(jumps)
         inner = np.minimum(knots, 2 - knots) > _HALF_DIGITS
@@ -411,10 +418,13 @@ class ConjugateSpline(Kept):
 
     # Moments of g.
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
-        """(phi, weights): int_0^pi g F dphi = sum of weights F(phi), F smooth between cuts."""
+        """(angles phi, weights), so that int_0^pi g F dphi is the sum of weights times F(phi).
+
+        F is any function that is smooth between the cuts.
+        """
         ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
         phi, weights = legendre(theta(ends, 2 - ends), OPTIONS.gauss_nodes)
-        # From the left end to the right the angles fall.
+        # Knots ascend, so the angles descend and the weights are negative.
         values = -weights * self.spline(sides(phi)[0])
         panel = np.clip(np.searchsorted(cuts, phi, side="right") - 1, 0, len(cuts) - 2)
         half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
@@ -454,14 +464,17 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
-        """Coefficients of the angle from the left and from the right end."""
+        """Slopes of the density by the angle from the left and from the right end."""
         phi, weight = self._nodes
         left, right = (float((weight / side).sum() / np.pi) for side in sides(phi))
         return left, -right
 
     @cached_property
     def mean_offset(self) -> float:
-        """Mean level of the primitive of g over theta, less half of its end values; over w."""
+        """Mean over theta of the primitive of g less half the sum of its end values.
+
+        It is divided by the half width of the zone.
+        """
         phi, weight = self._nodes
         return float(weight @ ((phi - 0.5 * np.pi) * np.sin(phi))) / np.pi
 
@@ -472,7 +485,7 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _cells(self) -> tuple[Array, Array]:
-        """(ends in theta, series (terms, cells)) of the analytic part of the density."""
+        """(ends of the cells in theta, Chebyshev series (terms, cells)) of the analytic part."""
         cuts = self._cuts[1:-1]
         nearest = np.array([0.25, 0.5])
         cuts = np.concatenate((nearest * cuts[0], cuts, np.pi - nearest[::-1] * (np.pi - cuts[-1])))
@@ -507,7 +520,7 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _cubics(self) -> tuple[float, float]:
-        """Coefficients of the cube of the angle, from the left and from the right end.
+        """Coefficients of the cube of the angle in the density close to the left and right end.
 
         Close to an end the density is a series of odd powers of the angle.
         """
@@ -553,8 +566,9 @@ class ConjugateSpline(Kept):
         )
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
-        """Potential of the density over the half width, on the zone and off it, without c_0
-        log(half width).
+        """Potential of the density divided by the half width w, without c_0 log(w).
+
+        It holds on the zone and off it.
         """
         phi, weight = self._nodes
         on = (left >= 0) & (right >= 0)
@@ -595,7 +609,7 @@ def _two_pieces(
 ) -> tuple[Callable[[Array], Array], float]:
     """(function of two quadratic pieces on [0, 2], half of the jump of its second derivative).
 
-    It has the given values and slopes at 0 and 2, and is continuous at the cut with its slope.
+    It has the given values and slopes at 0 and 2. It and its slope are continuous at the cut.
     """
     beyond = 2.0 - cut
     # Control points of both pieces.

@@ -1,7 +1,8 @@
 """Far sums: fields of intervals on far intervals, by a tree and Chebyshev series, in linear time.
 
-Moments of a density, the integrals of T_k over pi, go up the tree, and series of the transform come
-down it. See L. Greengard and V. Rokhlin, J. Comput. Phys. 73, 1987, 325-348, here in one dimension
+Moments of a density phi, (1/pi) int phi T_k dxi, are passed up the tree, from children to parents.
+Chebyshev series of the transform are passed down it, from parents to children. See L. Greengard and
+V. Rokhlin, J. Comput. Phys. 73, 1987, 325-348, here in one dimension
 and with Chebyshev series in place of powers.
 """
 
@@ -17,15 +18,16 @@ from sie.basis.zones import Zones
 from sie.trees.panels import panels_over
 from sie.trees.tree import CACHED, TERMS, Tree, interactions
 
-# This many terms leave 1e-7 of a sum, at a quarter of the time: enough inside GMRES.
+# With this number of terms the error is 1e-7 of the sum, at a quarter of the time. This accuracy is
+# enough inside GMRES.
 ROUGH = 12
 _TWICE = np.array([1.0] + [2.0] * (TERMS - 1))
 
 
 def antiderivatives(s: Array) -> Array:
-    """int_0^s T_k for k = 0 ... TERMS - 1, at places (n,), along a new last axis.
+    """Integrals of T_k from 0 to s, k = 0 ... TERMS - 1, for s (n,); k is the last axis.
 
-    For k >= 2 it is T_(k+1) / 2 (k+1) - T_(k-1) / 2 (k-1).
+    For k >= 2 the antiderivative is T_(k+1) / (2 (k+1)) - T_(k-1) / (2 (k-1)).
     """
     t = np.empty((TERMS + 1, len(s)))
     t[0], t[1] = 1.0, s
@@ -41,9 +43,9 @@ def antiderivatives(s: Array) -> Array:
 
 @record
 class Nested:
-    """A tree with the matrices that take series from children to parents and back.
+    """A tree with the matrices that take moments to parents and series to children.
 
-    kept: whether the matrices are kept for the next sum.
+    kept: whether the matrices are stored for the next sum.
     """
 
     tree: Tree
@@ -51,7 +53,10 @@ class Nested:
 
     @cached_property
     def _place(self) -> tuple[Array, Array]:
-        """(alpha, beta): the hull of a child in its parent's variable, alpha + beta s."""
+        """(alpha, beta) of each node: it is the interval alpha + beta s in its parent's variable.
+
+        The variable s of a node runs from -1 to 1 on its hull.
+        """
         tree = self.tree
         up = np.maximum(tree.parent, 0)
         width = np.maximum(tree.hi[up] - tree.lo[up], 1e-300)
@@ -65,11 +70,14 @@ class Nested:
         return self._made(slice(0, len(self.tree)))
 
     def matrices(self, nodes: slice) -> Array:
-        """A of some nodes, (TERMS, TERMS, n); the sums run along the last axis."""
+        """Matrices A of some nodes, with T_j(alpha + beta s) = sum_k A_jk T_k(s).
+
+        The shape is (TERMS, TERMS, nodes), with j and k first.
+        """
         return self._all[:, :, nodes] if self.kept else self._made(nodes)
 
     def _made(self, nodes: slice) -> Array:
-        """A by the recurrence of T_j(alpha + beta s), which has no powers above j."""
+        """The matrices A by the recurrence of T_j(alpha + beta s), a polynomial of degree j."""
         every = self._place[0][nodes], self._place[1][nodes]
         a = np.zeros((TERMS, TERMS, len(every[0])))
         a[0, 0], a[1, 0], a[1, 1] = 1.0, *every
@@ -88,15 +96,16 @@ class Nested:
 
     @cached_property
     def rises(self) -> Array:
-        """Rows that take a parent's series to the potential at a node's middle less that at the
-        parent's.
+        """Difference of the potential between the middles of a node and of its parent.
+
+        Each row holds the factors of the coefficients of the parent's transform.
         """
         tree = self.tree
         up = np.maximum(tree.parent, 0)
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
 
     def _slices(self) -> list[slice]:
-        """The levels of the tree, in parts of `CACHED` nodes where matrices are not kept."""
+        """The levels of the tree, in parts of `CACHED` nodes if matrices are not stored."""
         levels, most = self.tree.levels, len(self.tree) if self.kept else CACHED
         bounds = zip(levels[1:-1], levels[2:], strict=True)
         return [
@@ -116,15 +125,15 @@ class Nested:
     def downward(self, series: Array, middle: Array) -> tuple[Array, Array, Array]:
         """Fields on every interval from fields given at nodes.
 
-        Returned are the Chebyshev series of the transform (intervals, terms), and the potential at
-        the middle in two words.
+        The result is (Chebyshev series of the transform (intervals, terms), potential at the
+        middle, correction to be added to this potential). The correction holds its round-off.
         """
         tree, terms, leaves = self.tree, len(series), self.tree.leaves
         rest = np.zeros_like(middle)
         for here in self._slices():
             above = series[:, tree.parent[here]]
             series[:, here] += np.einsum("jn,jkn->kn", above, self.matrices(here)[:terms, :terms])
-            # Potentials of parents are added together with their rounding errors.
+            # The round-off of each sum is kept in `rest` and added at the next level.
             up = tree.parent[here]
             before = middle[up]
             added = middle[here] + np.einsum("nj,jn->n", self.rises[here, :terms], above) + rest[up]
@@ -155,7 +164,7 @@ class FarSum:
         self._nodes: dict[int, tuple[Array, Array]] = {}
 
     def _at(self, terms: int, here: slice = slice(None)) -> tuple[Array, Array]:
-        """(rho, factor before the sum) of far pairs, at `terms` nodes on the target."""
+        """(rho, factor of the sum over powers of rho) of far pairs, at `terms` target nodes."""
         nodes, half = chebyshev.gauss(terms)[:, None], self._half[here]
         away = self._gap[here] + self._width[here] * (
             1 + np.where(self._right[here], nodes, -nodes)
@@ -165,10 +174,10 @@ class FarSum:
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
-        """Matrices of the regular part between the roots: (of the transform, of the potential at
-        the middle).
+        """(matrix of the transform, row of the potential at the middle) of the regular part.
 
-        None for a user's regular part, which has panels.
+        They act from the moments of the source root to the target root. A regular part given by the
+        user is treated by panels instead, and the result is None.
         """
         kernel = self.kernel
         if kernel.regular is None or not kernel.sure:
@@ -183,12 +192,13 @@ class FarSum:
         return np.asarray(values), np.asarray(middle)
 
     def __call__(self, leaves: Array, rough: bool = False) -> tuple[Array, Array, Array]:
-        """The field by the moments of all intervals (n, TERMS).
+        """The far field, from the moments of all intervals (n, TERMS).
 
-        rough: with an error of 1e-7 of the sum, at a quarter of the time.
+        The result is that of `Nested.downward`. rough: whether an error of 1e-7 of the sum is
+        accepted, at a quarter of the time.
         """
         terms = ROUGH if rough else TERMS
-        # The nodes of a sum that is taken only once are computed as they are needed.
+        # The nodes of a sum that is computed only once are not stored for all pairs.
         if self.targets.kept and terms not in self._nodes:
             self._nodes[terms] = self._at(terms)
         nodes = self._nodes.get(terms)
@@ -227,7 +237,7 @@ class FarSum:
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:
-    """Whether far sums hold for a kernel: its regular part is smooth across all zones."""
+    """Whether far sums apply to a kernel: its regular part must be smooth across all zones."""
     if kernel.regular is None:
         return kernel.regular_potential is None
     if kernel.sure:

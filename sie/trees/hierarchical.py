@@ -14,7 +14,7 @@ import numpy as np
 from sie.basis.data import Array, Index
 
 Entries = Callable[[Index, Index], Array]
-"""entries(rows, columns): the block, broadcast."""
+"""entries(rows, columns) returns the matrix entries at the indices, which are broadcast."""
 
 
 @dataclass(frozen=True)
@@ -29,13 +29,17 @@ _OPTIONS = InverseOptions()
 
 
 class Inverse:
-    """A^-1 of an n by n matrix to about `tolerance`, from its entries."""
+    """Approximate inverse of the block [first, end) of a matrix, from its entries.
+
+    Its relative error is about `tolerance`.
+    """
 
     def __init__(self, entries: Entries, first: int, end: int, tolerance: float) -> None:
         self.count = end - first
         if self.count <= _OPTIONS.leaf_size:
             here = np.arange(first, end)
-            # Inverses are applied faster than factors, and their errors are far below `tolerance`.
+            # An explicit inverse is faster to apply than LU factors, and its round-off is far below
+            # `tolerance`.
             self.inverse = np.linalg.inv(entries(here[:, None], here))
             self.halves: tuple[Inverse, Inverse] | None = None
             return
@@ -52,7 +56,7 @@ class Inverse:
         self.small = np.linalg.inv(small)
 
     def __call__(self, b: Array) -> Array:
-        """A^-1 b for b (n,) or (n, k)."""
+        """The product of the inverse with b, (n,) or (n, k)."""
         if self.halves is None:
             return np.asarray(self.inverse @ b)
         one, two = self.halves
@@ -63,10 +67,10 @@ class Inverse:
 
 
 def cross(entries: Entries, rows: Index, columns: Index, tolerance: float) -> tuple[Array, Array]:
-    """(U, V) with U V' close to the block, by crosses through its rows and columns."""
+    """(U, V), where U V' approximates the block, by adaptive cross approximation."""
     u, v = np.zeros((len(rows), _OPTIONS.max_rank)), np.zeros((len(columns), _OPTIONS.max_rank))
     unused = np.ones(len(rows), dtype=bool)
-    # The row next to the other half differs most from the rest.
+    # The first pivot row is next to the other half, where the entries vary most.
     pivot = len(rows) - 1 if rows[0] < columns[0] else 0
     size = 0.0
     for k in range(min(_OPTIONS.max_rank, len(rows), len(columns))):

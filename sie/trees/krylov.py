@@ -10,14 +10,14 @@ from scipy.linalg import norm, solve_triangular
 
 from sie.basis.data import Array, record
 
-# A vector of which less than this part is new is orthogonalised twice (L. Giraud, J. Langou and M.
-# Rozloznik, Comput. Math. Appl. 50, 2005, 1069-1075).
+# A vector is orthogonalised twice if the first time reduces its norm below this fraction (L.
+# Giraud, J. Langou and M. Rozloznik, Comput. Math. Appl. 50, 2005, 1069-1075).
 _LITTLE = 0.1
 
 
 @record
 class Iterated:
-    """x, the norm of its residual, and the number of applications."""
+    """Result of GMRES: the solution x, the norm of its residual, and the number of steps."""
 
     x: Array
     residual: float
@@ -25,9 +25,9 @@ class Iterated:
 
 
 def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int = 200) -> Iterated:
-    """x with |b - A x| <= tolerance (absolute), started from zero.
+    """The solution x with |b - A x| <= tolerance (absolute), started from zero.
 
-    It is the best one if rounding or `most` steps come first.
+    If round-off or the limit of `most` steps prevents this, it is the best x found.
     """
     beta = float(norm(b))
     if beta <= tolerance:
@@ -52,7 +52,7 @@ def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int
         w -= h @ basis[: k + 1]
         below = float(norm(w))
         if below < _LITTLE * size:
-            # After so much cancellation the rounding errors are not orthogonal to the basis.
+            # After so much cancellation the round-off is not orthogonal to the basis.
             again = basis[: k + 1] @ w
             w -= again @ basis[: k + 1]
             h += again

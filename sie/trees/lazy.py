@@ -1,4 +1,4 @@
-"""Imports on demand: rooms of the engine when they are first used, and large libraries."""
+"""Imports on demand: parts of the package and large libraries, when they are first used."""
 
 import gc
 import importlib
@@ -8,7 +8,7 @@ from types import ModuleType
 
 
 def module(name: str) -> ModuleType:
-    """Import a module of the engine, or of a library, by name."""
+    """Import a module of this package, or of a library, by name and return it."""
     with uncollected():
         return importlib.import_module(name)
 
@@ -17,12 +17,13 @@ def module(name: str) -> ModuleType:
 def uncollected() -> Iterator[None]:
     """Suspend the garbage collector while modules are imported.
 
-    What an import makes stays, and searching it for garbage takes as long as the import.
+    The objects that an import makes are never garbage, and searching them takes as long as the
+    import.
 
     Returns
     -------
     context manager
-        Within it Python's cyclic garbage collector rests, if it ran before.
+        Within it Python's cyclic garbage collector is disabled; afterwards it is as before.
 
     Examples
     --------
@@ -39,8 +40,8 @@ def uncollected() -> Iterator[None]:
     finally:
         if collects:
             if not gc.get_freeze_count():
-                # All objects are put with the oldest generation at once, which is rarely searched
-                # for garbage.
+                # This moves all objects to the oldest generation, which is rarely searched for
+                # garbage.
                 gc.freeze()
                 gc.unfreeze()
             gc.enable()

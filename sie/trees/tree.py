@@ -16,10 +16,11 @@ from sie.basis.data import Array, Index, record
 
 TERMS = 24
 SEPARATION = 1.45
-# Numbers handled at once, so that they stay in the cache; times measured on one core are flat.
+# Numbers processed together, so that they stay in the cache. Insensitive: around this value the
+# time on one core does not change.
 CACHED = 1 << 14
-# The cut of a node is moved from the middle of its hull by at most this part of its intervals, and
-# by at most `_FARTHEST` intervals.
+# The cut of a node is moved from the middle of its hull by at most its number of intervals divided
+# by `_ASIDE`, and by at most `_FARTHEST` intervals.
 _ASIDE = 8
 _FARTHEST = 24
 
@@ -28,10 +29,10 @@ _FARTHEST = 24
 class Tree:
     """Nodes (n,) of the tree, level by level, the root first.
 
-    lo, hi: their hulls; left, right: children (-1 for a leaf); parent; item: the interval of a leaf
-    (-1 for other nodes); levels: first node of every level, and n; rest: part of the intervals'
-    ends below the last digit, of leaves (2, n); parted: for each pair of neighbours, the hull of
-    the smallest node that holds both.
+    lo, hi: ends of their hulls; left, right: children (-1 for a leaf); parent: parent (-1 for the
+    root); item: the interval of a leaf (-1 for other nodes); levels: first node of every level,
+    then n; rest: part of the ends of leaves below the last digit (2, n), zero for other nodes;
+    parted: for each two neighbouring intervals, the width of the smallest node that contains both.
     """
 
     lo: Array
@@ -50,8 +51,9 @@ class Tree:
 
     @classmethod
     def over(cls, a: Array, b: Array, rest: Array | None = None) -> Tree:
-        """The tree over the ascending intervals [a, b]; rest: part of their ends below the last
-        digit (2, n).
+        """The tree over the ascending intervals [a, b].
+
+        rest: part of their ends below the last digit (2, n).
         """
         middle, parted = 0.5 * (a + b), np.zeros(max(len(a) - 1, 0))
         narrower = np.minimum((b - a)[1:], (b - a)[:-1])
@@ -97,10 +99,10 @@ class Tree:
 
 
 def _between_wide(cut: Index, first: Index, last: Index, narrower: Array) -> Index:
-    """Cuts moved to where both neighbours are wide.
+    """Cuts of nodes, moved to positions where the intervals on both sides are wide.
 
-    Sums separate the neighbours of a cut with a rounding that is a part of the whole node, which
-    narrow intervals would feel most.
+    The potential difference of two intervals separated by a cut has a round-off that is relative to
+    the whole node. Narrow intervals would be affected most.
     """
     reach = np.minimum((last - first + 1) // _ASIDE, _FARTHEST)
     out = cut.copy()
@@ -116,7 +118,7 @@ def _between_wide(cut: Index, first: Index, last: Index, narrower: Array) -> Ind
 
 @record
 class Pairs:
-    """Pairs (target, source), with the source moved by `shift`."""
+    """Pairs of a target and a source, with the source moved by `shift`."""
 
     target: Index
     source: Index
@@ -137,8 +139,9 @@ class Pairs:
 
 
 def interactions(targets: Tree, sources: Tree, shifts: tuple[float, ...]) -> tuple[Pairs, Pairs]:
-    """(far pairs of nodes, near pairs of intervals) that cover every target and source once per
-    shift.
+    """(far pairs of nodes, near pairs of intervals).
+
+    Together they contain each pair of intervals exactly once for each shift.
     """
     far, near = [], []
     t_half, s_half = targets.half, sources.half
