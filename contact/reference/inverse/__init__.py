@@ -1,6 +1,6 @@
 """Inverse design: exact contact problems with given zones, to judge solvers by.
 
-`design(zones, E_star, load, ...)` makes the profile of which the given zones are the exact contact.
+`design(zones, E_star, load, ...)` makes a profile whose exact contact has the given zones.
 Nothing here imports the solver.
 """
 

@@ -1,31 +1,32 @@
 """Inverse design under JKR adhesion: p ~ -sqrt(E* w/pi)/sqrt(d) at every end.
 
-With X^2 the product of the factors of all zone ends, written x - e here (see product.py), the
-function
+Here d is the distance from the end and w the work of adhesion. X^2 is the product of the factors of
+all zone ends e, written x - e here (see product.py). The function
 
     X R,   R = M + sum_e q_e/(x - e),
     q_e = +-(2/E*) sqrt(E* w/pi)/sqrt(product of the other factors at e),
 
-is f' - (2/E*)(1/pi) int p/(x - xi) dxi, with f' its polynomial part. In the gaps it is the slope of
-the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial of degree n - 1; with a period it is a
-sum of the n + 1 cosines and sines of pi k x/L, k = n, n - 2, .., and of cosines for poles if n is
-even. Linear equations determine it: int X R vanishes over every gap, so that all zones have one
-approach, and the pressure carries the load. Derived from the general solution of N. I.
+is f' - (2/E*)(1/pi) int p/(x - xi) dxi, and f' is its polynomial part. In the gaps it is the slope
+of the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial of degree n - 1. With a period it is a
+sum of the n + 1 cosines and sines of pi k x/L, k = n, n - 2, .., and the poles are those of
+`CutProduct.poles`. Linear equations determine M: int X R vanishes over every gap, so that all zones
+have one approach, and the pressure carries the load. Derived from the general solution of N. I.
 Muskhelishvili, Singular Integral Equations (1953), ch. 11, with its solutions that are unbounded at
 the ends, and the intensity of JKR (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423, doi
 10.1016/0020-7683(94)00111-9).
 
-Local stability at prescribed load follows from the second variation of the energy by the ends. An
-end that moves outward by ds releases G ds and costs w ds, G = (pi/E*) K^2 with its intensity K. So
-the second derivatives of the potential are dG_i/ds_j = 2 w d ln K_i/ds_j. Moving the end e_j at a
-prescribed load adds to X R the field
+Local stability at prescribed load follows from the second variation of the energy by the outward
+movements s_i of the ends. An end that moves outward changes the energy at the rate G_i - w, where
+G_i = (pi/E*) K_i^2 with the intensity K_i of p ~ -K_i/sqrt(d). In equilibrium G_i = w, so the
+second derivatives are dG_i/ds_j = 2 w d ln K_i/ds_j. Moving the end e_j at a prescribed load adds
+to X R the field
 
     (A/(x - e_j) + T)/X,   A = +-(product of the other factors) q_j/2,
 
-which has the power -3/2 at e_j. T, of degree n - 2 (with a period of the frequencies n - 2, n - 4,
-..), keeps the approaches of all zones equal: the finite part of the integral of the field over
-every gap vanishes. Derived here. The matrix is symmetric, as a second derivative is; its
-computation does not assume that.
+which has the power -3/2 at e_j. T is a polynomial of degree n - 2, or with a period a sum of waves
+of the frequencies n - 2, n - 4, .. It keeps the approaches of all zones equal: the finite part of
+the integral of the field over every gap vanishes. Derived here. The matrix is symmetric, as a
+second derivative is; its computation does not assume that.
 """
 
 from dataclasses import dataclass
@@ -83,7 +84,8 @@ class AdhesiveDesign(GivenZones):
     mean_pressure, contact_fraction : float or None
         P/L [Pa], and the part of the period in contact; None without a period.
     nearness : float
-        Narrowest gap over widest zone; a small value makes the problem hard.
+        Width of the narrowest gap divided by that of the widest zone; the problem is hard if it is
+        small.
     approach, mean_gap : float or None
         With min f = 0 and mean u = 0 [m]; None without a period.
     pressure, gap, gap_slope, displacement, height, slope : callable
@@ -124,7 +126,7 @@ class AdhesiveDesign(GivenZones):
         return sqrt(self.E_star * self.work / pi)
 
     def _side(self, i: int) -> float:
-        """Sign of X on gap i, or of p over |X| R on zone i; positive on the last."""
+        """Sign of X on gap i, or of p relative to |X| R on zone i; it is 1 on the last zone."""
         return -1.0 if (len(self.zones) - (i // 2 + 1)) % 2 else 1.0
 
     @property
@@ -134,17 +136,17 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _poles(self) -> NDArray[np.floating]:
-        """Coefficients q_e of R."""
+        """Coefficients q_e of the poles of R = M + sum_e q_e/(x - e), for every end e."""
         product = self._extended
         per_length = 1.0 / product._unit if self.period is None else 2.0 * product._turn
         size = 2.0 * np.sqrt(np.longdouble(self.work) / (product.pi * self.E_star))
         return np.asarray(self._signs * size * np.sqrt(per_length / product.end_factors()))
 
     def _modes(self, product: CutProduct, i: int, dl: Any, dr: Any) -> Any:
-        """The basis functions of M, (..., count)."""
+        """Basis functions of M at points of interval i, (..., number of functions)."""
         n, ends = len(self.zones), product.zones.ravel()
         if self.period is None:
-            # x itself is rounded here, but M is smooth.
+            # Here x is rounded, unlike distances; that is harmless, as M is smooth.
             half = 2.0 * product._unit
             x = ends[0] - dr if i < 0 else ends[i] + dl
             return chebyshev.chebvander(((x - ends[0]) - (ends[-1] - x)) / (2.0 * half), n - 1)
@@ -153,7 +155,7 @@ class AdhesiveDesign(GivenZones):
         return np.stack(modes if n % 2 else [*modes, np.ones_like(x)], axis=-1)
 
     def _integrals(self, i: int) -> tuple[Any, Any]:
-        """int |X| modes dx and int |X| sum q_e/(x - e) dx over interval i."""
+        """Integrals of |X| times R over interval i: per coefficient of M, and of the poles."""
         dl, dr, weight = self._extended.nodes(i)
         weight = weight * self._extended.root(i, dl, dr)
         return weight @ self._modes(self._extended, i, dl, dr), weight @ (
@@ -162,7 +164,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _zone_integrals(self) -> tuple[Any, Any]:
-        """Zone loads per coefficient of M, and those of the poles."""
+        """Loads of all zones: per coefficient of M (n, count), and of the poles of R (n,)."""
         half = np.longdouble(self.E_star) / 2
         each = [
             (self._side(i) * half, *self._integrals(i)) for i in range(0, 2 * len(self.zones), 2)
@@ -171,7 +173,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _smooth(self) -> Any:
-        """Coefficients of M."""
+        """Coefficients of M in its basis, which solve the linear equations at the head."""
         modes, poles = self._zone_integrals
         gaps = [self._integrals(g) for g in self._extended.gaps]
         matrix = np.array([*(m for m, _ in gaps), np.sum(modes, axis=0)])
@@ -185,7 +187,7 @@ class AdhesiveDesign(GivenZones):
         return solution
 
     def _ratio(self, i: int, dl: Any, dr: Any) -> Any:
-        """R in double precision."""
+        """R = M + sum_e q_e/(x - e) at points of interval i, in double precision."""
         smooth = self._modes(self._product, i, dl, dr) @ self._smooth.astype(float)
         return smooth + self._product.poles(i, dl, dr) @ self._poles.astype(float)
 
@@ -195,13 +197,14 @@ class AdhesiveDesign(GivenZones):
         n, ends = len(self.zones), self._extended.zones.ravel()
         hull = (float(ends[0]), float(ends[-1]))
         if self.period is None:
-            # With x = middle + half (v + 1/v)/2, (x - e)/unit = v |1 - e^{i phi}/v|^2.
+            # With x = middle + half (v + 1/v)/2 and e = middle + half cos(phi),
+            # (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
             phi = 2.0 * np.arctan2(np.sqrt(ends[-1] - ends), np.sqrt(ends - ends[0]))
             root = exp_of_power_sums(np.array([np.sum(np.cos(k * phi)) for k in range(2 * n)])).real
-            ratio = np.zeros(2 * n, dtype=np.longdouble)  # of v^(n-1), .., v^-n
+            ratio = np.zeros(2 * n, dtype=np.longdouble)  # coefficients of v^(n-1), .., v^-n
             ratio[n - 1 :: -1] += 0.5 * self._smooth
             ratio[n - 1 : -1] += 0.5 * self._smooth
-            # unit/(x - e) = sum U_k(cos phi) v^(-k-1)
+            # The pole unit/(x - e) is the series sum U_k(cos phi) v^(-k-1).
             second, older = np.ones_like(phi), np.zeros_like(phi)
             for k in range(n):
                 ratio[n + k] += np.sum(self._poles * second)
@@ -209,14 +212,14 @@ class AdhesiveDesign(GivenZones):
             series = 2.0 * np.convolve(root, ratio)[: 2 * n][::-1]
             series[0] *= 0.5
             return DesignedProfile(series.astype(float), hull)
-        # Above the axis, with w = e^{2 pi i z/L},
+        # For complex z above the axis, with w = e^{2 pi i z/L},
         # 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
         angle = self._extended._turn * ends
         power_sums = np.array([0.5 * np.sum(np.exp(-2j * k * angle)) for k in range(n + 1)])
         root = np.exp(0.5j * (np.sum(angle) + n * self._extended.pi)) * exp_of_power_sums(
             power_sums
         )
-        ratio = np.zeros(n + 1, dtype=np.clongdouble)  # of e^{i pi z (2j - n)/L}
+        ratio = np.zeros(n + 1, dtype=np.clongdouble)  # coefficients of e^{i pi z (2j - n)/L}
         count = (n + 1) // 2
         cosine, sine = self._smooth[: 2 * count].reshape(count, 2).T
         ratio[:count] = 0.5 * (cosine + 1j * sine)
@@ -239,11 +242,11 @@ class AdhesiveDesign(GivenZones):
         return np.asarray(np.where(np.isnan(p), -np.inf, p), dtype=float)
 
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
-        """Slope of the gap in gap i (-1: left of all zones), or p/(E*/2) on a zone."""
+        """+-|X| R on interval i: slope of the gap (-1: left of all zones), or 2 p/E* on a zone."""
         return np.asarray(self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr))
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
-        """Integrate from the nearer end."""
+        """Mask of the points that are nearer to the left end of gap i: they integrate from it."""
         return np.asarray((dl <= dr) | np.isnan(dr)) if i >= 0 else np.zeros(dl.shape, dtype=bool)
 
     @cached_property
@@ -255,8 +258,8 @@ class AdhesiveDesign(GivenZones):
     def is_admissible(self) -> bool:
         """Whether the surfaces stay separate outside the zones.
 
-        In the gaps it sums the slope over 400 angles from both ends; outside all zones it takes the
-        sign of the slope.
+        In every gap the slope is summed from both ends to the middle, at 400 angles: all partial
+        sums must be positive. Outside all zones the slope must have the sign of an opening gap.
         """
         ends = self._product.zones.ravel()
         phi = pi * (np.arange(400) + 0.5) / 400
@@ -312,17 +315,20 @@ def second_variation(design: AdhesiveDesign) -> Array:
     unit = float(product._unit) if design.period is None else design.period / (2.0 * pi)
     others = product.end_factors()
     root = np.sqrt(others)
-    k = outward * sigma * root * q  # X R ~ k/sqrt|factor| in the gap next to the end
+    k = outward * sigma * root * q  # X R ~ k/sqrt|factor| next to the end
     at_ends = [product.at_end(e) for e in range(m)]
-    poles = np.array([product.poles(*at)[0] for at in at_ends])  # [i, j]: of end j, at end i
+    # [i, j]: the pole of end j at end i
+    poles = np.array([product.poles(*at)[0] for at in at_ends])
     np.fill_diagonal(poles, 0.0)
     modes = np.array([design._modes(product, *at)[0] for at in at_ends])
-    strength = outward * others * q / (2.0 * unit)  # A for every end
-    smooth = _low_modes(design, modes) @ _low_coefficients(design, strength, unit).T  # T
+    strength = outward * others * q / (2.0 * unit)  # the coefficient A of every end
+    # [i, j]: T at end i as end j moves
+    smooth = _low_modes(design, modes) @ _low_coefficients(design, strength, unit).T
     regular = modes @ design._smooth.astype(float) + poles @ q
     change = (sigma / root)[:, None] * (strength * poles + smooth)  # d k_i/d e_j
-    # At the end that moves, the next power of X R counts: the moved root gives half of it, and the
-    # derivatives of the other factors cancel.
+    # At the end that moves, the change of k comes from the next power of X R, sqrt|factor|. The
+    # moved end contributes half of its coefficient, and the derivatives of the other factors
+    # cancel.
     own = outward * root * regular / (2.0 * unit) + np.diagonal(smooth) / root
     np.fill_diagonal(change, sigma * own)
     return np.asarray(2.0 * design.work * change / k[:, None] * outward, dtype=float)
@@ -359,12 +365,19 @@ def is_stable(design: AdhesiveDesign) -> bool:
 
 
 def _low_modes(design: AdhesiveDesign, modes: Array) -> Array:
-    """The basis functions of T, (..., n - 1): those of M without the highest."""
+    """Basis functions of the field T of a moving end, (..., n - 1).
+
+    They are those of M without the highest polynomial, or with a period without the highest cosine
+    and sine.
+    """
     return modes[..., :-1] if design.period is None else modes[..., 2:]
 
 
 def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> Array:
-    """Coefficients of T for the motion of every end, (2n, n - 1)."""
+    """Coefficients of the field T for the motion of every end, (2n, n - 1).
+
+    T makes the integral of the field (head of this module) vanish over every gap.
+    """
     product, n = design._product, len(design.zones)
     others, m = product.end_factors(), 2 * len(design.zones)
     gaps = list(product.gaps)[: n - 1]  # with a period the last condition follows from the others
@@ -377,7 +390,8 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
         for j in range(m):
             field = strength[j] * poles[:, j] / x_root
             if j in (g, (g + 1) % m):
-                # A multiple of d/dx (X pole) makes it integrable; its integral has no finite part.
+                # A multiple of d/dx (X pole) is subtracted, so that the field becomes integrable.
+                # The integral of that derivative has no finite part.
                 share = (-2.0 if j == g else 2.0) * unit * strength[j] / others[j]
                 field = field - share * _pole_slope(design, g, (dl, dr), j, poles[:, j]) * x_root
             given[row, j] = -np.sum(weight * field)
@@ -387,7 +401,10 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
 def _pole_slope(
     design: AdhesiveDesign, g: int, at: tuple[Array, Array], j: int, pole: Any
 ) -> Array:
-    """d/dx (|X| pole_j)/|X| at distances `at` from the ends of gap g."""
+    """Derivative of |X| times the pole of end j, divided by |X|, in gap g.
+
+    The points are given by their distances `at` from the ends of the gap.
+    """
     ends = design._product.zones.ravel()
     distance = (ends[g] + at[0])[:, None] - ends
     distance[:, g], distance[:, (g + 1) % len(ends)] = at[0], -at[1]

@@ -1,11 +1,11 @@
 r"""Inverse design under Dugdale's law, for given zones and given cohesive intervals.
 
 A tension s acts on the strips, the parts of the cohesive intervals outside the zones: p = -s there.
-With X^2 the product of (z - e) over all zone ends e, and p bounded, the function
+X^2 is the product of z - e over all zone ends e, and p is bounded. The function
 
     X R,   R = M + (2 s/E*)(1/pi) int over the strips of d xi/(X(xi) (z - xi)),
 
-is f' - (2/E*)(1/pi) int p/(z - xi) d xi, with f' its polynomial part. Outside the zones it is the
+is f' - (2/E*)(1/pi) int p/(z - xi) d xi, and f' is its polynomial part. Outside the zones it is the
 slope of the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial. Linear conditions determine all
 its coefficients but the highest: all zones have one approach, and the gap at every end of an
 interval is the reach w/s. The highest coefficient is free and sets the curvature of the body
@@ -13,8 +13,8 @@ outside the zones. Derived from the solution of N. I. Muskhelishvili, Singular I
 (1953), ch. 11, that is bounded at the ends, and the tension of D. S. Dugdale, J. Mech. Phys. Solids
 8 (1960) 100, doi 10.1016/0022-5096(60)90013-2.
 
-Next to a strip of width w its integral is, with zeta^2 the distance from the zone's end over w and
-1/X = h/sqrt(distance),
+Next to a strip of width w the integral over this strip is nearly singular. With zeta^2 and tau^2
+the distances from the zone's end divided by w, and 1/X = h/sqrt(distance), it is
 
     (2/sqrt(w)) [int_0^1 (h(tau) - h(zeta))/(zeta^2 - tau^2) d tau + (h(zeta)/zeta) artanh(zeta or
     1/zeta)],
@@ -56,9 +56,9 @@ class _Strip:
     """A strip of tension in scaled coordinates.
 
     It goes from a zone's end outward (direction +-1), or fills a gap between two zones (0). `gap`
-    is the number of its gap (0: left of all zones), `ends` are the zone ends it starts from; nodes
-    and weights integrate a function times 1/X over it. `h` is 1/X at the nodes times the square
-    roots of the distances from `ends`.
+    is the number of its gap (0: left of all zones), and `ends` are the zone ends next to it.
+    `nodes` and `weights` are a quadrature rule for functions times 1/X over the strip. `h` is 1/X
+    at the nodes times the square roots of the distances from `ends`.
     """
 
     end: float
@@ -71,7 +71,7 @@ class _Strip:
     h: Array
 
     def far(self, t: Array) -> Array:
-        """int d xi/(X (t - xi)) at points away from the strip."""
+        """Integral of 1/(X(xi) (t - xi)) by xi over the strip, at points t away from it."""
         return np.asarray((1.0 / (t[..., None] - self.nodes)) @ self.weights)
 
 
@@ -98,8 +98,8 @@ class CohesiveDesign:
         Highest coefficient of M as a Chebyshev series over the hull of the zones; it sets the
         curvature of the body outside.
     given_load : float or None
-        The load [N/m], for which M gets one coefficient more; or two, one of them zero, so that the
-        body rises on both sides.
+        The load [N/m], or None. A given load adds one coefficient to M. If the body would then fall
+        on one side, it adds two, and the second highest coefficient of M is zero.
 
     Attributes
     ----------
@@ -162,10 +162,10 @@ class CohesiveDesign:
 
     @property
     def reach(self) -> float:
-        """Work over stress [m], the largest gap with tension."""
+        """Work divided by stress [m]: the largest gap with tension."""
         return self.work / self.stress
 
-    # Scaled coordinates: t = (x - middle)/half over the hull of the zones.
+    # The scaled coordinate is t = (x - middle)/half; it maps the hull of the zones to [-1, 1].
     @cached_property
     def _frame(self) -> tuple[float, float]:
         lo, hi = float(self.zones[0, 0]), float(self.zones[-1, 1])
@@ -181,7 +181,7 @@ class CohesiveDesign:
 
     @property
     def _tension(self) -> float:
-        """2 s/(E* pi), the scale of the slope that the tension makes."""
+        """The factor 2 s/(pi E*) of the slope of the gap that the tension s causes."""
         return 2 * self.stress / (self.E_star * pi)
 
     @cached_property
@@ -214,25 +214,31 @@ class CohesiveDesign:
         return _Strip(ends[0], width, direction, gap, ends, nodes, weights * h, h)
 
     def _root(self, t: Array, without: tuple[float, ...] = ()) -> Array:
-        """X outside the zones, without the factors of some ends."""
+        """X at points t outside the zones, without the factors of the ends `without`."""
         ends_right = np.sum(t[..., None] < self._ends, axis=-1)
         factors = [np.ones(t.shape), *(np.abs(t - end) for end in self._ends if end not in without)]
         sign = np.where((ends_right + 1) // 2 % 2, -1.0, 1.0)
         return np.sqrt(np.prod(factors, axis=0)) * sign
 
     def _smooth_in_own_gap(self, strip: _Strip, t: Array) -> Array:
-        """X int d xi/(X (t - xi)) in the strip's own gap, less 2 direction artanh."""
+        """X times the integral of 1/(X (t - xi)) over a strip, at points t of its own gap.
+
+        The closed part 2 direction artanh(zeta or 1/zeta) is left out: see the head of this module.
+        """
         difference = 1.0 - 1.0 / (self._root(t, strip.ends)[..., None] * strip.h)
         integral = (difference / (t[..., None] - strip.nodes)) @ strip.weights
         return self._root(t) * np.asarray(integral)
 
     @cached_property
     def _count(self) -> int:
-        """Number of conditions on M, one less than its coefficients."""
+        """Number of conditions on M besides `rise` and a given load."""
         return 3 * len(self.cohesive) - 1 + sum(strip.direction == 0 for strip in self._strips)
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
-        """Slope of the gap per coefficient of M, and of the tension without own artanh."""
+        """Slope of the gap at points t of a gap: (per coefficient of M, by the tension).
+
+        The artanh of the strips in this gap is left out; `_gap_parts` integrates it.
+        """
         by_tension = np.zeros(t.shape)
         for strip in self._strips:
             if strip.gap == gap:
@@ -243,7 +249,10 @@ class CohesiveDesign:
         return modes, self._tension * by_tension
 
     def _gap_parts(self, gap: int, start: float, stop: Array) -> tuple[Array, Array]:
-        """The gap at points (P,) from a zone's end: per coefficient of M, and of the tension."""
+        """The gap at points `stop`, (P,): (per coefficient of M, by the tension).
+
+        It is the integral of the slope from the zone's end `start`.
+        """
         u, weight = _gauss(_OPTIONS.gap_nodes)
         half = 0.5 * (stop - start)[:, None]
         t = start + half * (1 - np.cos(pi * u))
@@ -259,7 +268,7 @@ class CohesiveDesign:
 
     @cached_property
     def _conditions(self) -> tuple[Array, Array]:
-        """Matrix and right side of the conditions for the coefficients of M."""
+        """Matrix and right side of the linear conditions for the coefficients of M."""
         half = self._frame[1]
         conditions = []
         for strip in self._strips:
@@ -274,7 +283,8 @@ class CohesiveDesign:
         units = np.eye(self._degree + 1)
         conditions.append((units[-1], self.rise))
         if self.given_load is not None:
-            # The load is the last coefficient of the series of X R, which is linear in M.
+            # The coefficient of 1/t in the series of X R is the load times `_load_unit`. It is
+            # linear in M.
             per_mode = np.array([self._series_of(unit, 0.0)[-1] for unit in units])
             of_tension = self._series_of(0.0 * units[0], self._tension)[-1]
             conditions.append((per_mode, self._load_unit * self.given_load - of_tension))
@@ -286,7 +296,7 @@ class CohesiveDesign:
 
     @cached_property
     def _smooth(self) -> Array:
-        """Coefficients of M."""
+        """Coefficients of M as a Chebyshev series on the hull of the zones."""
         return np.asarray(np.linalg.solve(*self._conditions))
 
     @property
@@ -296,7 +306,7 @@ class CohesiveDesign:
 
     @property
     def _degree(self) -> int:
-        """Degree of M."""
+        """Degree of the polynomial M."""
         if self.given_load is None:
             return self._count
         return self._count + 1 + (len(self.zones) + self._count) % 2
@@ -310,7 +320,10 @@ class CohesiveDesign:
         return self._series_of(self._smooth, self._tension)
 
     def _series_of(self, smooth: Array, tension: float) -> Array:
-        """Coefficients of X R for t^N, t^(N-1), ..., t^-1, given M and a tension."""
+        """Coefficients of X R, the slope of the gap, for the powers t^N, t^(N-1), ..., t^-1.
+
+        `smooth` are the coefficients of M, and `tension` is the factor of the strips' integrals.
+        """
         nodes = np.concatenate([strip.nodes for strip in self._strips])
         weights = np.concatenate([strip.weights for strip in self._strips])
         moments = weights @ np.vander(nodes, len(self.zones) + 1, increasing=True)
@@ -351,7 +364,10 @@ class CohesiveDesign:
         return np.any((x >= self.cohesive[:, 0]) & (x <= self.cohesive[:, 1]), axis=-1)
 
     def _on_zones(self, strip: _Strip, t: Array) -> Array:
-        """int d xi/(X (t - xi)) at points of the zones, accurate up to the strip."""
+        """Integral of 1/(X (t - xi)) by xi over a strip, at points t of the zones.
+
+        It is accurate up to the end of the strip.
+        """
         distance = np.min([np.abs(t - end) for end in strip.ends], axis=0)
         low, high = np.sort([strip.end, strip.end + (strip.direction or 1) * strip.width])
         close = (distance < 0.5 * strip.width) & ((t > high) | (t < low))
@@ -360,7 +376,7 @@ class CohesiveDesign:
         out = strip.far(t)
         if close.any():
             at = t[close]
-            # h, continued from the strip into the zone it starts from.
+            # This is h, continued from the strip into the zone next to it.
             factors = [np.abs(at - end) for end in self._ends if end not in strip.ends]
             h = np.sign(strip.h[0]) / np.sqrt(np.prod(factors, axis=0))
             difference = (1 - h[:, None] / strip.h) / (at[:, None] - strip.nodes)
@@ -391,12 +407,12 @@ class CohesiveDesign:
 
     @cached_property
     def is_admissible(self) -> bool:
-        """Whether the signs of pressure and gap are right at many points."""
+        """Whether pressure and gap satisfy Dugdale's law at many points."""
         few, many = _OPTIONS.first_sign_points, _OPTIONS.sign_points
         return self._signs_are_right(few) and self._signs_are_right(many)
 
     def _signs_are_right(self, points: int) -> bool:
-        """Check the signs at points of every zone, gap and strip, and outside all intervals."""
+        """Whether the law holds at points of every zone, gap and strip, and outside all of them."""
         u = 0.5 - 0.5 * np.cos(pi * (np.arange(points) + 0.5) / points)
         inner = (self.zones[:, :1] + np.diff(self.zones) * u).ravel()
         if not np.all(self.pressure(inner) > -self.stress):
@@ -419,13 +435,13 @@ class CohesiveDesign:
 
 @lru_cache(maxsize=64)
 def _gauss(count: int) -> tuple[Array, Array]:
-    """Gauss-Legendre rule on (0, 1)."""
+    """Nodes and weights of the Gauss-Legendre rule on (0, 1)."""
     x, weight = np.polynomial.legendre.leggauss(count)
     return 0.5 * (1 + x), 0.5 * weight
 
 
 def _artanh_integral(y: ArrayLike, width: float) -> Array:
-    """int_0^y artanh(sqrt(y/w or w/y)) dy."""
+    """Integral int_0^y artanh(sqrt(s/w) or sqrt(w/s)) ds with w = `width`, in closed form."""
     y = np.asarray(y, dtype=float)
     ratio = np.minimum(y, width) / np.maximum(y, width)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -1,15 +1,15 @@
 """Inverse design of frictionless contacts: the profile that has given zones.
 
-With X^2 the product over all zone ends (of x - e, or of 2 sin(pi (x - e)/L) with a period L) and M
-a product of the same kind with one root in every gap, such that int_gap X M dx = 0, the function
-Phi = (E*/2)(f' - X M), f' the polynomial part of X M, is the Cauchy (Hilbert) transform of
+X^2 is the product over all zone ends e of x - e, or of 2 sin(pi (x - e)/L) with a period L. M is a
+product of the same kind with one root in every gap, such that int_gap X M dx = 0. Let f' be the
+polynomial part of X M. Then Phi = (E*/2)(f' - X M) is the Cauchy (Hilbert) transform of
 
     p = (E*/2)|X M| on the zones,   gap slope = X M between them,   f' a (trigonometric) polynomial.
 
-n isolated zones: n - 1 roots, f of degree 2n. n zones a period: n roots, f a Fourier series of n
-harmonics (X and M both change sign as (-1)^n over a period, so that X M is periodic; its mean
-vanishes because its gap integrals do). Derived from the general solution (34) of Muskhelishvili,
-Singular Integral Equations (1953), ch. 11.
+For n isolated zones M has n - 1 roots, and f is a polynomial of degree 2n. For n zones in a period
+M has n roots, and f is a Fourier series of n harmonics. (X and M are both multiplied by (-1)^n over
+a period, so that X M is periodic; the mean slope vanishes because the gap integrals do.) Derived
+from the general solution (34) of Muskhelishvili, Singular Integral Equations (1953), ch. 11.
 
 All factors are formed from distances to the ends of the point's own zone or gap, so that nothing
 cancels near an end.
@@ -72,7 +72,7 @@ class DesignedProfile(Profile):
     hull: tuple[float, float]
 
     def _local(self, x: ArrayLike) -> Array:
-        """x scaled to [-1, 1] on the hull."""
+        """Position x scaled so that the hull of the zones is [-1, 1]."""
         lo, hi = self.hull
         x = np.asarray(x)
         return np.asarray(((x - lo) - (hi - x)) / (hi - lo))
@@ -84,11 +84,11 @@ class DesignedProfile(Profile):
         )
 
     def height(self, x: ArrayLike) -> Array:
-        """f(x), zero in the middle of the zones' hull."""
+        """Profile f(x) [m], zero in the middle of the zones' hull."""
         return np.asarray(chebyshev.chebval(self._local(x), self._height_series))
 
     def slope(self, x: ArrayLike) -> Array:
-        """f'(x)."""
+        """Slope f'(x) of the profile."""
         return np.asarray(chebyshev.chebval(self._local(x), self.slope_series))
 
     @property
@@ -98,7 +98,7 @@ class DesignedProfile(Profile):
 
     @property
     def coefficients(self) -> Array:
-        """f as a polynomial in x, lowest power first."""
+        """Coefficients of f as a polynomial in x, lowest power first."""
         return np.asarray(
             np.polynomial.Chebyshev(self._height_series, self.hull)
             .convert(kind=np.polynomial.Polynomial)
@@ -107,9 +107,10 @@ class DesignedProfile(Profile):
 
 
 def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
-    """Coefficients S_m of prod (1 - y_i z)^{e_i} from the power sums q_k = sum e_i y_i^k.
+    """Coefficients S_m of prod_i (1 - y_i z)^{e_i} as a power series in z.
 
-    Newton's identity: m S_m = -sum_{j=1}^m q_j S_{m-j}.
+    They follow from the power sums q_k = sum_i e_i y_i^k by Newton's identity
+    m S_m = -sum_{j=1}^m q_j S_{m-j}.
     """
     s = np.zeros(len(q), dtype=np.result_type(q, np.complex64))
     s[0] = 1.0
@@ -120,10 +121,10 @@ def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
 
 @dataclass(frozen=True, eq=False)
 class GivenZones(ExactContact):
-    """Base of designs from `CutProduct`.
+    """Base of the designed contacts: fields from the products of `CutProduct`.
 
-    A subclass gives the profile, the zone loads, the pressure and the slope of the gap.
-    Their formulas take the distances dl, dr of a point from the ends of its interval.
+    A subclass defines the profile, the zone loads, the pressure and the slope of the gap. Its
+    formulas take the distances dl and dr of a point from the left and right end of its interval.
     """
 
     zones: Array
@@ -141,12 +142,12 @@ class GivenZones(ExactContact):
 
     @cached_property
     def _extended(self) -> CutProduct:
-        """The product in extended precision, for the profile and the loads."""
+        """The product of the factors in extended precision, for the profile and the loads."""
         return CutProduct(self.zones.astype(np.longdouble), self.period)
 
     @cached_property
     def _product(self) -> CutProduct:
-        """The product in double precision, for the fields."""
+        """The product of the factors in double precision, for pressure and gap."""
         return CutProduct(self.zones.astype(float), self.period)
 
     @property
@@ -162,11 +163,11 @@ class GivenZones(ExactContact):
         return Fourier(self.period, cosine.astype(float), sine.astype(float))
 
     def _zone_pressure(self, i: int, dl: Array, dr: Array) -> Array:
-        """p on interval i, a zone."""
+        """Pressure at points of interval i, which is a zone."""
         raise NotImplementedError
 
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
-        """Slope of the gap in interval i, a gap (-1: left of all zones)."""
+        """Slope of the gap at points of interval i, which is a gap (-1: left of all zones)."""
         raise NotImplementedError
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
@@ -174,7 +175,7 @@ class GivenZones(ExactContact):
         raise NotImplementedError
 
     def _on(self, odd: bool, x: ArrayLike, function: Callable[[int, Array, Array], Array]) -> Array:
-        """A function of (i, dl, dr) at the points in gaps (odd) or in zones; 0 at all others."""
+        """Values of a function of (i, dl, dr) at the points in gaps (odd) or in zones; else 0."""
         x = np.asarray(x, dtype=float)
         interval, dl, dr = self._product.locate(x)
         values = np.zeros_like(x)
@@ -184,7 +185,10 @@ class GivenZones(ExactContact):
         return values
 
     def gap(self, x: ArrayLike) -> Array:
-        """u + f - approach [m], 0 in the zones: the slope integrated from an end of the gap."""
+        """Gap u + f - approach [m], 0 in the zones.
+
+        It is the integral of its slope from an end of the gap.
+        """
         return self._on(True, x, self._opened)
 
     def _opened(self, i: int, dl: Array, dr: Array) -> Array:
@@ -192,7 +196,8 @@ class GivenZones(ExactContact):
         rightward = self._from_left(i, left, right)
         length, rest = np.where(rightward, left, right), np.where(rightward, right, left)
         safe = np.where(length == 0.0, 1.0, length)  # the slope may be infinite at an end
-        # The slope may be as 1/sqrt at the end: with the distance length s^2 it becomes smooth.
+        # The slope may grow like 1/sqrt(distance) at the end. The distance is length s^2 with the
+        # integration variable s, so that the integrand is smooth.
         start, stop = safe * FROM_LEFT**2, rest + safe * FROM_RIGHT * (1.0 + FROM_LEFT)
         values = self._opening(
             i, np.where(rightward, start, stop), np.where(rightward, stop, start)
@@ -201,16 +206,16 @@ class GivenZones(ExactContact):
         return np.asarray(np.sum(sign * length * FROM_LEFT * WEIGHT * values, axis=-1))
 
     def height(self, x: ArrayLike) -> Array:
-        """f(x) [m], up to a constant."""
+        """Profile f(x) [m], up to a constant."""
         return self.profile.height(x)
 
     def slope(self, x: ArrayLike) -> Array:
-        """f'(x)."""
+        """Slope f'(x) of the profile."""
         return self.profile.slope(x)
 
     @property
     def nearness(self) -> float:
-        """Narrowest gap over widest zone."""
+        """Width of the narrowest gap divided by that of the widest zone."""
         gaps = self._product.steps[1::2]
         return float(np.min(gaps) / np.max(self.zone_widths)) if gaps.size else np.inf
 
@@ -222,7 +227,7 @@ class GivenZones(ExactContact):
         return self._zone_pressure(2 * zone, half * (1.0 + t), half * (1.0 - t))
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa], 0 outside the zones."""
+        """Pressure p(x) [Pa], 0 outside the zones."""
         return self._on(False, x, self._zone_pressure)
 
     def gap_slope(self, x: ArrayLike) -> Array:
@@ -230,7 +235,7 @@ class GivenZones(ExactContact):
         return self._on(True, x, self._opening)
 
     def displacement(self, x: ArrayLike) -> Array:
-        """u(x) [m] into the body, of zero mean; SceneError without a period."""
+        """Displacement u(x) [m] into the body, of zero mean; SceneError without a period."""
         if self.approach is None:
             raise SceneError.of(
                 "period", None, "a length > 0: an isolated displacement needs a datum"
@@ -265,7 +270,7 @@ class GivenZones(ExactContact):
 
     @property
     def approach(self) -> float | None:
-        """Approach [m], mean f - min f - mean gap, as mean u = 0; None without a period."""
+        """Approach mean f - min f - mean gap [m], where u has zero mean; None without a period."""
         return None if self.mean_gap is None else -self._least_height - self.mean_gap
 
 
@@ -299,7 +304,8 @@ class DesignedContact(GivenZones):
     mean_pressure, contact_fraction : float or None
         P/L [Pa], and the part of the period in contact; None without a period.
     nearness : float
-        Narrowest gap over widest zone; a small value makes the problem hard.
+        Width of the narrowest gap divided by that of the widest zone; the problem is hard if it is
+        small.
     approach, mean_gap : float or None
         With min f = 0 and mean u = 0 [m]; None without a period.
     pressure, gap, gap_slope, displacement, height, slope : callable
@@ -339,7 +345,7 @@ class DesignedContact(GivenZones):
 
     @cached_property
     def _raw_loads(self) -> Array:
-        """int |X M| over each zone, before scaling to the load."""
+        """Integral of |X M| over each zone, before the product is scaled to the load."""
         nodes = [(i, *self._extended.nodes(i)) for i in range(0, 2 * len(self.zones), 2)]
         return np.array(
             [np.sum(weight * self._extended.magnitude(i, dl, dr)) for i, dl, dr, weight in nodes]
@@ -347,7 +353,7 @@ class DesignedContact(GivenZones):
 
     @cached_property
     def _extended_scale(self) -> Any:
-        """The factor of X M that makes the load right."""
+        """The factor by which X M is multiplied to carry the given load."""
         return self.load / (0.5 * self.E_star * np.sum(self._raw_loads))
 
     @property
@@ -363,20 +369,21 @@ class DesignedContact(GivenZones):
         exponents = np.concatenate([np.full(len(ends), 0.5), np.ones(len(roots))])
         n = len(self.zones)
         if self.period is None:
-            # With x = middle + half (v + 1/v)/2, (x - e)/unit = v |1 - e^{i phi}/v|^2.
+            # With x = middle + half (v + 1/v)/2 and e = middle + half cos(phi),
+            # (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
             points = np.concatenate([ends, roots])
             phi = 2.0 * np.arctan2(np.sqrt(hull[1] - points), np.sqrt(points - hull[0]))
             power_sums = np.array([2.0 * np.sum(exponents * np.cos(k * phi)) for k in range(2 * n)])
             series = 2.0 * self._extended_scale * exp_of_power_sums(power_sums).real[::-1]
             series[0] *= 0.5
             return DesignedProfile(series.astype(float), hull)
-        # Above the axis, with w = e^{2 pi i z/L},
+        # For complex z above the axis, with w = e^{2 pi i z/L},
         # 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
         angle = 2.0 * self._extended.pi / self.period * np.concatenate([ends, roots])
         power_sums = np.array([np.sum(exponents * np.exp(-1j * k * angle)) for k in range(n + 1)])
         phase = np.exp(0.5j * np.sum(exponents * angle))
         coefficients = phase * exp_of_power_sums(power_sums)
-        # The constant term is 2 i p_mean/E*, which fixes the sign of the root.
+        # The constant term is 2i/E* times the mean pressure, which fixes the sign of the root X.
         coefficients *= np.sign(coefficients[n].imag) * self._extended_scale
         return self._of_slope(coefficients[n - 1 :: -1])
 
@@ -394,7 +401,7 @@ class DesignedContact(GivenZones):
         return self._scale * self._product.side(i, dl, dr) * self._product.magnitude(i, dl, dr)
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
-        """Integrate from the end on the same side of the widest point of the gap."""
+        """Mask of the points left of the widest point of the gap: they integrate from the left."""
         return self._product.side(i, dl, dr) > 0.0
 
     @cached_property

@@ -1,9 +1,9 @@
 """The product X M of an inverse design, from distances that do not cancel.
 
-X^2 has one factor for each zone end. M has one for each of its roots; every gap has one root,
-placed so that int_gap X M dx = 0. A factor is (x - e)/unit, or 2 sin(pi (x - e)/L) with a period.
-Interval i lies between end i and end i + 1: zones have even numbers, gaps odd ones. With a period
-the last gap wraps around.
+X^2 is a product with one factor for each zone end e. M is a product with one factor for each gap:
+its root in the gap is placed so that int_gap X M dx = 0. The factor of an end or root e is
+(x - e)/unit, or 2 sin(pi (x - e)/L) with a period. Interval i lies between end i and end i + 1:
+zones have even numbers, gaps odd ones. With a period the last gap wraps around.
 """
 
 from dataclasses import dataclass
@@ -19,13 +19,13 @@ from sie import Index, Mask
 
 Array = NDArray[np.floating]
 
-# pi to more digits than any long double has.
+# This is pi to more digits than any long double has.
 _PI = "3.14159265358979323846264338327950288"
 
 
 @dataclass(frozen=True, eq=False)
 class CutProduct:
-    """X M for zones (n, 2), ascending, within one period if there is one.
+    """The product X M for ascending zones, (n, 2), within one period if there is one.
 
     All numbers have the precision of `zones`. The profile's coefficients lose about one digit per
     zone, so they are computed in extended precision and rounded at the end.
@@ -35,7 +35,7 @@ class CutProduct:
     period: float | None = None
 
     def rounded(self) -> "CutProduct":
-        """Return the same product in double precision, with the roots found here."""
+        """Return the same product in double precision; its roots are the rounded roots."""
         other = CutProduct(self.zones.astype(float), self.period)
         other.__dict__["roots"] = self.roots.astype(float)
         return other
@@ -51,7 +51,7 @@ class CutProduct:
 
     @cached_property
     def steps(self) -> Array:
-        """Lengths of the intervals."""
+        """Lengths of the intervals between neighbouring ends, zones and gaps in turn."""
         ends = self.zones.ravel()
         steps = np.diff(ends)
         return steps if self.period is None else np.append(steps, ends[0] + self.period - ends[-1])
@@ -63,20 +63,24 @@ class CutProduct:
 
     @cached_property
     def _unit(self) -> Any:
-        """A quarter of the hull, its logarithmic capacity; it keeps long products near one."""
+        """A quarter of the hull's length; as unit of the factors it keeps products near one.
+
+        It is the logarithmic capacity of the hull.
+        """
         return 0.25 * (self.zones[-1, 1] - self.zones[0, 0])
 
     def _sum(self, first: int, last: int) -> Any:
-        """Sum of the steps first .. last - 1, around the period if last < first."""
+        """Sum of the lengths of intervals first .. last - 1, past the period if last < first."""
         if first <= last:
             return np.sum(self.steps[first:last])
         return np.sum(self.steps[first:]) + np.sum(self.steps[:last])
 
     @cached_property
     def _leftward(self) -> Array:
-        """[i, j]: distance leftward from end i to end j.
+        """Matrix whose entry [i, j] is the distance leftward from end i to end j.
 
-        Without a period it is nan if j > i, and for the intervals outside the first and last end.
+        Without a period it is nan if j > i, and in an extra row and column for the intervals left
+        and right of all zones.
         """
         m = 2 * len(self.zones)
         distances = np.array(
@@ -97,16 +101,16 @@ class CutProduct:
         return dl[..., None] + self._leftward[i, :m], dr[..., None] + self._leftward[:m, after]
 
     def _factors(self, left: Array, right: Array, positive_side: Mask) -> Array:
-        """Signed factors (x - e)/unit or 2 sin(pi (x - e)/L).
+        """Signed factors (x - e)/unit, or 2 sin(pi (x - e)/L), of ends or roots e at points x.
 
-        The root or end e is at the distance `left` on the left of x, or `right` on the right.
+        e lies at the distance `left` on the left of x, or at the distance `right` on its right.
         """
         if self.period is None:
             return np.where(positive_side, left, -right) / self._unit
         return 2.0 * np.sin(self._turn * np.minimum(left, right))
 
     def _end_factors(self, i: int, dl: Array, dr: Array) -> Array:
-        """Absolute factors of all ends at points of interval i, (..., 2n)."""
+        """Absolute values of the factors of all ends at points of interval i, (..., 2n)."""
         return np.abs(
             self._factors(*self._distances(i, dl, dr), np.arange(2 * len(self.zones)) <= i)
         )
@@ -114,7 +118,7 @@ class CutProduct:
     def _root_distances(
         self, i: int, dl: Array, dr: Array, offsets: Array
     ) -> tuple[Array, Array, Mask]:
-        """Distances leftward and rightward to all roots, and a mask of the roots left of the point.
+        """Distances leftward and rightward to all roots of M, and a mask of the roots on the left.
 
         `offsets`, (roots, 2), are the distances of the roots from the ends of their gaps. For the
         root r in the point's own gap the leftward distance is x - r with its sign, the rightward
@@ -166,7 +170,10 @@ class CutProduct:
     def _gap_row(
         self, row: int, g: int, dl: Array, dr: Array, weight: Array, offsets: Array
     ) -> tuple[Any, Array]:
-        """int_gap |X| M of one gap and its derivatives by all roots, over int_gap |X M|."""
+        """Residual int_gap |X| M dx of one gap, and its derivatives by all roots.
+
+        Both are divided by int_gap |X M| dx. `weight` is the quadrature weight times |X|.
+        """
         left, right, is_left = self._root_distances(g, dl, dr, offsets)
         factors = self._factors(left, right, is_left)
         others = np.prod(np.delete(factors, row, axis=-1), axis=-1) * weight
@@ -187,10 +194,10 @@ class CutProduct:
         return np.sum(others * own) / scale, derivative
 
     def nodes(self, i: int) -> tuple[Any, Any, Any]:
-        """Gauss-Chebyshev nodes of interval i: dl, dr, and weights for int F dx.
+        """Gauss-Chebyshev rule on interval i: distances dl and dr of the nodes, and weights.
 
-        F may be as 1/sqrt at the ends. It is analytic up to the neighbouring ends; their distance
-        over the length of the interval sets the number of nodes.
+        The integrand may grow like 1/sqrt at the ends. It is analytic up to the neighbouring ends.
+        Their distance, divided by the length of the interval, sets the number of nodes.
         """
         m, h = len(self.steps), self.steps[i]
         nearest = min(
@@ -210,13 +217,14 @@ class CutProduct:
         )
 
     def root(self, i: int, dl: Array, dr: Array) -> Array:
-        """|X| on interval i."""
+        """|X| at points of interval i."""
         return np.asarray(np.sqrt(np.prod(self._end_factors(i, dl, dr), axis=-1)))
 
     def poles(self, i: int, dl: Array, dr: Array) -> Array:
-        """Signed 1/factor of every end, (..., 2n).
+        """Signed inverse factors of every end, with a pole at that end, (..., 2n).
 
-        With a period and an even number of zones it is cos/factor, so that X times it is periodic.
+        With a period and an even number of zones they are cos(pi (x - e)/L)/factor, so that X times
+        a pole is periodic.
         """
         factors = self._end_factors(i, dl, dr)
         with np.errstate(divide="ignore"):
@@ -227,14 +235,14 @@ class CutProduct:
             return np.asarray(np.cos(self._turn * (dl[..., None] + self._leftward[i])) / factors)
 
     def at_end(self, e: int) -> tuple[int, Any, Any]:
-        """(interval, dl, dr) of an end, as a point of the interval to its right or left."""
+        """End e as a point (interval, dl, dr) of the interval to its right or left."""
         zero = np.zeros(1, dtype=self.zones.dtype)
         if e + 1 < 2 * len(self.zones) or self.period is not None:
             return e, zero, self.steps[[e]]
         return e - 1, self.steps[[e - 1]], zero
 
     def end_factors(self) -> Array:
-        """Absolute product of the factors of all other ends, at every end."""
+        """At every end, the absolute product of the factors of all other ends."""
         factors = np.array(
             [self._end_factors(*self.at_end(e))[0] for e in range(2 * len(self.zones))]
         )
@@ -242,7 +250,7 @@ class CutProduct:
         return np.asarray(np.prod(factors, axis=1))
 
     def magnitude(self, i: int, dl: Array, dr: Array) -> Array:
-        """|X M| on interval i before scaling."""
+        """|X M| at points of interval i, before it is scaled to the load."""
         ends = self.root(i, dl, dr)
         return ends * np.abs(
             np.prod(self._factors(*self._root_distances(i, dl, dr, self.roots)), axis=-1)
@@ -259,7 +267,7 @@ class CutProduct:
         )
 
     def locate(self, x: Array) -> tuple[Index, Array, Array]:
-        """Interval of every point, -1 left of all zones, and its distances from both ends of it."""
+        """Interval of every point (-1: left of all zones), and distances from both its ends."""
         ends = self.zones.ravel()
         if self.period is not None:
             x = x - self.period * np.floor((x - ends[0]) / self.period)

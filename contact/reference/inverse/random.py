@@ -122,9 +122,9 @@ def random_adhesive_problem(
 ) -> AdhesiveDesign:
     """A random exact problem under JKR adhesion; the zones are those of `random_problem`.
 
-    At the work of adhesion, flat punches of the zones' widths together carry `pull` times the load.
-    `pull` is halved until the surfaces are separate between the zones and, if asked for, the
-    contact is stable.
+    The work of adhesion is chosen so that flat punches on the zones, each under its JKR load,
+    together carry `pull` times the load. `pull` is halved until the surfaces are separate between
+    the zones and, if asked for, the contact is stable.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def random_adhesive_problem(
     period : float or None
         Period L [m]; None: the body is isolated.
     pull : float
-        First value of the load of the flat punches over the load.
+        First value of the load of the flat punches divided by the load.
     stable : bool
         Whether the contact must be locally stable at its load.
     **shape : float
@@ -179,10 +179,11 @@ def random_cohesive_problem(
 ) -> CohesiveDesign:
     """A random isolated problem under Dugdale's law; its zones are those of `random_problem`.
 
-    In the cohesive intervals the gap of the frictionless contact with these zones is below the
-    reach. The reach is the median gap at a distance `strip`, in widths of the narrowest zone or
-    gap, from the ends. The tension is `pull` times the mean pressure, and is quartered until the
-    design is admissible; it is in the limit of no tension, the frictionless contact.
+    The cohesive intervals are those where the gap of the frictionless contact with these zones is
+    below the reach. The reach is the median of that gap at a distance from the ends: `strip` times
+    the width of the narrowest zone or gap. The tension begins at `pull` times the mean pressure,
+    and is quartered until the design is admissible. This ends, as the limit of no tension is the
+    frictionless contact, which is admissible.
 
     Parameters
     ----------
@@ -191,9 +192,9 @@ def random_cohesive_problem(
     zones : int or None
         Number of zones; None: random from 1 to 6.
     pull : float
-        First value of the tension over the mean pressure of the zones.
+        First value of the tension divided by the mean pressure of the zones.
     strip : float
-        Width of a strip of tension over that of the narrowest zone or gap.
+        Width of a strip of tension, divided by that of the narrowest zone or gap.
     **shape : float
         E_star, strain, spread, fraction and length of `random_problem`, by name.
 
@@ -246,7 +247,7 @@ def random_cohesive_problem(
 
 
 def _first_at(free: DesignedContact, start: float, stop: float, reach: float) -> float:
-    """The first x between start and stop at which the gap is the reach; stop if there is none."""
+    """First x from start to stop at which the gap equals the reach; stop if there is none."""
     x = start + (stop - start) * np.linspace(0.0, 1.0, 2001)[1:] ** 2
     above = np.flatnonzero(free.gap(x) > reach)
     if len(above) == 0:
