@@ -47,9 +47,9 @@ class ConjugateOptions:
     max_samples: int = 2**18
     samples_per_length: int = 16  # of a shortest length of the profile
     block: int = 1 << 20  # pairs of a point and a jump that are handled at once; bounds the memory
-    # Error of H f' over the largest residual of the slope: noise needs 2, a corner that is seen at
-    # 1e-5 of the period 8.
-    residual_margin: float = 8.0
+    # Error of H f' relative to the residual and its conjugate at the samples: the peaks of noise
+    # between the samples need 2.
+    residual_margin: float = 2.0
     max_noise: float = 1e-9  # over the largest term: larger terms that do not decay are not noise
     no_decay: float = 0.6  # terms that fall by less than this factor in an octave do not decay
     checks: int = 32  # places at which a user's closed form is compared with the series
@@ -287,14 +287,16 @@ def _series_error(coefficients: Array, used: int, rounding: float) -> float:
     """Estimate of the largest error of the sum of the terms in use.
 
     coefficients: of the slope at even places; used: number of terms in use. The terms that are
-    left out, at least the last octave, leave a residual at those places: the noise of the slope,
-    an undeclared jump, or the truncation. The conjugate of the residual is of the same size, but
-    for a factor that grows as a logarithm near a jump.
+    left out, at least the last octave, make up a residual: the noise of the slope, an undeclared
+    jump, or the truncation. The error of H f' is the conjugate of the residual, which grows like a
+    logarithm near a jump; both are evaluated at the samples.
     """
     n = len(coefficients) - 1
     left_out = np.where(np.arange(n + 1) < min(used, n // 2), 0.0, coefficients)
-    residual = fft.irfft(left_out, 2 * n) * (2 * n)
-    return OPTIONS.residual_margin * float(np.abs(residual).max()) + rounding
+    largest = max(
+        float(np.abs(fft.irfft(factor * left_out, 2 * n)).max()) * (2 * n) for factor in (1, 1j)
+    )
+    return OPTIONS.residual_margin * largest + rounding
 
 
 def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str:
