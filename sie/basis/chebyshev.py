@@ -1,4 +1,4 @@
-"""Chebyshev nodes and transforms on one zone, t = cos(theta) in (-1, 1).
+"""Chebyshev nodes, series and transforms on one zone, t = cos(theta) in (-1, 1).
 
 Densities are sums c_j T_j(t) / sqrt(1 - t^2). Their Cauchy transforms on the zone are sums of
 U_{j-1}(t) = sin(j theta) / sin(theta). Nodes are the zeros of U_n, theta_k = k pi / (n + 1), so
@@ -18,9 +18,9 @@ from sie.basis.sums import OPTIONS as BLOCKS
 
 @dataclass(frozen=True)
 class TransformOptions:
-    """When a matrix takes the place of a fast transform."""
+    """Size up to which a matrix product replaces a fast transform."""
 
-    # Nodes up to which a product with a stored matrix is faster than a fast transform.
+    # Number of nodes up to which a product with a stored matrix is faster than a fast transform.
     max_matrix_nodes: int = 96
 
 
@@ -40,7 +40,7 @@ def angles(n: int) -> Array:
 
 @lru_cache(maxsize=64)
 def lobatto(n: int) -> tuple[Array, Array, Array]:
-    """(t, 1 - t, 1 + t) at `angles(n)`; the distances from the ends have no cancellation."""
+    """(t, 1 - t, 1 + t) at `angles(n)`; 1 - t and 1 + t are computed without cancellation."""
     theta = angles(n)
     right = 2 * np.sin(theta / 2) ** 2
     left = right[::-1].copy()
@@ -52,9 +52,10 @@ def lobatto(n: int) -> tuple[Array, Array, Array]:
 
 @lru_cache(maxsize=64)
 def _sine_matrix(n: int) -> Array:
+    """The matrix of `u_coefficients`, from values at n nodes to n coefficients."""
     k = np.arange(1, n + 1)
-    # Whole turns are removed from k theta exactly. With a rounded angle, the error would grow with
-    # k.
+    # Whole turns are removed from k theta in integers. With rounded angles, the error would grow
+    # with k.
     sines = np.sin(_turn(2 * (n + 1)))[k[:, None] * k % (2 * (n + 1))]
     return np.ascontiguousarray((2 / (n + 1)) * sines * np.sin(angles(n)[1:-1]))
 
@@ -77,11 +78,11 @@ def u_coefficients(values: Array) -> Array:
 
 
 def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
-    """Coefficients by t of sum g_k U_{k-1}(shift + stretch t), g (zones, n), for zones that have
-    moved.
+    """U coefficients, after zones have moved, of functions with the U coefficients g before.
 
-    Places farther outside (-1, 1) than 1 / n^2 use the value at that distance, because the series
-    grows without bound there.
+    The function on a zone is sum g_k U_{k-1}(shift + stretch t), t the coordinate of the moved
+    zone; all tables are (zones, n). Outside (-1, 1) the old series grows without bound. Places
+    farther outside than 1 / n^2 therefore have the value at that distance.
     """
     n = g.shape[1]
     if n == 0:
@@ -105,7 +106,7 @@ def project_rows(values: Array) -> Array:
 
 
 def slopes(values: Array) -> Array:
-    """Derivative by t, at the n zeros of U_n, of the polynomial through the values there."""
+    """Derivative by t of the polynomial through values at the n zeros of U_n, at these zeros."""
     n = values.shape[-1]
     theta, k_g = angles(n)[1:-1], np.zeros((*values.shape[:-1], n + 2))
     k_g[..., 1:-1] = np.arange(1, n + 1) * u_coefficients(values)
@@ -116,8 +117,9 @@ def slopes(values: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def gauss(n: int) -> Array:
-    """Zeros of T_n, the nodes of Gauss's rule with weight 1 / sqrt(1 - t^2); all weights are pi /
-    n.
+    """Zeros of T_n: nodes of Gauss's rule for the weight 1 / sqrt(1 - t^2).
+
+    All weights of the rule are pi / n.
     """
     return np.asarray(np.cos((np.arange(n) + 0.5) * (np.pi / n)))
 
@@ -135,6 +137,7 @@ def t_matrix(n: int, count: int) -> Array:
 
 @lru_cache(maxsize=64)
 def _t_matrix(n: int, count: int) -> Array:
+    """`t_matrix`, stored for the last sizes."""
     return np.asarray(
         np.cos(_turn(4 * n))[np.outer(2 * np.arange(n) + 1, np.arange(count)) % (4 * n)]
     )
@@ -142,7 +145,7 @@ def _t_matrix(n: int, count: int) -> Array:
 
 @lru_cache(maxsize=8)
 def to_series(n: int) -> Array:
-    """Matrix that maps values at the n Gauss nodes (as a row) to Chebyshev coefficients."""
+    """Matrix from values at the n Gauss nodes to T coefficients: coefficients = values @ matrix."""
     out = t_matrix(n, n) * (2 / n)
     out[:, 0] *= 0.5
     return out
@@ -170,12 +173,12 @@ def t_means(values: Array, count: int | None = None) -> Array:
 
 
 def edge_part(c: Array) -> tuple[Array, Array]:
-    """The coefficients (alpha, beta) of `bounded_part`."""
+    """(alpha, beta) of `bounded_part`, for T coefficients c (zones, n + 1)."""
     return c[:, ::2].sum(axis=1), c[:, 1::2].sum(axis=1)
 
 
 def slopes_at_ends(c: Array) -> tuple[Array, Array]:
-    """sum u_k U_k of `bounded_part` at t = -1 and at t = 1.
+    """(value at t = -1, value at t = 1) of the series sum u_k U_k of `bounded_part`.
 
     c_j contributes -2 c_j to u_(j-2), u_(j-4), ..., and U_k(1) = k + 1.
     """
@@ -187,8 +190,8 @@ def slopes_at_ends(c: Array) -> tuple[Array, Array]:
 def bounded_part(c: Array) -> tuple[Array, Array, Array]:
     """(alpha, beta, u): sum c_j T_j / X = (alpha + beta t) / X + X sum u_k U_k, X = sqrt(1 - t^2).
 
-    From T_j - T_{j-2} = -2 (1 - t^2) U_{j-2}; c has shape (zones, n + 1). Close to a bounded end
-    this form keeps digits that the sum over T_j loses to cancellation.
+    The identity T_j - T_{j-2} = -2 (1 - t^2) U_{j-2} gives them; c has the shape (zones, n + 1).
+    Close to a bounded end this form keeps digits that the sum over T_j loses to cancellation.
     """
     c = widened(c, 2)
     sums = np.empty_like(c)

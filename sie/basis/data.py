@@ -17,7 +17,7 @@ T = TypeVar("T")
 EPS = float(np.finfo(np.float64).eps)
 # Numbers above this size have squares that do not underflow.
 TINY = float(np.sqrt(np.finfo(np.float64).tiny))
-# Round-off of a value that a few dozen operations make, relative.
+# Relative round-off of a value that results from a few dozen operations.
 SUM_ROUNDING = 64 * EPS
 # Terms of a geometric series rho^l are below round-off from l = DIGITS / -log(rho) on: exp(-40) is
 # 4e-18.
@@ -26,7 +26,7 @@ DIGITS = 40.0
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
 def record(cls: type[T]) -> type[T]:
-    """Make a class of its annotated fields: an immutable data class compared by identity.
+    """Class decorator: an immutable data class whose instances are compared by identity.
 
     Type checkers see that fields are never set again; nothing checks it at run time. A frozen data
     class takes three times as long to create, and its instances twice, which matters for the many
@@ -56,9 +56,9 @@ def record(cls: type[T]) -> type[T]:
 
 
 class Kept:
-    """Base of classes whose cached properties follow exactly from their fields.
+    """Base of classes whose copies and pickles leave the cached properties out.
 
-    Copies and pickles therefore leave the cached properties out.
+    The cached properties follow exactly from the fields, so that nothing is lost.
 
     Examples
     --------
@@ -70,11 +70,12 @@ class Kept:
 
     def __getstate__(self) -> Any:
         state: Any = super().__getstate__()
-        if isinstance(state, tuple):  # of a class with slots
+        if isinstance(state, tuple):  # the class has slots
             return self._fields_of(state[0] or {}), state[1]
         return state and self._fields_of(state)
 
     def _fields_of(self, values: dict[str, Any]) -> dict[str, Any]:
+        """The given attributes without those that are cached properties."""
         cls = type(self)
         return {
             name: value
@@ -84,7 +85,7 @@ class Kept:
 
 
 def wrapped(x: Array, start: float | Array, period: float | None) -> Array:
-    """Places moved by periods into [start, start + period).
+    """Places moved by whole periods into [start, start + period).
 
     Parameters
     ----------
@@ -93,7 +94,7 @@ def wrapped(x: Array, start: float | Array, period: float | None) -> Array:
     start : float or ndarray
         Where the period begins.
     period : float or None
-        Its length; None: nothing repeats, and the places are left alone.
+        Length of the period; None: nothing repeats, and the places are returned unchanged.
 
     Returns
     -------
@@ -110,16 +111,16 @@ def wrapped(x: Array, start: float | Array, period: float | None) -> Array:
 
 
 def nearest_image(x: Array, centre: float | Array, period: float | None) -> Array:
-    """Places moved by periods to within half of one of a centre.
+    """Places moved by whole periods to within half a period of a centre.
 
     Parameters
     ----------
     x : ndarray
         Places.
     centre : float or ndarray
-        What they are to be near to.
+        The centre.
     period : float or None
-        As for `sie.wrapped`.
+        Length of the period; None: nothing repeats, and the places are returned unchanged.
 
     Returns
     -------
@@ -136,7 +137,7 @@ def nearest_image(x: Array, centre: float | Array, period: float | None) -> Arra
 
 
 def sum_error(x: Array, by: Array) -> Array:
-    """Round-off error of x + by, exactly.
+    """The exact round-off error of the floating-point sum x + by.
 
     D. E. Knuth, The Art of Computer Programming 2, 4.2.2.
     """
@@ -181,7 +182,7 @@ def row_sizes(table: Array) -> Array:
 
 
 def widened(table: Array, columns: int) -> Array:
-    """The table extended by zeros to this number of columns; the table itself if it has them."""
+    """The table, extended by columns of zeros if it has fewer than `columns` of them."""
     if table.shape[1] >= columns:
         return table
     out = np.zeros((len(table), columns), dtype=table.dtype)
@@ -191,12 +192,13 @@ def widened(table: Array, columns: int) -> Array:
 
 @lru_cache(maxsize=16)
 def _legendre(nodes: int) -> tuple[Array, Array]:
+    """(places, weights) of the Gauss-Legendre rule on the interval from 0 to 1."""
     t, weights = np.polynomial.legendre.leggauss(nodes)
     return np.asarray(0.5 * (1 + t)), np.asarray(0.5 * weights)
 
 
 def legendre(ends: Array, nodes: int, parts: Index | int = 1) -> tuple[Array, Array]:
-    """(places, weights) of Gauss's rule between neighbouring ends.
+    """(places, weights) of a Gauss-Legendre rule on each interval between neighbouring `ends`.
 
     Each interval is split into `parts` equal parts with `nodes` nodes each.
     """

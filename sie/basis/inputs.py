@@ -1,4 +1,4 @@
-"""Readers of a user's input: each returns a checked value or raises a ValueError that names it."""
+"""Checks of a user's input: each returns the value or raises a ValueError that names it."""
 
 import math
 from typing import Any
@@ -79,7 +79,7 @@ def function(name: str, value: Any, optional: bool = False) -> None:
 
 
 def several(values: Any) -> tuple[Any, ...]:
-    """A tuple of the members of a list or tuple, of one other value, or of nothing for None."""
+    """The members of a list or tuple, as a tuple; a single value makes one, None an empty one."""
     if values is None:
         return ()
     return tuple(values) if isinstance(values, list | tuple) else (values,)

@@ -1,8 +1,8 @@
-r"""The functions on one interval, with their transforms and potentials in closed form.
+r"""Chebyshev densities on one interval, with transforms and potentials in closed form.
 
-On an interval of half width w, t = (x - middle)/w = cos(theta), a density is a sum of T_l / X, X =
-(1 - t^2)^(1/2). The equal form (alpha + beta t) / X + X sum u_k U_k keeps its digits close to an
-end where the density vanishes. Off the interval, with zeta in place of t,
+On an interval of half width w let t = (x - middle)/w = cos(theta) and X = (1 - t^2)^(1/2). A
+density is a sum of T_l / X. It equals (alpha + beta t) / X + X sum u_k U_k; this form keeps its
+digits close to an end where the density vanishes. Off the interval, t is called zeta, and
 
     R = (zeta^2 - 1)^(1/2), about zeta far away,    rho = zeta - R, |rho| < 1,
     -log(rho) = arcosh(zeta).
@@ -14,9 +14,9 @@ end where the density vanishes. Off the interval, with zeta in place of t,
     at an end  T_l / X:  K = (w/2)^(1/2) (+-1)^l,  the factor of distance^(-1/2)
                X U_l:    A = (2/w)^(1/2) (l + 1) (+-1)^l,  the factor of distance^(1/2)
 
-These formulas and the exponent 1/2 stand in this file. A place on the line is given by its
-distances from both ends over w, or by |zeta| - 1; a complex point by zeta + 1 and zeta - 1. This
-way no digit is lost close to an end.
+No other file contains these formulas or the exponent 1/2. A place on the line is given by its
+distances from both ends divided by w, or by |zeta| - 1; a complex point by zeta + 1 and zeta - 1.
+This way no digit is lost close to an end.
 """
 
 from collections.abc import Callable, Iterator
@@ -33,58 +33,59 @@ Number = NDArray[Any]
 What = Literal["transform", "derivative", "potential"]
 
 LOG2 = float(np.log(2.0))
-# Step of central differences by an angle: it balances truncation and round-off.
+# Step of central differences with respect to an angle: it balances truncation and round-off.
 _STEP = EPS ** (1 / 3)
 
 
-# places
+# Coordinates of places, from `left` = 1 + t and `right` = 1 - t.
 def theta(left: Any, right: Any) -> Array:
-    """Angle from the right end, t = cos(theta), by the distances from both ends over w.
+    """The angle theta from the right end, t = cos(theta).
 
-    theta(right, left) is the angle from the left end.
+    left, right: distances from both ends, divided by the half width. theta(right, left) is the
+    angle from the left end.
     """
     return np.asarray(2 * np.arctan2(np.sqrt(right), np.sqrt(left)))
 
 
 def sides(angle: Array) -> tuple[Array, Array]:
-    """(1 + t, 1 - t), the distances from both ends over w, at angles."""
+    """(1 + t, 1 - t) at angles: the distances from both ends, divided by the half width."""
     return 2 * np.cos(0.5 * angle) ** 2, 2 * np.sin(0.5 * angle) ** 2
 
 
 def root_weight(left: Any, right: Any) -> Array:
-    """X = (1 - t^2)^(1/2) by the distances from both ends over w."""
+    """X = (1 - t^2)^(1/2), from the distances to both ends divided by the half width."""
     return np.asarray(np.sqrt(left * right))
 
 
 def half_angles(left: Any, right: Any) -> tuple[Array, Array]:
-    """(cos(theta/2), sin(theta/2)) by the distances from both ends over w."""
+    """(cos(theta/2), sin(theta/2)), from the distances to both ends divided by the half width."""
     return np.asarray(np.sqrt(0.5 * left)), np.asarray(np.sqrt(0.5 * right))
 
 
 def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, Array]:
-    """(value, derivative by the angle) of a function of both distances, by central differences."""
+    """(value, derivative by the angle) of a function of (1 + t, 1 - t), by central differences."""
     step = np.minimum(_STEP, 0.5 * np.minimum(angle, np.pi - angle))
     before, after = (of(*sides(at)) for at in (angle - step, angle + step))
     return 0.5 * (before + after), (after - before) / (2 * step)
 
 
 def nearer_angle(left: Array, right: Array) -> Array:
-    """Angle from the nearer end."""
+    """Angle from the nearer end, between 0 and pi / 2."""
     return theta(np.maximum(left, right), np.minimum(left, right))
 
 
 def decay_rate(excess: Any) -> Array:
-    """-log|rho| at |zeta| = 1 + excess, the decay rate of rho^l with l."""
+    """-log|rho| at |zeta| = 1 + excess: the rate at which rho^l decays with l."""
     return np.asarray(2 * np.arcsinh(np.sqrt(0.5 * excess)))
 
 
 def excess_of(rate: float) -> float:
-    """|zeta| - 1 at which -log|rho| is `rate`; the inverse of `decay_rate`."""
+    """The value of |zeta| - 1 at which -log|rho| is `rate`; the inverse of `decay_rate`."""
     return 2 * float(np.sinh(0.5 * rate)) ** 2
 
 
 class Seen:
-    """Base of points seen from intervals: R, rho and |zeta| - 1."""
+    """Base of points in the coordinates of intervals: R = `root`, rho, and |zeta| - 1 = `excess`."""
 
     rho: Array
     root: Array
@@ -99,18 +100,21 @@ class Seen:
         return np.where(past, large, small), np.where(past, small, large)
 
     def first(self, width: Number) -> Array:
-        """log(width / (2 |rho|)); for width = w / datum it is the potential of T_0 / X over w."""
+        """log(width / (2 |rho|)): the potential of T_0 / X, divided by w, if width = w / datum."""
         return np.asarray(np.log(width / (2 * np.abs(self.rho))))
 
     def transforms(self, count: int) -> Array:
-        """Transforms of T_l / X, l = 0 ... count - 1, along a last axis."""
+        """Transforms of T_l / X, l = 0 ... count - 1, along a new last axis."""
         table = np.empty((*np.shape(self.rho), count))
         table[..., 0] = 1 / self.root
         table[..., 1:] = self.rho[..., None]
         return np.cumprod(table, axis=-1, out=table)
 
     def potentials(self, count: int, width: Number) -> Array:
-        """Potentials of T_l / X over w, along a last axis; width: w over the datum."""
+        """Potentials of T_l / X, divided by the half width w, along a new last axis.
+
+        l = 0 ... count - 1; width: w divided by the kernel's `datum`.
+        """
         power = np.arange(count)
         values = -(self.rho[..., None] ** power) / np.maximum(power, 1)
         values[..., 0] = self.first(width)
@@ -119,7 +123,10 @@ class Seen:
     def one_by_one(
         self, potential: bool, width: Number, weight: Array | None = None
     ) -> Iterator[Array]:
-        """Iterator of the transforms or potentials of T_l / X, l = 0, 1, ..., times a weight."""
+        """Iterator of the transforms or potentials of T_l / X, l = 0, 1, ..., times a weight.
+
+        The potentials are divided by the half width w; width: w divided by the kernel's `datum`.
+        """
         weight = np.ones_like(self.rho) if weight is None else weight
         power: Array = np.asarray(weight if potential else weight / self.root, dtype=float)
         yield power * self.first(width) if potential else power
@@ -138,6 +145,7 @@ class Outside(Seen):
 
     @property
     def zeta(self) -> Array:
+        """The coordinate zeta = (x - middle) / w."""
         return np.asarray(self.sign * (1 + self.excess))
 
     @cached_property
@@ -160,10 +168,11 @@ class Outside(Seen):
 
 @record
 class OnLine(Seen):
-    """Points of the line seen from intervals, on them or off them.
+    """Points of the line in the coordinates of intervals, on them or off them.
 
-    left, right: distances from the ends over w, positive inside. on: whether a point is on the
-    interval; rho has an arbitrary value inside the unit circle there. any_on: whether any point is.
+    left, right: distances from the ends divided by the half width, positive inside. root: R; on:
+    whether a point is on the interval. rho is meaningless there, but inside the unit circle.
+    any_on: whether any point is on its interval.
     """
 
     left: Array
@@ -175,6 +184,7 @@ class OnLine(Seen):
 
     @classmethod
     def of(cls, left: Array, right: Array) -> "OnLine":
+        """The points with these distances from the ends, divided by the half width."""
         on = (left >= 0) & (right >= 0)
         sign = np.where(left >= 0, 1.0, -1.0)
         size = np.sqrt(np.abs(left * right))
@@ -213,10 +223,10 @@ def complex_of(x: Any, y: Any) -> Complex:
 
 @record
 class InPlane:
-    """Points of the closed upper half plane seen from intervals, pair by pair.
+    """Points of the closed upper half plane in the coordinates of intervals, pair by pair.
 
-    left = zeta + 1 and less = zeta - 1 have roots p and m in the first quadrant. Then R = p m, rho
-    = 2 / (p + m)^2 and 1 - rho = 2 m / (p + m).
+    left = zeta + 1 and less = zeta - 1 have the square roots p and m in the first quadrant. Then R
+    = p m, rho = 2 / (p + m)^2 and 1 - rho = 2 m / (p + m).
     """
 
     left: Complex
@@ -224,7 +234,7 @@ class InPlane:
 
     @classmethod
     def of(cls, from_a: Array, from_b: Array, y: Array) -> "InPlane":
-        """The points with distances x - a, x - b and height y, all over the half width."""
+        """The points with distances x - a, x - b and height y, divided by the half width."""
         return cls(complex_of(from_a, y), complex_of(from_b, y))
 
     @cached_property
@@ -260,7 +270,7 @@ class InPlane:
         return np.asarray(2 * np.log((self.p + self.m) * np.sqrt(0.5)))
 
     def first(self, width: Number) -> Complex:
-        """log(width / (2 rho))."""
+        """log(width / (2 rho)): the potential of T_0 / X, divided by w, if width = w / datum."""
         return np.asarray(np.log(0.5 * width) + self.log)
 
     def __getitem__(self, which: Any) -> "InPlane":
@@ -272,11 +282,14 @@ class InPlane:
         return np.asarray(np.log(2 * (c - 1j * s) * (c * m + 1j * s * p) / (p + m)))
 
 
-# off the interval
+# Transforms and potentials at points off the interval.
 def of_t(
     c: Array, seen: InPlane | Outside | OnLine, w: Array, datum: float, row: Index, what: What
 ) -> Number:
-    """Transform, its derivative or potential of sum c[row, l] T_l / X; w: half widths."""
+    """Transform, derivative of the transform, or potential of sum_l c[row, l] T_l / X.
+
+    w: half width of each interval, for each point; row: row of `c` for each point.
+    """
     if what == "potential":
         divided = c / np.maximum(np.arange(c.shape[1]), 1)
         return potential_of(divided, seen, w, datum, row)
@@ -290,7 +303,7 @@ def of_t(
 def potential_of(
     divided: Array, seen: Seen | InPlane, w: Array, datum: float, row: Index
 ) -> Number:
-    """Potential of sum c[row, l] T_l / X, from the table c_0, c_1, c_2 / 2, c_3 / 3, ..."""
+    """Potential of sum_l c[row, l] T_l / X, from the table c_0, c_1, c_2 / 2, c_3 / 3, ..."""
     return np.asarray(
         w
         * (
@@ -312,7 +325,10 @@ def transform_of(alpha: Array, beta: Array, u: Array, seen: Seen | InPlane, row:
 
 
 def _edge(a: Array, b: Array, from_left: Number, from_right: Number) -> Number:
-    """a + b t, or a + b rho, from 1 +- t; no digit is lost close to an end where it vanishes."""
+    """a + b t from 1 + t and 1 - t, or a + b rho from 1 + rho and 1 - rho.
+
+    No digit is lost close to an end where the result vanishes.
+    """
     return np.asarray(0.5 * ((a + b) * from_left + (a - b) * from_right))
 
 
@@ -332,14 +348,15 @@ def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: 
     return np.asarray(np.where((a == 0) & (b == 0), 0.0, edge) + value)
 
 
-# on the interval
+# Values, transforms, potentials and integrals at points on the interval.
 def values_on(
     bounded: tuple[Array, Array, Array], row: Index, left: Array, right: Array, vanishing: Mask
 ) -> Array:
-    """(alpha + beta t) / X + X sum u_k U_k at distances from both ends over w.
+    """(alpha + beta t) / X + X sum u_k U_k at points on the interval.
 
-    vanishing: whether the density is zero at the left and at the right end of each interval. There
-    the round-off in alpha and beta is not divided by zero.
+    bounded: (alpha, beta, u). left, right: distances from both ends divided by the half width.
+    vanishing: whether the density is zero at the left and at the right end of each interval. At
+    such an end, the round-off in alpha and beta is not divided by zero.
     """
     (alpha, beta, u), root = bounded, root_weight(left, right)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -348,7 +365,7 @@ def values_on(
         no_edge = (a == 0) & (b == 0)
         if not np.all(root):
             no_edge |= (left == 0) & vanishing[0][row] | (right == 0) & vanishing[1][row]
-        # If all intervals have the same places, the sines of one row of angles are enough.
+        # If all intervals have the same places t, the sines of one row of angles are enough.
         l, r = (
             (left[:1], right[:1])
             if left.ndim == 2 and left.strides[0] == 0 == right.strides[0]
@@ -365,15 +382,15 @@ def values_on(
 
 def own_transform(c: Array, row: Index, left: Array, right: Array) -> Array:
     """-sum c_l U_{l-1}(t), the transform of sum c_l T_l / X on the interval, pair by pair."""
-    # At an end itself this gives the limit.
+    # At an end, sine and angle are zero. The smallest angle gives the limit of their ratio.
     angle = np.maximum(nearer_angle(left, right), TINY)
     return np.asarray(-sine_sum(c[:, 1:], row, angle, left < right) / np.sin(angle))
 
 
 def own_potential(divided: Array, row: Index, left: Array, right: Array, width: Array) -> Array:
-    """Potential of sum c_l T_l / X over w on the interval, from c_0, c_1, c_2 / 2, ...
+    """Potential of sum c_l T_l / X on the interval, divided by the half width w.
 
-    width: w over the datum of each pair.
+    divided: the table c_0, c_1, c_2 / 2, c_3 / 3, ...; width: w divided by `datum`, for each pair.
     """
     return np.asarray(
         divided[row, 0] * (np.log(width) - LOG2)
@@ -382,7 +399,7 @@ def own_potential(divided: Array, row: Index, left: Array, right: Array, width: 
 
 
 def integral_on(c: Array, row: Index, angle: Array) -> Array:
-    """Integral over w of sum c_l T_l / X from the left end to the angle theta.
+    """Integral of sum c_l T_l / X from the left end to the angle theta, divided by the half width.
 
     The integral of T_l / X is -sin(l theta) / l, and pi - theta for l = 0.
     """
@@ -394,13 +411,19 @@ def integral_on(c: Array, row: Index, angle: Array) -> Array:
 
 
 def mean_potential(w: Any, datum: Any) -> Any:
-    """Mean over the interval (weight 1 / X) of the potential of T_0 / X; zero for T_l, l > 0."""
+    """Mean over the interval, with the weight 1 / X, of the potential of T_0 / X.
+
+    The mean is zero for T_l / X with l > 0.
+    """
     return w * np.log(w / (2 * datum))
 
 
-# at the ends
+# Coefficients of the density at the ends.
 def edge_scale(w: Any) -> Any:
-    """K of T_l / X at the right end: the density is K / sqrt(d) at a distance d from an end."""
+    """The intensity K of T_l / X at the right end.
+
+    At a small distance d from an end the density is K / sqrt(d).
+    """
     return np.sqrt(0.5 * w)
 
 
@@ -411,7 +434,10 @@ def intensities(alpha: Array, beta: Array, w: Array) -> tuple[Array, Array]:
 
 
 def slope_scale(w: Any) -> Any:
-    """A of the angle from an end: the density is K / sqrt(d) + A sqrt(d) at a distance d."""
+    """The coefficient A of a density that equals the angle from an end.
+
+    At a small distance d from an end a density is K / sqrt(d) + A sqrt(d).
+    """
     return np.sqrt(2 / w)
 
 
@@ -422,7 +448,7 @@ def edge_slopes(
 
     at_left, at_right: values of sum u_k U_k at the ends.
     """
-    # From (alpha + beta t) / X at t = 1 - d/w, to second order in d.
+    # Share of (alpha + beta t) / X: its expansion in d at t = 1 - d/w and at t = -1 + d/w.
     left, right = (((alpha + s * beta) / 4 - s * beta) / np.sqrt(2 * w) for s in (-1.0, 1.0))
     scale = slope_scale(w)
     return scale * at_left + left, scale * at_right + right

@@ -1,4 +1,4 @@
-"""Kernels K(x, xi): the places of their poles, and the regular part that remains without them.
+"""Kernels K(x, xi) of singular integral equations: poles plus a regular part.
 
     transform  (1/pi) PV int phi(xi) K(x, xi) dxi
     potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,   dLambda/dx = K
@@ -38,8 +38,7 @@ class Kernel(Kept):
     regular, regular_potential : callable or None
         (x, xi) -> regular part of K and of Lambda, arrays that broadcast.
     reach : float
-        Distance from a source point to the nearest singularity of the regular part over all
-        targets.
+        Distance from a source point xi to the nearest x at which the regular part is singular.
     datum : float
         Lambda is log|(x - xi - s) / datum| summed over the poles.
     sure : bool
@@ -51,9 +50,9 @@ class Kernel(Kept):
     of_lag : bool
         Whether the regular part depends on x - xi alone. Then it is summed fast for many zones.
     length : float
-        Distance of the singularities of the regular part from the real axis, if known (inf: not). A
-        zone of half width w starts with the number of modes that w over this length needs, and may
-        take more than with other regular kernels.
+        Distance of the singularities of the regular part from the real axis; inf if it is unknown.
+        On a zone of half width w, the number of modes starts from the ratio of w to this length,
+        and may become larger than for other regular kernels.
 
     Raises
     ------
@@ -109,7 +108,7 @@ class Kernel(Kept):
 
     @cached_property
     def kept_tables(self) -> dict[tuple[bool, int], Any]:
-        """Cache of tables of the regular part over the lag (`sie.basis.lag_table`)."""
+        """Cache of tables of the regular part as a function of the lag (`sie.basis.lag_table`)."""
         return {}
 
     def __add__(self, other: "Smooth | Regular") -> "Kernel":
@@ -131,6 +130,7 @@ class Kernel(Kept):
     __radd__ = __add__
 
     def __sub__(self, other: "Smooth | Regular") -> "Kernel":
+        """This kernel minus a smooth one."""
         return self + -_smooth(other)
 
     def _refuse_multiple(self, *_: Any) -> "Kernel":
@@ -170,7 +170,7 @@ class Smooth:
     of_lag : bool
         Whether it depends on x - xi alone.
     length : float
-        How near to the real axis its singularities are, where that is known (inf: not).
+        Distance of its singularities from the real axis; inf if it is unknown.
 
     Raises
     ------
@@ -227,10 +227,11 @@ class Smooth:
 
     @property
     def _parts(self) -> "tuple[Regular | None, Regular | None, Regular | None]":
+        """(value, potential, slope)."""
         return self.value, self.potential, self.slope
 
     def _combined(self, other: "Smooth", weight: float) -> "Smooth":
-        """The sum of this kernel and a multiple of another one."""
+        """The sum of this kernel and `weight` times another one."""
         both = zip(self._parts, other._parts, strict=True)
         value, potential, slope = (
             None if one is None or two is None else _Sum(one, two, weight) for one, two in both
@@ -255,9 +256,7 @@ def _smooth(other: Any) -> Smooth:
 
 
 def _check_parts(name: str, value: Any, potential: Any, slope: Any, length: Any) -> None:
-    """Raise ValueError unless the parts of a regular kernel are functions and its length is
-    positive.
-    """
+    """Raise ValueError if a part of a regular kernel is no function or its length not positive."""
     for part, given in (("value", value), ("potential", potential), ("slope", slope)):
         inputs.function(f"the {part} of {name}", given, optional=True)
     if not (inputs.is_number(length) and length > 0):
@@ -269,7 +268,7 @@ def _check_parts(name: str, value: Any, potential: Any, slope: Any, length: Any)
 
 @dataclass(frozen=True)
 class _Sum:
-    """first + weight * second; without a second, weight * first."""
+    """The function first + weight * second, or weight * first if there is no second."""
 
     first: Regular
     second: Regular | None
@@ -283,11 +282,13 @@ class _Sum:
 
 @dataclass(frozen=True)
 class _OfPeriod:
+    """Base of the parts of the Hilbert kernel, which depend on the period L only."""
+
     period: float
 
 
 class _HilbertRest(_OfPeriod):
-    """(pi/L) cot(pi d/L) without its poles at 0 and +-L."""
+    """Regular part of the Hilbert kernel: (pi/L) cot(pi (x - xi)/L) without poles at 0 and +-L."""
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
@@ -295,7 +296,7 @@ class _HilbertRest(_OfPeriod):
 
 
 class _HilbertSlopeRest(_OfPeriod):
-    """Derivative of `_HilbertRest`."""
+    """Derivative of `_HilbertRest` by x."""
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
@@ -321,7 +322,7 @@ def _trigamma(z: Array) -> Array:
 
 
 class _HilbertPotentialRest(_OfPeriod):
-    """log|2 sin(pi d/L)| without the logarithms of its poles."""
+    """log|2 sin(pi (x - xi)/L)| without the logarithms that belong to the poles at 0 and +-L."""
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
@@ -330,12 +331,12 @@ class _HilbertPotentialRest(_OfPeriod):
 
 
 def cauchy(datum: float = 1.0) -> Kernel:
-    """K = 1 / (x - xi), Lambda = log|(x - xi) / datum|.
+    """The Cauchy kernel K = 1 / (x - xi), with the potential log|(x - xi) / datum|.
 
     Parameters
     ----------
     datum : float
-        Length in which the potential is counted.
+        The distance at which the potential of a source is zero.
 
     Returns
     -------
@@ -358,9 +359,10 @@ def cauchy(datum: float = 1.0) -> Kernel:
 def hilbert(period: float) -> Kernel:
     """The Hilbert kernel K = (pi/L) cot(pi (x - xi) / L).
 
-    Its Lambda = log|2 sin(pi (x - xi) / L)| has the mean zero over a period. Without the poles at 0
-    and +-L, the kernel is psi(2 - d/L) - psi(2 + d/L) over L, and the potential is log(2 pi) -
-    log(Gamma(2 - d/L) Gamma(2 + d/L)), by the reflection formula (DLMF 5.5.3).
+    Its potential log|2 sin(pi (x - xi) / L)| has the mean zero over a period. With d = x - xi, the
+    regular part without the poles at 0 and +-L is (psi(2 - d/L) - psi(2 + d/L)) / L. The potential
+    without these poles is log(2 pi) - log(Gamma(2 - d/L) Gamma(2 + d/L)). Both follow from the
+    reflection formula (DLMF 5.5.3).
 
     Parameters
     ----------
@@ -399,7 +401,7 @@ def hilbert(period: float) -> Kernel:
 
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
-    """The pole and its images at +-L, ..., +-mL: sum over |k| <= m of 1 / (x - xi - k L).
+    """The kernel sum_k 1 / (x - xi - k L), |k| <= m: a pole and its nearest images.
 
     Parameters
     ----------
@@ -408,7 +410,7 @@ def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
     neighbours : int
         m, how many images are kept on each side.
     datum : float
-        Length in which the potential is counted.
+        Length that divides all distances in the potential.
 
     Returns
     -------
@@ -439,14 +441,15 @@ MAKERS = (cauchy, hilbert, images)
 
 
 def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
-    """Number of quadrature nodes on a zone for the regular part, until its coefficients reach
-    round-off.
+    """Number of quadrature nodes on a zone that resolve the regular part to round-off.
+
+    m: highest order of the density's series on the zone.
     """
     if not kernel.sure:
         if math.isinf(kernel.length):
             return m + 2
-        # Gauss's rule with q nodes confuses coefficient 2q - k of the kernel with that of T_k, k <=
-        # m. That coefficient must be at round-off.
+        # With q nodes, Gauss's rule adds the kernel's coefficient of order 2q - k to that of order
+        # k <= m (aliasing). The added coefficient must be at round-off.
         decayed = DIGITS / math.asinh(kernel.length / half_width)
         return max(m + 2, math.ceil(0.5 * (m + decayed)))
     return max(4, math.ceil(DIGITS / float(decay_rate(max(kernel.reach / half_width - 1, 0.05)))))

@@ -1,8 +1,8 @@
-"""Values of a smooth kernel of the lag x - xi at many pairs, from polynomials on cells of the lag.
+"""Tables of a smooth kernel that depends on the lag x - xi only: polynomials on cells of the lag.
 
-If the singularities of the kernel are at least `length` off the real axis, it is a polynomial of
-degree 7 on cells of length/25 up to round-off: the coefficients of its Chebyshev series on a cell
-decay by a factor of 100 each.
+If the kernel's singularities are at least `length` away from the real axis, polynomials of degree 7
+on cells of width length/25 represent it to round-off. On such a cell, each coefficient of the
+Chebyshev series is about 100 times smaller than the one before.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from sie.basis.sums import OPTIONS as BLOCKS
 
 @dataclass(frozen=True)
 class LagTableOptions:
-    """How a kernel of the lag is tabulated."""
+    """Sizes of the table of a kernel of the lag."""
 
-    # Polynomial coefficients on a cell.
+    # Number of polynomial coefficients on a cell.
     terms: int = 8
-    # Cells over the length of the kernel: with 8 terms the error is 100^-8.
+    # Number of cells in one `length` of the kernel: with 8 terms the relative error is 100^-8.
     cells_per_length: float = 25.0
-    # A larger table takes more than 300 MB.
+    # Largest number of cells: a larger table would take more than 300 MB.
     max_cells: int = 2**21
 
 
@@ -35,10 +35,10 @@ OPTIONS = LagTableOptions()
 
 @record
 class LagTable:
-    """A kernel of the lag as polynomials on equal cells about the lag 0.
+    """A kernel of the lag as polynomials on equal cells on both sides of the lag 0.
 
-    step: width of a cell; cells: their number on either side; coefficients (terms, 2 cells): of
-    powers of the place in the cell, from -1 to 1.
+    step: width of a cell; cells: number of cells on either side. coefficients (terms, 2 cells):
+    coefficients of the powers of the coordinate in each cell, which runs from -1 to 1.
     """
 
     step: float
@@ -47,9 +47,10 @@ class LagTable:
 
     @classmethod
     def of(cls, function: Regular, reach: float, length: float) -> LagTable | None:
-        """A table for lags up to `reach`, or None.
+        """A table for lags from -reach to reach, or None if there is no accurate one.
 
-        None if the kernel varies over less than its declared `length`, or the table is too large.
+        It is None if the kernel varies over less than its declared `length`, or the table would be
+        too large.
         """
         step = length / OPTIONS.cells_per_length
         cells = math.ceil(reach / step)
@@ -68,7 +69,7 @@ class LagTable:
         return table if error <= OPTIONS.terms * SUM_ROUNDING * np.abs(series).max() else None
 
     def __call__(self, lag: Array) -> Array:
-        """Values at lags of any shape."""
+        """Values of the kernel at lags, an array of any shape."""
         flat, out = lag.ravel(), np.empty(lag.size)
         for start in range(0, flat.size, BLOCKS.cache_pairs):
             # The place in the cell is computed before `cells` is added, so that no digit is lost
@@ -86,16 +87,20 @@ class LagTable:
 
 
 def _unit_series() -> list[tuple[Array, int]]:
-    """Coefficients of T_k, k = 0 ... terms - 1, each with the number of zeros that are missing."""
+    """Chebyshev series of T_k, k = 0 ... terms - 1, and the zeros that fill each to `terms`.
+
+    A list of (coefficients without trailing zeros, number of missing zeros).
+    """
     return [
         (np.eye(OPTIONS.terms)[k][: k + 1], OPTIONS.terms - 1 - k) for k in range(OPTIONS.terms)
     ]
 
 
 def regular_values(kernel: Kernel, x: Array, xi: Array, potential: bool = False) -> Array:
-    """The regular part, or its potential, at points x (n,) from xi (q,), shape (n, q).
+    """The kernel's regular part, or its potential, at points x (n,) from sources xi (q,).
 
-    A table over the lag is used if the kernel allows it and there are enough pairs.
+    The shape is (n, q). A table of the lag is used if the kernel allows it and there are enough
+    pairs.
     """
     function = kernel.regular_potential if potential else kernel.regular
     assert function is not None
@@ -114,8 +119,10 @@ def regular_values(kernel: Kernel, x: Array, xi: Array, potential: bool = False)
 
 
 def _table(kernel: Kernel, potential: bool, reach: float, pairs: int) -> LagTable | None:
-    """The table of a kernel for lags up to `reach`; None if this number of pairs does not pay for
-    it.
+    """The table of a kernel for lags up to `reach`, or None.
+
+    It is None if making it would cost more than the direct evaluation of the pairs, or if there is
+    no accurate table.
     """
     kept = kernel.kept_tables
     # The reach is rounded up, so that zones that move use the same table. With a period, the kernel

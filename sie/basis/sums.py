@@ -1,4 +1,4 @@
-"""Sums over zones and points: powers of rho, and sines and cosines of multiples of theta."""
+"""Series evaluated at many points on many zones: powers, and sines and cosines of multiples."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -13,15 +13,16 @@ from sie.basis.data import DIGITS, Array, Complex, Index, Kept, Mask, numbered, 
 
 @dataclass(frozen=True)
 class SumOptions:
-    """Sizes of sums; they change the time and the memory, not the result."""
+    """Block sizes of sums; they change the time and the memory, not the result."""
 
-    # Pairs of a point and a thing whose numbers stay in the cache.
+    # Number of pairs of a point and a source whose arrays fit into the processor's cache.
     cache_pairs: int = 1 << 15
-    # Pairs handled at once by matrix products: some megabytes.
+    # Number of pairs in one matrix product: its arrays take some megabytes.
     memory_pairs: int = 1 << 19
-    # Pairs in one zone from which a matrix product is faster than rows of pairs.
+    # Number of pairs in one zone above which a matrix product is faster than a list of pairs.
     min_matrix_pairs: int = 1 << 12
-    # Terms of a sum of sines from which few sines and two products take the place of all sines.
+    # Number of terms up to which every sine of a sum is evaluated. Longer sums use the addition
+    # theorem, with few sines and two matrix products (see `_sines`).
     max_sines: int = 256
 
 
@@ -29,14 +30,17 @@ OPTIONS = SumOptions()
 
 
 def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
-    """Blocks of points such that the pairs with this number of jumps fit into memory."""
+    """Iterator of blocks of points; a block has at most `memory_pairs` pairs with the jumps."""
     block = max(1, OPTIONS.memory_pairs // max(1, jumps))
     for begin in range(0, points, block):
         yield slice(begin, begin + block)
 
 
 def stretches(counts: Index, most: int) -> Iterator[slice]:
-    """Blocks of points with at most this number of pairs together, or with one point."""
+    """Iterator of blocks of points with at most `most` pairs together, or with one point.
+
+    counts: number of pairs of each point.
+    """
     total, begin = np.cumsum(counts), 0
     while begin < len(counts):
         done = int(total[begin - 1]) if begin else 0
@@ -47,10 +51,10 @@ def stretches(counts: Index, most: int) -> Iterator[slice]:
 
 @record
 class Grouped:
-    """Things in zones, sorted by zone.
+    """Items in zones (points, jumps or poles), sorted by zone.
 
-    order: their numbers, zone after zone. count, first: number of things in each zone, and the
-    place of the first one in `order`; one more entry stands for zones without things.
+    order: indices of the items, zone after zone. count: number of items in each zone; first:
+    position in `order` of the zone's first item. Both have one more entry, for zones without items.
     """
 
     order: Index
@@ -59,27 +63,30 @@ class Grouped:
 
     @classmethod
     def by(cls, zone: Index) -> "Grouped":
-        """Group things by the zone of each."""
+        """Items grouped by zone; zone (n,) is the zone index of each item."""
         count = np.bincount(zone, minlength=int(zone.max(initial=-1)) + 2)
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Row of each zone in `count` and `first`; zones without things have the last row."""
+        """Position of each zone in `count` and `first`; zones without items have the last one."""
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:
-        """Numbers of the things in each zone that has any, by ascending zone."""
+        """The indices of the items in each zone, for the zones that contain items.
+
+        Keys are zones in ascending order.
+        """
         return {
             i: self.order[self.first[i] : self.first[i] + self.count[i]]
             for i in np.flatnonzero(self.count).tolist()
         }
 
     def summed(self, zone: Index, weight: Array, of: Callable[[Index, Index], Array]) -> Array:
-        """Weighted sums over the things in the zone of each point.
+        """Weighted sums, for each point, over the items in the zone of that point.
 
-        of(points, things): the summand without its weight, pair by pair. In a zone with many pairs
-        it is called with points (n, 1) and all things of the zone, and its result is used as a
-        matrix.
+        zone: zone of each point; weight: weight of each item. of(points, items): the summand
+        without its weight, pair by pair. In a zone with many pairs it is called with points (n, 1)
+        and all items of the zone, and its result is used as a matrix.
         """
         zone, out = self.rows(zone), np.zeros(len(zone))
         pairs = self.count * np.bincount(zone, minlength=len(self.count))
@@ -99,7 +106,7 @@ class Grouped:
 
 
 class PerZone(Kept):
-    """Base of records of things in zones or close to them; zone (n,): the zone of each."""
+    """Base of records of n items in zones or close to them; zone (n,): zone of each item."""
 
     zone: Index
 
@@ -108,23 +115,24 @@ class PerZone(Kept):
 
     @cached_property
     def grouped(self) -> Grouped:
-        """The things in order of their zones."""
+        """The items sorted by zone."""
         return Grouped.by(self.zone)
 
     @cached_property
     def by_zone(self) -> dict[int, Index]:
-        """Numbers of the things of each zone that has any."""
+        """The indices of the items in each zone, for the zones that contain items."""
         return self.grouped.places()
 
     def of_zone(self, zone: int) -> Index:
-        """Numbers of the things of one zone."""
+        """The indices of the items in one zone."""
         return self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
 
 
 def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
-    """sum_k u[zone, k] rho^k, rho real or complex, up to the k at which rho^k is round-off.
+    """Power series sum_k u[zone, k] rho^k, for real or complex rho with |rho| < 1.
 
-    rho and zone are pairs (n,), or rho is (points, sources) and zone is (sources,).
+    The sum stops at the k at which rho^k is at round-off. rho and zone are pairs (n,), or rho has
+    the shape (points, sources) and zone (sources,).
     """
     count = u.shape[1]
     if count == 0 or rho.size == 0:
@@ -135,7 +143,7 @@ def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
         return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
     with np.errstate(divide="ignore"):
         seen = np.ceil(-DIGITS / np.log(np.minimum(np.abs(rho), 1 - 1e-12)))
-    # For rho = 0 the first term remains.
+    # At least one term is kept: for rho = 0 the formula gives none.
     return _by_horner(u, rho, zone, np.fmin(count, np.maximum(seen, 1)).astype(int))
 
 
@@ -173,7 +181,7 @@ def _same_order(c: Array, rho: NDArray[Any]) -> NDArray[Any]:
 
 
 def waves(weight: Array, angle: Array, count: int) -> Complex:
-    """sum over weights of weight exp(i k angle), for k = 0 ... count - 1."""
+    """sum_j weight_j exp(i k angle_j), for k = 0 ... count - 1."""
     turn, wave, out = np.exp(1j * angle), weight.astype(complex), np.empty(count, dtype=complex)
     for k in range(count):
         out[k] = wave.sum()
@@ -182,10 +190,11 @@ def waves(weight: Array, angle: Array, count: int) -> Complex:
 
 
 def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
-    """sum_k u[zone, k] sin((k+1) theta), from the angle from the nearer end.
+    """Sine series sum_k u[zone, k] sin((k+1) theta), given the angle from the nearer end.
 
-    theta = pi - angle where `flip`; no digit is lost near either end. Arrays have any shape; one
-    column of zones (n, 1) with the same places in each zone is faster.
+    theta = pi - angle where `flip` is true, else theta = angle. So no digit is lost near either
+    end. Arrays have any shape. Zones broadcast from (n, 1), with the same angles in each, are
+    faster.
     """
     if zone.ndim == 2 and zone.strides[1] == 0 == angle.strides[0]:
         return _same_places(u, zone[:, 0], angle[0], flip[0])
@@ -207,7 +216,7 @@ def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
 
 
 def cosine_sum(c: Array, zone: Index, theta: Array) -> Array:
-    """sum_k c[zone, k] cos((k+1) theta), pair by pair (n,)."""
+    """Cosine series sum_k c[zone, k] cos((k+1) theta), pair by pair (n,)."""
     turn = np.exp(1j * theta)
     return np.asarray((turn * _by_horner(c, turn, zone, _terms(c, zone))).real)
 
@@ -226,11 +235,11 @@ def _terms(table: Array, row: Index) -> Index:
 
 
 def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
-    """`sine_sum` at the same places of several zones, by matrix products in blocks."""
+    """`sine_sum` at the same angles in several zones, by matrix products in blocks."""
     rows = u[zones]
     k = np.arange(1, _terms(u, zones).max(initial=0) + 1)
     rows = rows[:, : len(k)]
-    # Counted from the left end, t changes its sign, and so do the even modes.
+    # sin(k (pi - angle)) = -(-1)^k sin(k angle): with `flip`, terms of even k change their sign.
     turned = rows * (2.0 * (k % 2) - 1.0)
     out, block = np.empty((len(zones), len(angle))), max(1, OPTIONS.memory_pairs // max(1, len(k)))
     for start in range(0, len(angle), block):
@@ -244,8 +253,8 @@ def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
 def _sines(angle: Array, columns: Array) -> Array:
     """sum_k columns[k - 1] sin(k angle), shape (points, columns).
 
-    With many terms, k = m a + b and sin(k angle) follows from sines and cosines of m a angle and of
-    b angle, so that few sines are evaluated.
+    With many terms, k is written as m a + b. Then sin(k angle) follows from the sines and cosines
+    of m a angle and of b angle, so that few sines are evaluated.
     """
     count = len(columns) + 1
     if count <= OPTIONS.max_sines:

@@ -3,8 +3,8 @@
 At a distance d from an end the density is K / sqrt(d) + A sqrt(d). A *singular* end leaves K
 unknown. A *bounded* end has K = 0 (or a prescribed K) at a given place. A *free* end has a given K
 (zero, or a prescribed intensity) at an unknown place. Each zone with two singular ends has index 1
-and needs one side condition; each bounded end needs one less; a free end needs one less and adds
-one unknown, its position (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
+and needs one side condition. Each bounded end needs one condition less. So does a free end, but it
+adds one unknown, its position (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
 """
 
 from collections.abc import Sequence
@@ -54,7 +54,7 @@ class End:
 
     @property
     def surplus(self) -> int:
-        """Unknowns less equations that this end adds to a zone with two bounded ends."""
+        """Unknowns minus equations that this end adds, compared with a bounded end."""
         return 1 if self.moves or self.intensity is None else 0
 
 
@@ -64,7 +64,9 @@ SINGULAR = End(moves=False, intensity=None)
 
 
 def free_with_intensity(intensity: float) -> End:
-    """A free end with density `intensity / sqrt(d)` (adhesion, a crack at its limit).
+    """A free end with the density `intensity / sqrt(d)` at a small distance d.
+
+    Examples are the edge of an adhesive contact and a crack tip at the limit of its toughness.
 
     Parameters
     ----------
@@ -90,12 +92,13 @@ def free_with_intensity(intensity: float) -> End:
     return End(moves=True, intensity=inputs.number("the intensity of an end", intensity))
 
 
-# Largest difference of symmetric data from their mirror images, relative: round-off with a wide
+# Largest relative difference of symmetric data from their mirror images: round-off with a wide
 # margin.
 MAX_ASYMMETRY = 1e-6
 
 
 def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
+    """The checked kinds of `count` ends, from one kind for all or one for each."""
     kinds = (ends,) * count if isinstance(ends, End) else inputs.several(ends)
     if not all(isinstance(kind, End) for kind in kinds):
         known = "sie.FREE, sie.SINGULAR, sie.BOUNDED or sie.free_with_intensity(K)"
@@ -118,8 +121,8 @@ class Zones(Kept):
     symmetric : bool
         Whether the zones and the data are mirror images about x = 0; then only half is solved.
     rest : ndarray
-        Round-off of the ends (2, n), which are a + rest[0] and b + rest[1]. An end may be nearer to
-        a corner of the right side than the digits of its position show.
+        Round-off of the ends (2, n): the exact ends are a + rest[0] and b + rest[1]. An end may be
+        nearer to a corner of the right side than the digits of its position show.
 
     Examples
     --------
@@ -191,10 +194,10 @@ class Zones(Kept):
         return replace(self, a=a, b=b, rest=sum_error(ends, by) if exactly else np.zeros_like(by))
 
     def changed(self, lost: Index, met: Index, period: float | None) -> "tuple[Zones, Index]":
-        """(zones without the lost ones and with merged ones joined, numbers of the remaining
-        zones).
+        """(zones after some have vanished or merged, old indices of the remaining zones).
 
-        met: zones that have merged with the next one; a joined zone keeps the number of the first.
+        lost: indices of the zones that have vanished; met: indices of zones that have merged with
+        the next one. A merged zone keeps the index of its first part.
         """
         count = len(self)
         kept = np.setdiff1d(np.arange(count), np.union1d(lost, (np.asarray(met) + 1) % count))
@@ -235,15 +238,17 @@ class Zones(Kept):
 
     @cached_property
     def solved(self) -> Index:
-        """Indices of the zones whose equations are solved: all, or the right half of a symmetric
-        set.
+        """Indices of the zones whose equations are solved.
+
+        These are all zones, or the right half of a symmetric set.
         """
         return np.arange(len(self) // 2, len(self)) if self.symmetric else np.arange(len(self))
 
     @cached_property
     def fixed_bounded(self) -> tuple[list[int], list[int]]:
-        """(left, right) places among the solved zones with a fixed bounded end, where K = 0 is
-        required.
+        """(left, right): which solved zones have a fixed bounded end, where K = 0 is required.
+
+        Both are lists of positions in `solved`.
         """
         left, right = (
             [
@@ -263,9 +268,7 @@ class Zones(Kept):
 
     @cached_property
     def intensities(self) -> Array:
-        """Prescribed intensities at the left and the right ends (2, n); NaN where none is
-        prescribed.
-        """
+        """Prescribed intensities K at the left and the right ends (2, n); NaN if there is none."""
         return np.array(
             [
                 [np.nan if end.intensity is None else end.intensity for end in ends]
@@ -280,12 +283,13 @@ class Zones(Kept):
 
     @property
     def follow_ends(self) -> bool:
-        """Whether moved ends change the density at first order, since an intensity is prescribed
-        there.
+        """Whether a moving end has a prescribed intensity other than zero.
+
+        Then a motion of the end changes the density at first order.
         """
         return any(end.moves and end.intensity != 0.0 for end in (*self.left, *self.right))
 
     @property
     def central(self) -> bool:
-        """Whether a symmetric set has a zone about the centre."""
+        """Whether the zones are symmetric and one of them contains the centre x = 0."""
         return self.symmetric and len(self) % 2 == 1
