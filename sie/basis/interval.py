@@ -85,7 +85,7 @@ def excess_of(rate: float) -> float:
 
 
 class Seen:
-    """Base of points in the coordinates of intervals: R = `root`, rho, and |zeta| - 1 = `excess`."""
+    """Base of points in the coordinates of intervals: R (root), rho and |zeta| - 1 (excess)."""
 
     rho: Array
     root: Array

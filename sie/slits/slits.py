@@ -256,7 +256,7 @@ class Slit(Kept):
         return theta(from_left, from_right)
 
     def root(self, left: Array, right: Array) -> Array:
-        """X = sqrt(1 - t^2) of the wide zone, at distances from the slit's ends in its half widths."""
+        """X = sqrt(1 - t^2) of the wide zone, at distances from the slit's ends in half widths."""
         return root_weight(self.start + self.half * left, self.rest + self.half * right)
 
     @cached_property

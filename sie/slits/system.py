@@ -302,7 +302,7 @@ class SlitState(Answered):
 
     # Solutions for other values of the side conditions.
     def response(self, values: Array, tolerance: float = 0.0) -> SlitDensity:
-        """The density caused by unit changes of the side conditions' values; see `State.response`."""
+        """The density caused by unit changes of the side conditions' values."""
         return self.slit_system.density(
             *self.slit_system.solve(values, tolerance)[:2], homogeneous=True
         )[1]
