@@ -321,7 +321,9 @@ def test_what_is_no_better_from_nothing_is_refused_with_its_best_state(monkeypat
     full, real = full_load(ROUGH), refine._refined_once
     first = contact.solve(scene(ROUGH, load=0.2 * full))
     monkeypatch.setattr(
-        refine, "_refined_once", lambda *given: dataclasses.replace(real(*given), control_error=1e-6)
+        refine,
+        "_refined_once",
+        lambda *given: dataclasses.replace(real(*given), control_error=1e-6),
     )
     with pytest.raises(contact.NotConverged) as refused:
         contact.solve(scene(ROUGH, load=0.25 * full), near=first)
