@@ -100,9 +100,9 @@ def test_designed_contacts_of_unlike_zones_are_solved_to_nine_digits(drawing):
     made = drawn(*drawing)
     assert made.is_admissible
     law = contact.Dugdale(made.work, made.stress)
-    found = contact.solve(
-        contact.Scene(made.profile, made.E_star, contact.Isolated(), law=law, load=made.load)
-    )
+    scene = contact.Scene(made.profile, made.E_star, contact.Isolated(), law=law, load=made.load)
+    # The stated error is up to a hundred times the true one.
+    found = contact.solve(scene, tol=3e-8)
     least = float(np.diff(made.zones).min())
     assert found.zones == pytest.approx(made.zones, abs=1e-9 * least)
     assert found.cohesive == pytest.approx(made.cohesive, abs=1e-9 * least)
