@@ -1,6 +1,6 @@
 """Unknowns of a solution on given zones, and its responses to further right sides.
 
-What the error of a solution is made of stands in `state`.
+`sie.states.state` estimates the error of a solution.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from sie.fast.iteration import Iterative
 from sie.jumps.forcing import ForcingJumps
 from sie.states.sizes import Sizes
 
-# The equation is unresolved if the last coupled coefficients are above this part of the largest:
-# zones lie too close to a singularity, or a user's function varies too much.
+# The equation is unresolved if the last coupled coefficients are above this fraction of the
+# largest. Then a zone lies too close to a singularity, or a user's function varies too much.
 UNRESOLVED = 1e-6
 
 
@@ -32,9 +32,9 @@ Solver = Factored | Iterative
 
 
 class Answered(Kept):
-    """What states on plain zones and on zones with slits have in common.
+    """Common properties of states on zones without slits and on zones with slits.
 
-    It is given by the state without slits, `whole`.
+    They follow from `whole`, the state on zones without slits.
     """
 
     if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class Answered(Kept):
         return np.cumsum([0, *counts], dtype=np.intp)[:-1]
 
     def values(self, condition: int = 0, change: float = 1.0) -> Array:
-        """Changes of the values of all side conditions, zero but for `change` of one of them."""
+        """Changes of the values of all side conditions: `change` for one of them, else zero."""
         out = np.zeros(len(self.whole.condition_scale))
         out[self.condition_index[condition]] = change
         return out
@@ -92,7 +92,7 @@ class Answered(Kept):
 
 @dataclass(frozen=True, eq=False)
 class Solved(Answered):
-    """The fields of `State`, and its responses."""
+    """The fields of `State`, and the responses of the solution to changed conditions."""
 
     density: Density
     system: System
@@ -109,19 +109,20 @@ class Solved(Answered):
     def response(self, values: Array, tolerance: float = 0.0) -> Density:
         """The density caused by unit changes of the side conditions' values.
 
-        The right side is zero and the conditions are equal to `values`; tolerance: of an iteration.
+        The right side is zero and the conditions have the values `values`. tolerance: relative
+        tolerance of an iterative solution.
         """
         return self.homogeneous(self.response_unknowns(values, tolerance))
 
     def response_unknowns(self, values: Array, tolerance: float = 0.0) -> Array:
-        """The unknowns of `response`, to be put into rows of the system."""
+        """The unknowns of `response`, in the order of the columns of the system."""
         right, iteration = self.right_of(values), self.iteration
         return self.symmetry.unfold(
             self.solver(right) if iteration is None else iteration(right, None, tolerance)
         )
 
     def right_of(self, values: Array) -> Array:
-        """Right side of the rows for values of the side conditions, with g = 0."""
+        """Right side of the rows for values of the side conditions; that of the equation is 0."""
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
         return right
@@ -152,7 +153,7 @@ class Solved(Answered):
 
     @cached_property
     def natural(self) -> Array:
-        """Size of each zone's density without the part of its total."""
+        """The largest coefficient of each zone's density beyond c_0, which gives its total."""
         return coefficient_sizes(self.density, 1)
 
     @property
@@ -207,7 +208,7 @@ def coefficient_sizes(density: Density, start: int = 0) -> Array:
 def density_of(system: System, y: Array) -> Density:
     """The density with unknowns y.
 
-    Coefficients up to m come from y; those beyond are minus those of the right side.
+    Coefficients up to m come from y; higher ones are minus those of the right side.
     """
     layout, g = system.layout, system.g
     out = np.zeros((len(layout.m), max(layout.given.shape[1], g.shape[1])))

@@ -1,10 +1,11 @@
 """Effect of rounding and truncation of the rows on the density and on the intensities at the ends.
 
-Each row of A y = b is rounded by the root of the sum of its terms' squares, because roundings are
-independent of each other. The intensities are linear in the unknowns, K = C y, so one solve for X =
-A^-T C^T gives the effect of every row on every K. Levels are differences of large potentials and
-heights, and have the rounding of these. So a lightly loaded zone between heavy ones is affected by
-the rounding of all heights.
+The round-off of each row of A y = b is that of the root of the sum of its terms' squares, because
+the round-off of different terms is independent. The intensities K are linear in the unknowns,
+K = C y, so one solve for X = A^-T C^T gives the effect of every row on every K. Levels are
+differences of large potentials and large heights (values of the primitive of g), and have the
+round-off of these. So a lightly loaded zone between heavy ones is affected by the round-off of all
+heights.
 """
 
 from dataclasses import dataclass
@@ -30,15 +31,15 @@ class RoundingOptions:
 
     # The largest of some hundred rounding errors is about four times their root mean square.
     safety: float = 4.0
-    # Relative tolerance of the iterative answer to random errors. A looser one would miss the few
-    # motions that nearly dependent conditions enlarge.
+    # Relative tolerance of the iterative solution for random errors. A looser one would not show
+    # the few changes that nearly dependent conditions enlarge.
     solution: float = 1e-2
-    # Samples of random errors: the estimate is below a quarter of the true size once in a hundred
-    # times.
+    # Number of samples of random errors. With four, the estimate is below a quarter of the true
+    # size in one of a hundred cases.
     samples: int = 4
     # Angles of each zone at which the density is evaluated.
     angles: int = 24
-    # Distance from an end, over the half width, within which singular parts are left out.
+    # Singular parts are not evaluated closer to an end than this distance, in half widths.
     end_distance: float = 0.03
     # Ends at which the rounding of the primitive is measured.
     primitive_samples: int = 32
@@ -48,10 +49,11 @@ OPTIONS = RoundingOptions()
 
 
 def intensity_rounding(state: Solved) -> Array:
-    """Rounding of K at the left and right end of each zone, (2, Z)."""
+    """Round-off of the intensity K at the left and right end of each zone, (2, Z)."""
     density, system = state.density, state.system
     zones = density.zones
-    # Rounding acts on what is subtracted, the right side and the fields, however small the rest is.
+    # The round-off is relative to the terms that are subtracted, the right side and the fields,
+    # however small their difference is.
     subtracted = (
         sum(
             by_rows(lambda rows: np.abs(rows).sum(axis=1), table)
@@ -73,9 +75,10 @@ def intensity_rounding(state: Solved) -> Array:
 
 
 def _stands_alone(state: Solved) -> bool:
-    """Whether one zone is given by its own rows and its total.
+    """Whether there is a single zone on which nothing acts but itself.
 
-    Then nothing else is unknown, and nothing acts on it from outside, as images of itself may.
+    There are no images, no regular part of the kernel and no columns, so that nothing but the
+    coefficients of the zone is unknown.
     """
     equation = state.system.equation
     kernel = equation.kernel
@@ -84,21 +87,21 @@ def _stands_alone(state: Solved) -> bool:
 
 
 def _of_others(state: Solved) -> Array | float:
-    """Effect on K (Z,) of the rounding of the jumps' parts in other zones.
+    """Effect on the intensities K (Z,) of the round-off of jumps in other zones.
 
-    It is sampled by the field of one random density of that size. Narrow zones are affected by a
-    wide one with many knots, whose parts are much larger than their sum.
+    It is sampled by the field of one random density of that size. It matters for narrow zones next
+    to a wide one with many knots, since the terms of these are much larger than their sum.
     """
     system, zones = state.system, state.density.zones
     layout, rounding = system.layout, system.jumps.rounding(len(zones))
     if system.equation.forcing.value_jumps:
-        # The effect of these on others is computed from the right side itself.
+        # The field of these zones is computed from the right side itself, without this round-off.
         rounding[system.by_moments] = 0.0
     if not rounding.any():
         return 0.0
     order = np.arange(layout.coefficients) - np.repeat(layout.offset, layout.m + 1)
     shaken = np.zeros(layout.size)
-    # Totals are given; the first of the other coefficients differ most.
+    # The errors decrease with the order; totals are prescribed and have none.
     shaken[: layout.coefficients] = np.where(
         order > 0, np.repeat(rounding, layout.m + 1) / (1 + order), 0.0
     )
@@ -111,20 +114,21 @@ def _of_others(state: Solved) -> Array | float:
 
 
 def _of_levels(state: Solved) -> Array | float:
-    """Effect on K of the rounding of the potentials that determine the zones' totals (Z,)."""
+    """Effect on the intensities K of the round-off of potentials in conditions on levels (Z,)."""
     equation, zones = state.system.equation, state.density.zones
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
     w = zones.half
-    # An error e of a level is met by c_0 = e / (w log(w / 2R)), and K by that over sqrt(2 w).
-    # Neighbours that are no wider hold less of it than a plane would.
+    # An error e of a level changes c_0 by e / (w log(w / 2R)), with the conformal radius R, and K
+    # by w c_0 / sqrt(2 w). Neighbours that are not wider keep less of their level than the grounded
+    # half-lines for which R holds.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
     logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
     return np.asarray(2 * _level_noise(state) / (logarithm * np.sqrt(2 * w)))
 
 
 def _through_rows(state: Solved) -> Array:
-    """Root mean square of the effect of the rounding of all rows on each K, (2, Z)."""
+    """Root mean square effect of the round-off of all rows on each intensity K, (2, Z)."""
     solver = state.direct
     assert solver is not None
     effect = _effect_on_intensities(state, solver)
@@ -135,8 +139,9 @@ def _through_rows(state: Solved) -> Array:
 
 
 def _effect_on_intensities(state: Solved, solver: Factored) -> Array:
-    """Derivatives of K at the left, then right ends of the solved zones by the rows (rows, 2
-    zones).
+    """Derivatives of the intensities K by the right sides of the rows, (rows, 2 n).
+
+    The columns are the left ends of the n solved zones, then their right ends.
     """
     (left, _), (right, _) = state.system.intensities()
     return solver.transposed(state.symmetry.fold(np.concatenate((left, right))).T)
@@ -151,8 +156,9 @@ def _of_solved(state: Solved, values: Array) -> Array:
 
 
 def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
-    """Effect of the truncation of all rows on K at both ends of each zone (2, Z); see
-    `_row_truncation`.
+    """Effect of the truncation of all rows on the intensity K at both ends of each zone (2, Z).
+
+    missing, low: see `_row_truncation`.
     """
     solver = state.direct
     if solver is None:
@@ -170,13 +176,12 @@ def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
 
 
 def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array) -> Array:
-    """Error of each row by truncation: by the coefficients that zones lack, and the lowest
-    residuals.
+    """Error of each row by truncated coefficients and by the lowest modes of the residual.
 
-    missing: sum of these coefficients (Z,); low: of the residual on the solved zones (solved
-    zones, modes). Coefficients beyond the last one act on the rows as the last one does, or
-    less. Conditions may carry their effect to other zones and enlarge it: K = 0 at an end next
-    to a strong zone, for example, determines the total of a distant one.
+    missing: sum of the truncated coefficients (Z,); low: amplitudes of the residual's lowest modes
+    (solved zones, modes). Truncated coefficients act on the rows as the last kept one does, or
+    less. Conditions may carry their effect to other zones and enlarge it. For example, K = 0 at an
+    end next to a strong zone may determine the total of a distant one.
     """
     system = state.system
     layout, solved = system.layout, system.zones.solved
@@ -187,11 +192,11 @@ def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array)
 
 
 def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
-    """Answers to `OPTIONS.samples` random errors of the rows, as unknowns, by iteration.
+    """Changes of the unknowns by `OPTIONS.samples` random errors of the rows, by iteration.
 
-    The errors of the rows are those of `_row_truncation`, the rounding of their terms, and what the
-    iteration has left of the totals. Each row has a random sign of its own. With one sign for each
-    unknown, the answer would be these unknowns, and nothing elsewhere.
+    The errors of the rows are those of `_row_truncation`, the round-off of their terms, and the
+    iteration's remaining error of the totals. Each row has its own random sign. If instead each
+    unknown had a random sign, the change would be the error of this unknown and no other.
     """
     iteration, symmetry = state.iteration, state.symmetry
     assert iteration is not None
@@ -218,8 +223,9 @@ def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
 
 
 def _low_rows(state: Solved, low: Array) -> tuple[Index, Array]:
-    """(indices of the rows of the lowest modes, their errors by the residual): see
-    `_row_truncation`.
+    """(indices of the rows of the lowest modes, errors of these rows by the residual).
+
+    low: see `_row_truncation`.
     """
     layout, solved = state.system.layout, state.system.zones.solved
     rows = state.system.diagonal
@@ -230,7 +236,10 @@ def _low_rows(state: Solved, low: Array) -> tuple[Index, Array]:
 
 
 def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
-    """(rounding of the rows without levels, rounding of the levels of the solved zones)."""
+    """(round-off of the rows, round-off of the levels of the solved zones).
+
+    In the first, rows that contain levels are zero: their round-off is that of the levels.
+    """
     rounding, of_levels = EPS * solver.size_of_rows, state.level_rows.any(axis=1)
     rounding[state.conditions_from :][of_levels] = 0.0
     count = len(state.density.zones.solved)
@@ -240,12 +249,11 @@ def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
 
 
 def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
-    """Effect of truncation and rounding of all rows on the density of each zone (Z,).
+    """Effect of truncation and round-off of all rows on the density of each zone (Z,).
 
-    The singularities are taken out of the density. Where conditions nearly depend on each other,
-    the effect is many times the errors of the rows. So the rows are changed at random, always by
-    the same numbers, and the change of the density is measured. missing, low: see
-    `_row_truncation`.
+    The density is taken without its singular factors. If conditions nearly depend on each other,
+    the effect is many times the errors of the rows. So the rows are changed at random, with a fixed
+    seed, and the change of the density is measured. missing, low: see `_row_truncation`.
     """
     zones, solver = state.density.zones, state.direct
     if _stands_alone(state):
@@ -275,13 +283,13 @@ def density_changes(state: Solved, unknowns: list[Array]) -> Array:
 
 
 def _largest(coefficients: Array) -> Array:
-    """Largest value on each zone of sum c_k T_k / sqrt(1 - t^2), and of its bounded part, at a few
-    angles.
+    """Largest value on each zone of sum c_k T_k / sqrt(1 - t^2) or its bounded part.
 
-    Places closer to the ends than OPTIONS.end_distance do not count.
+    It is evaluated at a few angles. The factor 1 / sqrt(1 - t^2) is kept below its value at the
+    distance `OPTIONS.end_distance` from an end.
     """
     k = np.arange(max(coefficients.shape[1], 2))
-    # The angles are denser next to the ends, where high modes add up.
+    # The angles are denser close to the ends, where high modes add up.
     theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, OPTIONS.angles)[:, None]) ** 2
     u = bounded_part(coefficients)[2]
     whole = (
@@ -294,7 +302,7 @@ def _largest(coefficients: Array) -> Array:
 
 
 def _level_noise(state: Solved) -> Array:
-    """Root mean square of the rounding of the zones' levels, by potentials and by heights."""
+    """Root mean square round-off of the zones' levels, by potentials and the primitive of g."""
     sizes, forcing = state.sizes, state.system.equation.forcing
     if state.system.integrated:
         return np.asarray(state.system.level_rounding(state.unknowns))
@@ -306,17 +314,18 @@ def _level_noise(state: Solved) -> Array:
 
 
 def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> float:
-    """Rounding of the values of the primitive.
+    """Round-off of the values of the right side's primitive.
 
-    As data they are rounded to a part of their rise between the zones. In evaluation the rounding
-    is the deviation from straight lines over a few units in the last digit.
+    It has two parts. Values are rounded relative to their range on the zones and between them. The
+    round-off of their evaluation is measured as the deviation from straight lines over a few units
+    in the last digit of x.
     """
     assert forcing.primitive is not None
     ends = np.unique(np.concatenate((zones.a, zones.b)))
     ahead = zones.a[1:] if period is None else np.append(zones.a[1:], zones.a[0] + period)
     between = 0.5 * (ahead + zones.b[: len(ahead)])
     between = between[(between > forcing.within[0]) & (between < forcing.within[1])]
-    # A zone alone does not depend on heights next to it, which for steep powers are many decades
+    # A single zone does not depend on values beyond it, which for steep powers are many decades
     # larger.
     heights = np.asarray(
         forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between)))

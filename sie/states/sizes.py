@@ -1,4 +1,4 @@
-"""Numbers of unknowns of the zones, and what one solution leaves to the next."""
+"""Numbers of unknowns of the zones, and data that one solution passes to the next."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from sie.trees.panels import panels_over
 
 @dataclass(eq=False)
 class Sizes:
-    """Numbers of modes to start from, kept from one solve to the next so that growth is paid once.
+    """Numbers of modes to start from, and other data kept from one solve to the next.
 
-    own, least: coefficients of the right side, and coupled modes, of each zone. carried: see
-    `Carried`. coarse: operator of an iteration, kept while it serves. primitive_rounding: rounding
-    of the right side's primitive, once it is known. linear:
-    relative tolerance of an iteration; 0: as tight as rounding allows. rough: whether its sums need
-    be accurate to 1e-7 only. start: whether the solution is only the start of another one.
-    iterations, solves, profile_evaluations, kernel_evaluations: counts so far. value: of the open
-    condition, used by an iteration. growth: see `modes.Growth`. wide, joined: sizes of the wide
-    zones if narrow gaps are slits, and mask of the zones that such a gap follows.
+    own: number of coefficients of the right side on each zone; least: number of coupled modes of
+    each zone; carried: see `Carried`; coarse: coarse operator of an iteration, reused while zones
+    change little; primitive_rounding: round-off of the right side's primitive, once it is known;
+    linear: relative tolerance of an iteration, 0 for the round-off limit; rough: whether sums with
+    an error of 1e-7 are accurate enough; start: whether the solution is only the start of another
+    one, so that the first guess is accepted; iterations, solves, profile_evaluations,
+    kernel_evaluations: counts so far; value: value of the open condition, used by an iteration;
+    growth: see `modes.Growth`; wide, joined: see below.
     """
 
     own: Index
@@ -47,9 +47,9 @@ class Sizes:
     primitive_rounding: float | None = None
     growth: modes.Growth | None = None
     wide: Sizes | None = None
-    """Those of the wide zones, where narrow gaps are slits."""
+    """Sizes of the wide zones that are made by joining zones, if narrow gaps are slits."""
     joined: Mask | None = None
-    """After which of the zones a narrow gap was a slit."""
+    """Mask of the zones to whose right a narrow gap was treated as a slit."""
 
     def of(self, kept: Index) -> Sizes:
         """The sizes of some of the zones."""
@@ -65,15 +65,15 @@ class Sizes:
 
 @record
 class Carried:
-    """What an iterative solution leaves to the next one, on mostly similar zones.
+    """Data of an iterative solution that predict the next one, on mostly similar zones.
 
-    If a free end moves by d, the density at fixed places changes by d^2. So do the total of its
-    zone and the field of the others on it. What the right side adds to the coefficients is known on
-    any zones.
+    If a free end moves by d, the density at fixed positions changes by the order d^2. So do the
+    total of its zone and the field of the other zones on it. These are carried over. The
+    coefficients of the right side are known on any zones.
 
-    middle, half: of the zones (n,); totals: of each, over
-    pi (n,); field: coefficients k = 1 ... m of U_{k-1} of the others' fields on each zone, at
-    offset + k, with those of its slits beyond the coupled modes; amplitudes: of the columns.
+    middle, half: middles and half widths of the zones (n,); totals: their totals divided by pi
+    (n,); field: coefficients k = 1 ... m of the field of the other zones in U_{k-1}, at offset + k,
+    and beyond the coupled modes those of the zone's slits; amplitudes: those of the columns.
     """
 
     middle: Array
@@ -85,8 +85,9 @@ class Carried:
 
     @classmethod
     def of(cls, system: System, y: Array, slits: dict[int, Array]) -> Carried:
-        """The totals and fields of a solution; slits: what slits add to the coefficients of their
-        zones.
+        """The totals and fields of a solution.
+
+        slits: coefficients that slits add to those of their zones, by zone.
         """
         coupled, zones = system.layout, system.zones
         m = coupled.m.copy()
@@ -125,8 +126,10 @@ class Carried:
         return np.asarray(y[system.symmetry.keep])
 
     def _place(self, middle: Array, half: Array) -> Index:
-        """Index of the zone that each of other zones corresponds to, of similar width; -1 if there
-        is none.
+        """Index of the stored zone that each new zone corresponds to; -1 if there is none.
+
+        The new zone's middle lies in the stored one, and their widths differ by less than a factor
+        of two.
         """
         i = np.maximum(np.searchsorted(self.middle - self.half, middle, side="right") - 1, 0)
         alike = (
@@ -137,8 +140,9 @@ class Carried:
         return np.where(alike, i, -1)
 
     def _totals(self, middle: Array, half: Array, place: Index) -> Array:
-        """Predicted totals over pi; a zone without a corresponding one gets those of the zones in
-        it.
+        """Predicted totals, divided by pi.
+
+        A zone without a corresponding one gets the sum of the totals of the stored zones within it.
         """
         order = np.argsort(middle)
         within = order[
@@ -152,15 +156,16 @@ class Carried:
         )
 
 
-# An iteration is solved to this part of the truncation tolerance, so that its error does not count.
+# An iteration is solved to this fraction of the truncation tolerance: its error is then negligible.
 _OF_ITERATION = 0.01
 
 
 def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Sizes:
     """Numbers of modes to start with.
 
-    Regular kernels and columns get a few modes, which then grow; else the distances of the zones
-    decide. tolerance: of the coefficients; an iteration need not go far below it.
+    With regular kernels and columns, zones start with a few modes, and more are added later. Else
+    the distances of the zones determine the number. tolerance: truncation tolerance of the
+    coefficients, which determines that of an iteration.
     """
     check_functions(equation, zones)
     least: int | Index
@@ -180,8 +185,8 @@ def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Siz
 def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Sizes:
     """Numbers of modes to start with, from those of a solution on about the same zones.
 
-    They are no larger than the first ones if the number of zones is another. last: whether no other
-    solution has used these sizes since; then its unknowns are the first guess of an iteration.
+    If the number of zones differs, they are those of `first_sizes`. last: whether the solution was
+    the last one to use these sizes; then its unknowns are the first guess of an iteration.
     """
     alike = len(left.own) == len(zones)
     if last:

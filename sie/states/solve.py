@@ -28,13 +28,14 @@ from sie.states.state import State, field_tails
 
 @dataclass(frozen=True)
 class SolveOptions:
-    """When fast sums take the place of a matrix."""
+    """When fast sums replace a matrix, and when a matrix counts as singular."""
 
-    # A reciprocal condition number below this is round-off, since the rows are of size one.
+    # A matrix whose reciprocal condition number is below this counts as singular: it is round-off,
+    # since the rows are of size one.
     dependent: float = 1e-15
     # From this number of unknowns on, fast sums cost less than a matrix (measured on one core).
     min_fast_unknowns: int = 600
-    # A matrix of this size and its factors take more than six gigabytes.
+    # A matrix of this size and its factors need more than six gigabytes of memory.
     max_matrix_unknowns: int = 20_000
 
 
@@ -58,7 +59,7 @@ class SingularSystem(ArithmeticError):
 
 
 class TooLarge(SingularSystem):
-    """Too many unknowns for a matrix, of an equation that has no fast sums."""
+    """There are too many unknowns for a matrix, and fast sums do not apply to the equation."""
 
 
 def solve_fixed(
@@ -69,35 +70,36 @@ def solve_fixed(
     largest: int | None = None,
     direct: bool = False,
 ) -> State:
-    """Solve on given zones, with singular ends allowed at moving ends (their intensity is what a
-    Newton step needs).
+    """Solve the equation on given zones; the density may be singular at all ends.
+
+    The intensities at free ends are what a Newton step needs.
 
     Parameters
     ----------
     equation : Equation
     zones : Zones
-        Free ends are taken where they are.
+        The zones; free ends are not moved.
     tolerance : float
-        Coefficients are asked for until they have fallen to this part of the largest.
+        Truncation tolerance of the coefficients, relative to the largest.
     sizes : Sizes or None
-        Modes to start from, kept from one solve to the next.
+        Numbers of modes to start from, kept from one solve to the next.
     largest : int or None
-        Modes of a zone at the most; None: 8192, or 32768 of one of few zones whose coefficients
-        have nearly fallen by then.
+        Largest number of modes of a zone. None: 8192, or up to 32768 if there are few zones and
+        their coefficients have nearly decayed by then.
     direct : bool
-        By a matrix, however many the unknowns are, up to what one may hold: where many right sides
-        are to come.
+        Whether to use a matrix for any number of unknowns up to `max_matrix_unknowns`. This pays
+        off if many right sides follow.
 
     Returns
     -------
     State
-        The density, and what its error is made of.
+        The density, with the data for its error estimate.
 
     Raises
     ------
     ValueError
-        For functions that do not return what the equation is about; `CountError` if conditions and
-        unknowns do not match.
+        If a function contradicts its declaration (see `check_functions`); `CountError` if the
+        numbers of conditions and unknowns do not match.
     SingularSystem
         If the side conditions depend on each other, or something is not finite.
 
@@ -153,8 +155,8 @@ def solve_fixed(
 def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     """Coupled modes for another solution, or None if the tails show that these are enough.
 
-    Each zone grows by itself, since one that asks for many would cost the others too much. An
-    iteration leaves its own error in all modes, which is not taken for a tail.
+    Modes are added to each zone separately, since to give all zones as many as the worst one would
+    cost too much. Coefficients below the error of an iteration do not count as tails.
     """
     m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
     kernel, sizes = state.equation.kernel, state.sizes
@@ -168,7 +170,7 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     if panels is not None and not any(
         column.resolution.modes is None for column in state.equation.columns
     ):
-        # The panels resolve the regular part with these modes exactly.
+        # With this number of modes the panels resolve the regular part exactly.
         few &= m < panels.modes(zones.half)
     if not state.equation.grows or not few.any():
         return None
@@ -221,7 +223,7 @@ def _condition(solver: Factored, matrix: Array) -> float:
 def _even(matrix: Array) -> Array:
     """The matrix with its rows, then its columns, divided by their largest entry.
 
-    Kernels and columns may have any size, which would hide whether the matrix is singular.
+    Kernels and columns of very different sizes would otherwise make a regular matrix look singular.
     """
     for axis in (1, 0):
         largest = np.abs(matrix).max(axis=axis, keepdims=True)
@@ -230,7 +232,10 @@ def _even(matrix: Array) -> Array:
 
 
 def _singular(equation: Equation) -> str:
-    """Why a system is singular, in words; with poles alone, only side conditions can make it so."""
+    """The reason in words why a system is singular.
+
+    If the kernel has poles alone, only side conditions can make it singular.
+    """
     if equation.kernel.grows or not equation.conditions:
         return (
             "the system is singular: some density is seen neither by the equation nor by the side "
@@ -242,7 +247,7 @@ def _singular(equation: Equation) -> str:
 def _not_finite(equation: Equation, system: System) -> str:
     """Which function of an equation is not finite on the zones, and where, in words."""
     zones, places = system.zones, [system.targets.x]
-    # Nodes of the right side: as many as zones have coefficients.
+    # Nodes at which the right side was sampled, about as many as it has coefficients.
     t = chebyshev.lobatto(max(16, system.g.shape[1] - 1))[0][1:-1]
     places.append((zones.middle[:, None] + zones.half[:, None] * t).ravel())
     x = np.concatenate(places)
@@ -260,11 +265,11 @@ def _not_finite(equation: Equation, system: System) -> str:
 
 
 def _size_of_rows(system: System, terms: Array) -> Array:
-    """Sizes that the rounding of the rows is counted in.
+    """Sizes of the rows to which their round-off is relative.
 
-    The rows of the equation come from values at nodes, and each has the rounding of these values,
-    however small the row is itself, as in the highest modes. `terms`: root mean squares of the
-    terms.
+    The rows of the equation come from values at nodes. Each has the round-off of these values,
+    however small the row itself is, as in the highest modes. terms: root of the sum of squares of
+    the terms of each row.
     """
     rows = system.diagonal
     zone = np.searchsorted(system.layout.offset, rows, side="right") - 1
@@ -285,7 +290,7 @@ def _solve_iterated(
     jumps: ForcingJumps,
     sizes: Sizes,
 ) -> State:
-    """Solution by fast sums and GMRES, started from what the last one on similar zones has left."""
+    """The solution by fast sums and GMRES, started from the last one on similar zones."""
     system = IterativeSystem(equation, zones, m, samples.coefficients, jumps, sizes.rough)
     carried = (
         sizes.carried
@@ -353,7 +358,7 @@ def _state(
 
 
 def rows_of(state: State) -> Array:
-    """The rows that a state was solved with, over the kept unknowns."""
+    """The matrix that a state was solved with; its columns are the kept unknowns."""
     direct = state.direct
     return (
         direct.rows
@@ -365,7 +370,7 @@ def rows_of(state: State) -> Array:
 def _rows(
     equation: Equation, system: System, scale: Array | None = None
 ) -> tuple[Array, Array, Array]:
-    """(rows, right sides, scales of the conditions) over the kept unknowns.
+    """(matrix, right sides, scales of the conditions); the columns are the kept unknowns.
 
     The rows of the side conditions are divided by their scales, so that all are of size one.
     """

@@ -1,4 +1,4 @@
-"""A solution on given zones with its stated error."""
+"""A solution on given zones with its error estimate."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,57 +16,58 @@ from sie.states.rounding import density_rounding, intensity_rounding, truncation
 
 # max over t of |T_k / sqrt(1 - t^2) - its singular parts| is 0.73 k, near an end.
 _AT_ENDS = 0.73
-# Sampling at nodes folds the neglected coefficients back onto the kept ones: they count twice.
+# Neglected coefficients count twice, since sampling at nodes also adds them to the kept ones.
 _FOLDED = 2.0
 
 
 @dataclass(frozen=True)
 class ErrorOptions:
-    """Options of the stated error."""
+    """Options of the error estimate."""
 
-    # Neglected coefficients are assumed to fall with this part of the observed rate.
+    # Neglected coefficients are assumed to decay at this fraction of the observed rate.
     slower_fall: float = 0.9
 
 
 _OPTIONS = ErrorOptions()
 
-# Rounding of n last coefficients, next to an end that moves so that no 1/sqrt(d) is left: 0.42
-# n^1.5 times their mean size, which is a third of the largest; _FOLDED counts the other half.
+# Round-off of n coefficients, close to an end that moves so that the 1/sqrt(d) term vanishes: 0.42
+# n^1.5 times their mean size, which is a third of the largest. Here is half of this, 0.07 n^1.5;
+# the factor _FOLDED restores the other half.
 _OF_ROUNDING = 0.08
-# Long series are checked next to the ends too, where all that they neglect adds up. The angles are
-# these over the number of coefficients.
+# Long series are checked close to the ends too, where all neglected coefficients add up. The angles
+# of the check points are these numbers divided by the number of coefficients.
 _ADDING_UP = np.array([0.5, 1.0, 2.0])
 # Points of every zone at which the residual is evaluated; none of them is a node.
 LOOKS = 15
 THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
-# sin(k theta) at these points for as many k as they separate, and the inverse.
+# Matrix of sin(k theta) at these points for the modes k that they separate, and its pseudo-inverse.
 _FIRST = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
 _FIRST_OF = np.linalg.pinv(_FIRST)
 
 
 @dataclass(frozen=True, eq=False)
 class State(Solved):
-    """The solution on given zones, with what its error is made of.
+    """The solution on given zones, with the data for its error estimate.
 
     Attributes
     ----------
     density : Density
         The wanted function.
     system, solver
-        The equation's rows, and what solves them for further right sides.
+        The rows of the equation, and the solver of these rows for further right sides.
     unknowns, folded_unknowns : ndarray
-        The coefficients, and those of the solved half of symmetric zones.
+        All coefficients, and the kept ones (half of them if zones are symmetric).
     conditions_from : int
-        The first row of the side conditions.
+        Index of the first row of the side conditions.
     condition_scale : ndarray
-        What each of these rows was divided by.
+        The scale by which each of these rows was divided.
     truncation, tails : ndarray
-        What the neglected coefficients may amount to, over the largest coefficient of the same zone
-        (Z,), and the same of the coupled modes.
+        Sizes of the last coefficients of the right side (Z,), and of the last coupled modes (Z,).
+        Both are relative to the largest coefficient of the zone.
     linear_error : ndarray
-        What an iteration left of the error of each zone's coefficients (Z,), 0 for a direct solve.
+        Remaining error of each zone's coefficients from an iteration (Z,), 0 for a direct solve.
     sizes : Sizes
-        How many functions each zone has.
+        Numbers of modes of the zones.
 
     Examples
     --------
@@ -79,7 +80,7 @@ class State(Solved):
 
     @property
     def whole(self) -> "State":
-        """The state without slits: this one."""
+        """The state without slits, which is this one."""
         return self
 
     def wide_of(self, zones: Index) -> "tuple[State, Index]":
@@ -88,7 +89,7 @@ class State(Solved):
 
     @cached_property
     def intensity_noise(self) -> Array:
-        """Rounding of K at the left and right ends (2, Z)."""
+        """Round-off of the intensity K at the left and right ends (2, Z)."""
         return intensity_rounding(self)
 
     @cached_property
@@ -98,24 +99,22 @@ class State(Solved):
 
     @cached_property
     def density_error(self) -> float:
-        """Estimated error of the density on these zones, over its `size`."""
+        """Estimated error of the density on these zones, relative to its `size`."""
         return float(self._errors_over(np.full(len(self.zone_sizes), self.size)).max())
 
     @cached_property
     def zone_errors(self) -> Array:
-        """Estimated error of the density on each zone (Z,), over that zone's own largest
-        coefficient.
-        """
+        """Estimated error of the density on each zone (Z,), relative to its largest coefficient."""
         return self._errors_over(self.zone_sizes)
 
     def _errors_over(self, sizes: Array) -> Array:
-        """Error of the density on each zone over given sizes (Z,); 0 where a size is 0.
+        """Error of the density on each zone, divided by given sizes (Z,); 0 where a size is 0.
 
-        It is the sum of the neglected coefficients, the residual between the nodes, and the effect
-        of truncation and rounding of all rows, which no residual shows. With its singularity taken
-        out, T_k / sqrt(1 - t^2) reaches 0.73 k near an end, and an error of c_k counts as much.
-        Coefficients of one sign that fall slowly add up within (1 - fall)^2 of the end only, where
-        sqrt(1 - t^2) is about 1 - fall^2.
+        It is the sum of three errors: the neglected coefficients, the residual between the nodes,
+        and the effect of truncation and round-off of all rows, which no residual shows. Without its
+        singularity, T_k / sqrt(1 - t^2) reaches 0.73 k close to an end, so an error of c_k counts
+        0.73 k times. Coefficients of one sign with the ratio `fall` near 1 add up within a distance
+        (1 - fall)^2 of the end only, where sqrt(1 - t^2) is about 1 - fall^2.
         """
         zones, modes_of = self.density.zones, self.system.layout.m
         solved, sizes = zones.solved, np.where(sizes > 0.0, sizes, np.inf)
@@ -130,13 +129,14 @@ class State(Solved):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Effect of the truncation and rounding of all rows on the density of each zone (Z,)."""
+        """Effect of the truncation and round-off of all rows on the density of each zone (Z,)."""
         return density_rounding(self, self.missing, self.low_residuals)
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Error of moving ends by truncation, over their zone's width (Z, 2): 2 K / A of the error
-        of K.
+        """Error of moving ends by truncation, relative to their zone's width (Z, 2).
+
+        An error dK of the intensity moves an end by 2 dK / A, with the edge slope A.
         """
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(self.density.edge_slopes), np.inf)
@@ -144,16 +144,19 @@ class State(Solved):
 
     @cached_property
     def intensity_truncation(self) -> Array:
-        """Error of K at the left and right ends by truncation (2, Z): own coefficients, and all
-        rows.
+        """Error of the intensity K at the left and right ends by truncation (2, Z).
+
+        It is caused by the zone's own missing coefficients, and by the truncation of all rows.
         """
         through_rows = truncation_through_rows(self, self.missing, self.low_residuals)
         return np.asarray(edge_scale(self.density.zones.half) * self.missing + through_rows)
 
     @cached_property
     def missing(self) -> Array:
-        """Sum of the coefficients that each zone lacks (Z,): its own, those of fields, and the
-        residual.
+        """Estimated sum of the truncated coefficients of each zone (Z,).
+
+        It adds those of the right side, those of the other zones' fields, and the residual above
+        its round-off.
         """
         out, solved = self._missing + self._missing_fields, self.density.zones.solved
         out[solved] += 3 * np.maximum(self._residual - self.residual_rounding[solved], 0.0)
@@ -161,13 +164,14 @@ class State(Solved):
 
     @cached_property
     def residual_rounding(self) -> Array:
-        """Rounding in the residual of each zone (Z,)."""
+        """Round-off in the residual of each zone (Z,)."""
         return 2e-15 * self.zone_sizes + self.jumps_rounding
 
     @cached_property
     def low_residuals(self) -> Array:
-        """Amplitudes of the residual's lowest modes on each solved zone (solved zones, 7), above
-        rounding.
+        """Amplitudes of the residual's lowest modes on each solved zone (solved zones, 7).
+
+        The round-off is subtracted from them.
         """
         rounding = self.residual_rounding[self.density.zones.solved, None]
         return np.maximum(np.abs(self._residuals @ _FIRST_OF.T) - rounding, 0.0)
@@ -179,28 +183,29 @@ class State(Solved):
 
     @cached_property
     def jumps_rounding(self) -> Array:
-        """Rounding of the parts of all jumps of each zone (Z,)."""
+        """Round-off of the closed forms of all jumps of each zone (Z,)."""
         return self.system.jumps.rounding(len(self.density.zones))
 
     @cached_property
     def left_out(self) -> Array:
-        """Sum of the coefficients that each zone neglects (Z,), extrapolated from the decay of the
-        last ones.
+        """Sum of the neglected coefficients of each zone's right side (Z,).
+
+        It is extrapolated from the decay of the last ones.
         """
         return np.asarray(
             self.neglected * self.zone_sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1)
         )
 
     def made_of(self, left_out: Array) -> Array:
-        """Errors of the density of each zone (Z,) by such sums."""
+        """Errors of the density of each zone (Z,) by sums of neglected coefficients (Z,)."""
         return np.asarray(_FOLDED * left_out * np.maximum(self.sizes.own[: len(left_out)], 1))
 
     @cached_property
     def _missing(self) -> Array:
         """`left_out`, bounded by ten times the residual.
 
-        The residual would show more: a series may fall faster towards its end than it is
-        extrapolated.
+        A larger sum would show in the residual. The extrapolation may be too large, because a
+        series may decay faster towards its end.
         """
         missing = self.left_out.copy()
         solved = self.density.zones.solved
@@ -216,8 +221,8 @@ class State(Solved):
     def _missing_fields(self) -> Array:
         """Sum of the coefficients of the other zones' fields beyond the coupled modes (Z,).
 
-        They fall geometrically, by distance. A user's functions may fall otherwise: then the last
-        three coefficients are taken as they are.
+        They decay geometrically, at a rate that follows from the distance. The fields of a user's
+        functions may decay otherwise: then the largest of the last three coefficients is used.
         """
         fall = self._falls
         last = _last_of_fields(
@@ -227,13 +232,14 @@ class State(Solved):
 
     @cached_property
     def _falls(self) -> Array:
-        """Ratio of successive coefficients of the other zones' fields (Z,), by distance."""
+        """Ratio of successive coefficients of the other zones' fields (Z,), from the distances."""
         return np.exp(-modes.decay(self.density.zones, self.density.kernel))
 
     @cached_property
     def noise(self) -> Array:
-        """Rounding of the right side in each zone over its largest coefficient, where coefficients
-        are noise.
+        """Round-off of the right side on each zone, relative to its largest coefficient.
+
+        It is zero on zones whose last coefficients are not noise.
         """
         return np.asarray(np.where(self._stopped, self.truncation * 2 * np.sqrt(self.kept), 0.0))
 
@@ -245,23 +251,26 @@ class State(Solved):
 
     @cached_property
     def _stopped(self) -> Mask:
-        """Mask of the zones whose last coefficients are rounding: they fall no more, or were cut
-        off there.
+        """Mask of the zones whose last coefficients are round-off.
+
+        They no longer decrease, or the series was cut where they stopped decreasing.
         """
         head, last = self._ends_of_series
         return np.asarray((self.kept < self.sizes.own[: len(self.kept)]) | (last > 0.5 * head))
 
     @cached_property
     def _ends_of_series(self) -> tuple[Array, Array]:
-        """(largest of a few coefficients at half of each series, and at its end), of the right
-        side.
+        """(largest of a few coefficients in the middle of each series, largest at its end).
+
+        The series are those of the right side on the zones.
         """
         head, last = self._some_up_to(0.5), self._some_up_to(1.0)
         return np.array([row.max() for row in head]), np.array([row.max() for row in last])
 
     def _some_up_to(self, part: float) -> list[Array]:
-        """A few coefficients of the right side of each zone, downwards from a given part of its
-        series.
+        """A few coefficients of the right side of each zone, in descending order of the mode.
+
+        The first one stands at the given fraction `part` of the series.
         """
         kept = self.kept.tolist()
         return [
@@ -271,7 +280,7 @@ class State(Solved):
 
     @cached_property
     def neglected(self) -> Array:
-        """Sum of 0.73 k |c_k| over the neglected coefficients, over the zone's largest coefficient.
+        """Sum of 0.73 k |c_k| for neglected coefficients, divided by the zone's largest one.
 
         It is extrapolated from the decay of the last coefficients.
         """
@@ -288,7 +297,7 @@ class State(Solved):
             [_continued(row, one) for row, one in zip(self._some_up_to(1.0), fall, strict=True)]
         ).T
         falling = _AT_ENDS * (n + rest) * rest * following
-        # Rounding is in all coefficients alike: its sum grows as a random walk.
+        # Round-off is of the same size in all coefficients: its sum grows as a random walk.
         rounding = np.maximum(_OF_ROUNDING * n**1.5, np.where(self._stopped, 0.0, falling))
         return np.asarray(
             self.truncation
@@ -316,18 +325,19 @@ class State(Solved):
         transformed = self.density.transform(x)
         value = transformed - self.right_side(x) - system.jumps.left_out(x)
         if zones.symmetric:
-            # The mirrored half is not solved: data that are not symmetric leave their residual
-            # there.
+            # The mirrored half is not solved, so that data which are not exactly symmetric leave a
+            # residual there.
             mirrored = -transformed - self.right_side(-x) - system.jumps.left_out(-x)
             value = np.where(np.abs(mirrored) > np.abs(value), mirrored, value)
         return np.asarray(value.reshape(theta.shape) * np.sin(theta))
 
 
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
-    """(whether the last coefficients hardly fall, the next coefficient over their largest).
+    """(whether the last coefficients hardly decrease, ratio of the next one to their largest).
 
-    row: last coefficients from the end downwards; fall: their ratio over the whole series. If they
-    fall by less than half of that, they come and go, and the largest need not be the first.
+    row: last coefficients in descending order of the mode; fall: mean ratio of successive
+    coefficients of the whole series. If the last ones decrease at less than half of this rate, they
+    oscillate, and the next one is predicted from the largest of them.
     """
     few = len(row)
     flat = row[: few // 2].max() > row[few // 2 :].max() * fall ** (few / 4)
@@ -337,10 +347,10 @@ def _continued(row: Array, fall: float) -> tuple[bool, float]:
 
 
 def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array:
-    """The largest residual close to the ends of long series (n,), 0 of short ones.
+    """The largest residual close to the ends of zones with long series (n,), 0 of other zones.
 
-    There all neglected coefficients add up. kept: number of coefficients of each; residual: times
-    sqrt(1 - t^2), of given zones (k,) at angles (k, points).
+    All neglected coefficients add up there. kept: number of coefficients of each zone; residual:
+    function of zones (k,) and angles (k, points), the residual times sqrt(1 - t^2).
     """
     out, long = np.zeros(len(kept)), np.flatnonzero(kept >= modes.OPTIONS.long_series)
     if len(long):
@@ -358,11 +368,11 @@ def residual_errors(
     rounding: Array,
     separated: Mask | bool = True,
 ) -> Array:
-    """Error of the density over its size on zones (n,), for residuals at THETA (n, LOOKS).
+    """Relative error of the density on zones (n,), from residuals at the angles THETA (n, LOOKS).
 
-    rounding: of the jumps' parts, which is part of the residuals; separated: where the points
-    separate the first modes from the rest. Of the rest only the largest value is known, and the
-    density is off by up to that times the number of modes.
+    rounding: round-off of the jumps' closed forms, which the residuals include; separated: on which
+    zones the points separate the first modes from the rest. Of the rest only the largest value is
+    known. It causes an error of the density of up to this value times the number of modes.
     """
     low = residuals @ _FIRST_OF.T
     rest = np.abs(residuals - low @ _FIRST.T).max(axis=1)
@@ -373,23 +383,24 @@ def residual_errors(
         )
         / size
     )
-    # A few points see the residual to within a factor. Rounding adds up over the modes, but without
-    # their order as weight.
+    # A few points show the largest residual to within a factor of about three. The sum of the
+    # round-off of the modes does not have their order as a weight.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return np.asarray(beyond + high + 5e-16 * coupled)
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Last coupled coefficients of the other zones' fields and of the columns, over the zone's
-    largest (Z,).
+    """Last coupled coefficients of the field on each zone (Z,), relative to its largest one.
+
+    The field is that of the other zones and of the columns.
     """
     layout, g = system.layout, system.lowest
     if layout.m.max() < 8:
         return np.zeros(len(layout.m))
     last = _last_of_fields(system, y)
     top = coefficient_sizes(density)
-    # A tail is a difference of the right side and of the fields that were summed. Below their
-    # rounding there is none, as where a zone has a small share of a load that its neighbours take.
+    # A tail is a difference of the right side and of summed fields, and is zero within their
+    # round-off. This matters for a zone with a small share of a load that its neighbours bear.
     rounding = 8 * 2.2e-16 * row_sizes(g)
     if system.field_sizes is not None:
         rounding[system.zones.solved] += 8 * 2.2e-16 * (system.field_sizes @ np.abs(y))
@@ -400,12 +411,12 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
 def _last_of_fields(
     system: System, y: Array, fall: Array | None = None, continued: bool = True
 ) -> Array:
-    """Largest of the last three coupled coefficients of the other zones' fields and the columns
-    (Z,).
+    """Largest of the last three coupled coefficients of the field on each zone (Z,).
 
-    It is 0 of few modes. fall: ratio of successive coefficients; continued: whether the three
-    are continued to the last one by it. Sampling at m nodes folds coefficient m + 1 + j back
-    onto m + 1 - j, so that of slowly falling coefficients only 1 - fall^(2 j) is left there.
+    The field is that of the other zones and the columns. The result is 0 for fewer than 8 modes.
+    fall: ratio of successive coefficients; continued: whether each of the three is extrapolated to
+    the last one with this ratio. Sampling at m nodes subtracts coefficient m + 1 + j from
+    m + 1 - j, so that only the fraction 1 - fall^(2 j) of a slowly decaying one remains.
     """
     layout, g = system.layout, system.lowest
     some, away = np.flatnonzero(layout.m >= 8)[:, None], np.arange(3)
