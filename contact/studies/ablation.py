@@ -1,4 +1,4 @@
-"""The value of each mechanism of `sie` and `contact`: every one is switched off in turn.
+"""Ablation: the value of each mechanism of `sie` and `contact`, switched off in turn.
 
     python -m contact.studies.ablation [--only NAME ...] [--ordinary] [--out FILE]
 
@@ -6,10 +6,10 @@ The scenes are 95 ordinary ones, 91 of them of `contact.studies.random_scenes` a
 traces, and the extreme ones of `contact.studies.bench.extremes` that take no more than about a
 second. A mechanism is switched off by replacing a function, a class attribute or a field of
 options, in a process of its own. The table has for each mechanism the scenes that are lost, those
-whose answer changes by more than both stated errors, and the processor time over that of the run
-with everything on. A target that does not exist is an error. `--ordinary` leaves out the extreme
-scenes, which take most of the time. `python -m contact.studies.pages DIR` sets DIR/ablation.md in
-docs/ablation.md.
+whose answer changes by more than the sum of both stated errors, and the processor time relative to
+the run with everything on. If a target does not exist, an error is raised. `--ordinary` leaves out
+the extreme scenes, which take most of the time. `python -m contact.studies.pages DIR` sets
+DIR/ablation.md in docs/ablation.md.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from contact.studies.trace_kinds import self_affine_heights
 class Switch:
     """One replacement: `target` is "module:attribute" or "module:Class.attribute".
 
-    `off` returns the new value for the present one.
+    `off` takes the present value and returns the new one.
     """
 
     target: str
@@ -72,17 +72,17 @@ class Switch:
 
 
 def returning(value: Any) -> Callable[[Any], Any]:
-    """Replace a function by one that returns this value."""
+    """Return an `off` that replaces a function by one that returns this value."""
     return lambda old: lambda *args, **kwargs: value
 
 
 def with_fields(**changed: Any) -> Callable[[Any], Any]:
-    """Replace an options instance by one with other fields."""
+    """Return an `off` that replaces an options instance by one with these fields changed."""
     return lambda old: dataclasses.replace(old, **changed)
 
 
 def without(name: str) -> Callable[[Any], Any]:
-    """Leave the entry of this name out of a table of (name, function)."""
+    """Return an `off` that removes the entry of this name from a table of (name, function)."""
 
     def off(old: tuple[tuple[str, Any], ...]) -> tuple[tuple[str, Any], ...]:
         left = tuple(entry for entry in old if entry[0] != name)
@@ -116,7 +116,7 @@ def _no_context(old: Any) -> Any:
     return lambda *args, **kwargs: contextlib.nullcontext()
 
 
-# Every mechanism: what it does, and the replacements that switch it off.
+# This table has for every mechanism its description and the replacements that switch it off.
 MECHANISMS: dict[str, tuple[Switch, ...]] = {
     "Newton steps of ends across a narrow gap": (
         Switch("sie.ends.step_models:gap_steps", _no_gap_steps),
@@ -188,7 +188,7 @@ def ordinary_scenes(count: int = 91, first: int = 10_000) -> list[contact.Scene]
 
 
 def adhesive_scene(seed: int) -> contact.Scene:
-    """A rough trace of 400 points at a mean pressure, under JKR's or Dugdale's law, E* = 1 Pa."""
+    """A rough trace of 400 points under JKR's or Dugdale's law, at a mean pressure, E* = 1 Pa."""
     rng = np.random.default_rng([5, seed])
     heights = self_affine_heights(rng, 400, 0.8, longest=10 + 5 * seed)
     period = 1.0
@@ -201,7 +201,7 @@ def adhesive_scene(seed: int) -> contact.Scene:
 
 
 def run_ordinary(scene: contact.Scene, patience: float) -> dict[str, Any]:
-    """Solve an ordinary scene to 1e-8."""
+    """Solve an ordinary scene to 1e-8; return the outcome, zones, error and seconds."""
     found: dict[str, Any] = {"solved": False, "zones": [], "error": 0.0}
     start = time.process_time()
     try:
@@ -213,7 +213,7 @@ def run_ordinary(scene: contact.Scene, patience: float) -> dict[str, Any]:
 
 
 def measure(name: str, patience: float, ordinary_only: bool) -> dict[str, Any]:
-    """Run all scenes with one mechanism off; with none off if the name is empty."""
+    """Run all scenes with one mechanism off, or with none off if the name is empty."""
     for switch in MECHANISMS.get(name, ()):
         switch.apply()
     with unwarned():
@@ -227,7 +227,7 @@ def measure(name: str, patience: float, ordinary_only: bool) -> dict[str, Any]:
 
 
 def changed(one: dict[str, Any], other: dict[str, Any]) -> bool:
-    """Whether two answers differ by more than both stated errors, in ends over widths."""
+    """Whether ends differ, relative to widths, by more than the sum of both stated errors."""
     zones, others = np.array(one["zones"]), np.array(other["zones"])
     if zones.shape != others.shape:
         return True
@@ -256,7 +256,7 @@ def row(name: str, on: dict[str, Any], off: dict[str, Any]) -> tuple[str, ...]:
 
 
 def main(names: list[str], options: list[str], out: Path | None) -> None:
-    """Measure mechanisms and publish the table after each, as a run takes long."""
+    """Measure mechanisms; publish the table after each one, because a run takes long."""
 
     def run(name: str) -> dict[str, Any]:
         return measured("contact.studies.ablation", "--one", name, *options)

@@ -4,14 +4,15 @@ r"""Equations of known solution for the engine alone: true errors against stated
 
 Widths and gaps of the zones vary over up to ten decades. Ends are singular, bounded, free or have a
 prescribed intensity. Conditions are totals, totals of zones or differences of levels. The kernel is
-Cauchy's, Cauchy's with a smooth part, or Hilbert's. The density is designed: with the ends e of the
-zones and y = x, or sin(pi x/L) with a period,
+Cauchy's, Cauchy's with a smooth part, or Hilbert's. The density phi is designed. With the ends e of
+the zones, and the function y(x) = x, or y(x) = sin(pi x/L) with a period, it is
 
     phi = +-P |Y|,     Y = prod y(x - e)^(+-1/2)  (-: singular),     P = prod y(x - r).
 
-P has as many roots r as make g a constant or linear. g follows from P Y far away and from the
-smooth part; totals and levels by the trapezoidal rule in s = log((x - a)/(b - x)), whose
-convergence does not depend on the gaps (M. Mori, Publ. RIMS 41, 2005, 897-935).
+P has so many roots r that the right side g is constant or linear. g follows from P Y far away and
+from the smooth part of the kernel. Totals and levels are integrals from an end a to an end b, by
+the trapezoidal rule in s = log((x - a)/(b - x)), whose convergence does not depend on the gaps (M.
+Mori, Publ. RIMS 41, 2005, 897-935).
 
 Each fault is printed: `dishonest` for a true error above the stated one, of all zones or of one,
 `exception`, or `slow`. At the end come the counts and the largest ratio of true to stated error.
@@ -34,24 +35,24 @@ import sie
 
 Array = NDArray[Any]
 
-# Angles of each zone at which densities are compared.
+# Densities are compared at these angles of each zone.
 ANGLES = (np.arange(9) + 0.5) * np.pi / 9
 
 
 @dataclass(frozen=True)
 class JudgingLimits:
-    """Limits of the judgement."""
+    """Limits by which a solution is judged."""
 
     slow_seconds: float = 20.0
-    other_root: float = 1e-3  # ends further away, over the width, are another root of the problem
-    round_off: float = 4e-15  # of the designed density and its conditions
+    other_root: float = 1e-3  # a larger error of an end, relative to the width, is another root
+    round_off: float = 4e-15  # round-off of the designed density and its conditions
 
 
 LIMITS = JudgingLimits()
 
 
 class Parts(sie.Condition):
-    """Totals of some zones."""
+    """Condition that prescribes the totals of some zones."""
 
     def __init__(self, zones: list[int], values: Array) -> None:
         self.zones, self.values = zones, values
@@ -65,7 +66,7 @@ class Parts(sie.Condition):
 
 
 class Steps(Parts):
-    """Differences of the levels of neighbouring zones."""
+    """Condition that prescribes differences of the levels of neighbouring zones."""
 
     levels = True
 
@@ -76,10 +77,10 @@ class Steps(Parts):
 
 @dataclass(frozen=True)
 class Design:
-    """A designed density.
+    """A designed density phi = +-P |Y| on given zones, see the head of this module.
 
-    `ends` and `signs` are (n, 2); the signs are twice the exponents at the ends. `roots` and
-    `factor` are those of P. Without a period the zones lie on a line.
+    `ends` and `signs` are (n, 2). The signs are twice the exponents at the ends: -1 singular, 1
+    bounded. `roots` and `factor` are those of P. Without a period the zones lie on a line.
     """
 
     ends: Array
@@ -89,14 +90,14 @@ class Design:
     period: float | None
 
     def y(self, distance: Array) -> Array:
-        """y of distances, in extended precision."""
+        """The function y(x) = x or sin(pi x/L) of distances, in extended precision."""
         scaled = np.asarray(distance, dtype=np.longdouble)
         return (
             scaled if self.period is None else np.sin(np.longdouble(np.pi) / self.period * scaled)
         )
 
     def product(self, start: Array, away: Array, skipped: int = -1) -> Array:
-        """P |Y| at start + away, accurate for small distances `away` from an end `start`.
+        """The product P |Y| at start + away, accurate for small distances `away` from an end.
 
         The factor of the end number `skipped` is left out.
         """
@@ -113,12 +114,12 @@ class Design:
     def orientation(self, zone: int) -> int:
         """Sign of Y in the gap right of a zone.
 
-        Each zone further right with two ends of one kind changes it.
+        Each zone further right whose two ends are of one kind changes the sign.
         """
         return int(np.prod(np.where(self.signs[zone + 1 :, 0] == self.signs[zone + 1 :, 1], -1, 1)))
 
     def density(self, zone: int, angle: Array) -> Array:
-        """phi at angles of a zone, t = cos(angle)."""
+        """Density phi at angles of a zone, whose positions are t = cos(angle) in [-1, 1]."""
         a, b = self.ends[zone]
         left, right = (b - a) * np.cos(angle / 2) ** 2, (b - a) * np.sin(angle / 2) ** 2
         start, away = np.where(left < right, a, b), np.where(left < right, left, -right)
@@ -134,9 +135,10 @@ class Design:
         step: float = 0.4,
         nodes: int = 230,
     ) -> float:
-        """int P |Y| weight dx from an end to the next one, by the trapezoidal rule in s.
+        """Integral of P |Y| weight from an end to the next one, by the trapezoidal rule in s.
 
-        Its step leaves exp(-2 pi^2/step) = 1e-21, its last node exp(-step nodes/2) = 1e-20.
+        The error of the step is about exp(-2 pi^2/step) = 1e-21, that of the last node about
+        exp(-step nodes/2) = 1e-20.
         """
         s = step * np.arange(-nodes, nodes + 1, dtype=np.longdouble)
         width = np.longdouble(b) - np.longdouble(a)
@@ -149,7 +151,7 @@ class Design:
         return float(step * values.sum())
 
     def total(self, zone: int, weight: Callable[[Array], Array] = np.ones_like) -> float:
-        """int phi weight dx over a zone."""
+        """Integral of phi times a weight over a zone."""
         a, b = self.ends[zone].tolist()
         return -self.orientation(zone) * int(self.signs[zone, 1]) * self.integral(a, b, weight)
 
@@ -158,7 +160,7 @@ class Design:
         return self.orientation(zone) * self.integral(self.ends[zone, 1], self.ends[zone + 1, 0])
 
     def intensity(self, zone: int, side: int) -> float:
-        """K at an end; 0 if the density is bounded there."""
+        """Intensity K of the density at an end; 0 if the density is bounded there."""
         if self.signs[zone, side] > 0:
             return 0.0
         scale = 1.0 if self.period is None else np.sqrt(self.period / np.pi)
@@ -166,7 +168,10 @@ class Design:
         return -self.orientation(zone) * int(self.signs[zone, 1]) * scale * size
 
     def polynomial(self) -> list[float]:
-        """g for a kernel without a smooth part, lowest power first: minus P Y far away."""
+        """Coefficients of the right side g without a smooth kernel, lowest power first.
+
+        g is minus the polynomial part of P Y far away.
+        """
         if self.period is not None:
             turn = np.pi / self.period * (self.roots.sum() + 0.5 * (self.signs * self.ends).sum())
             return [float(-self.factor * np.cos(turn))]
@@ -231,7 +236,7 @@ def _end(design: Design, zone: int, side: int, moves: bool) -> sie.End:
 
 
 def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equation:
-    """Kernel, right side, and as many conditions as the kinds of ends need."""
+    """The equation: kernel, right side, and as many conditions as the kinds of ends need."""
     g = np.polynomial.Polynomial(design.polynomial())
     rise, zones = g.integ(), range(len(design.ends))
     kernel = sie.cauchy() if design.period is None else sie.hilbert(design.period)
@@ -263,7 +268,7 @@ def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equat
 class Judged:
     """The outcome of a problem, with the largest ratios of true to stated error.
 
-    `ratio` is that of all zones together, `zone_ratio` that of a single zone.
+    `ratio` is the ratio for all zones together, `zone_ratio` the largest one of a single zone.
     """
 
     what: str

@@ -1,12 +1,13 @@
 """Contact on an even grid by projected conjugate gradients: an independent check.
 
-It shares no code with the solver and takes any kernel (Polonsky & Keer 1999, Wear 231, 206-219):
+It shares no code with the solver and takes any kernel (Polonsky & Keer 1999, Wear 231, 206-219).
+On cells of width h, with the displacement S p, it solves
 
     p >= 0,  gap = S p + f - level >= 0,  p gap = 0,  sum p h = load.
 
-S comes from a symbol, u_q = 2 L(q) p_q/(E* q) over a period, or from the potential of an isolated
-body's kernel. The grid's own error is that of its cells: it knows zones to about one cell, and the
-load and the level to about one part in the number of cells.
+The matrix S comes from a symbol L(q) over a period, u_q = 2 L(q) p_q/(E* q), or from the potential
+of an isolated body's kernel. On n cells the ends of zones have an error of about one cell. The
+relative error of the load and the level is about 1/n.
 """
 
 from __future__ import annotations
@@ -26,10 +27,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Judged:
-    """A contact on a grid.
+    """The contact that was found on a grid.
 
-    `level` is the approach, with u of zero mean over a period; `settled` says whether the
-    iterations converged.
+    `level` is the approach, with a displacement of zero mean over a period. `settled` says whether
+    the iterations converged.
     """
 
     x: Array
@@ -45,7 +46,7 @@ class Judged:
 
     @property
     def fraction(self) -> float:
-        """Contact fraction."""
+        """Fraction of the cells that are in contact."""
         return float(np.mean(self.contact))
 
 
@@ -143,7 +144,10 @@ def _solve(
 def judge(
     scene: contact.Scene, load: float, window: tuple[float, float] | None = None, n: int = 4096
 ) -> Judged:
-    """Solve a scene with one of the models of `scene_families` on a grid, under a load [N/m]."""
+    """Solve a scene of a `scene_families` model on a grid, under a load [N/m].
+
+    An isolated body needs a `window` that contains its contact.
+    """
     profile, model, period = scene.profile, scene.interaction, scene.period
     if period is None:
         assert isinstance(model, Buried) and window is not None
@@ -156,7 +160,7 @@ def judge(
 
 
 def fault(scene: contact.Scene, solution: contact.Solution, cells: int = 4) -> str:
-    """Return how a solution contradicts the grid; empty if they agree within `cells` per end."""
+    """Return how a solution contradicts the grid; empty if they agree to `cells` per end."""
     window = None
     if scene.period is None:
         lo, hi = float(solution.zones[0, 0]), float(solution.zones[-1, 1])
@@ -175,7 +179,8 @@ def fault(scene: contact.Scene, solution: contact.Solution, cells: int = 4) -> s
             f"contact {np.mean(pressed):.4f} against {found.fraction:.4f}"
         )
     if scene.period is not None and solution.approach is not None:
-        # The approach counts from the highest summit, which may lie between cells of the grid.
+        # The approach is measured from first touch at the highest summit, which may lie between the
+        # cells of the grid.
         fine = scene.profile.x0 + scene.period * np.linspace(0.0, 1.0, 2**18, endpoint=False)
         heights = np.asarray(scene.profile.height(fine))
         level = found.level - float(heights.min())
@@ -186,7 +191,7 @@ def fault(scene: contact.Scene, solution: contact.Solution, cells: int = 4) -> s
 
 
 def wrongly_refused(scene: contact.Scene, error: contact.ContactError, cells: int = 4) -> str:
-    """Return a message if a scene far from full contact was refused as full contact, else ''."""
+    """Return a message if a scene was refused as full contact but is far from it; else ''."""
     load = scene.given_load
     if load is None or scene.period is None or "gives a kernel and no symbol" not in str(error):
         return ""

@@ -1,4 +1,4 @@
-"""Profiles of a user's own, with true and false declarations, judged by exact solutions.
+"""Profiles as users write them, with true and false declarations, against exact solutions.
 
     python -m contact.studies.own_profiles FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
 
@@ -28,7 +28,7 @@ from contact.studies.random_scenes import Drawn, main, unsound
 
 Array = NDArray[np.float64]
 
-# Angles at which pressures are compared, not quite up to the ends.
+# Pressures are compared at these angles, which stop short of the ends 0 and pi of a zone.
 ANGLES = np.linspace(0.02, np.pi - 0.02, 160)
 
 
@@ -48,7 +48,7 @@ class HeightsOnly(contact.Profile):
 
 @dataclass(frozen=True, eq=False)
 class Sloped(HeightsOnly):
-    """Heights and slopes; a factor other than 1 makes the slopes wrong."""
+    """A shape given by heights and slopes; a factor other than 1 makes the slopes wrong."""
 
     factor: float = 1.0
 
@@ -59,36 +59,39 @@ class Sloped(HeightsOnly):
 
 @dataclass(frozen=True, eq=False)
 class Phantom(Sloped):
-    """Heights and slopes, and a declared kink that the shape does not have."""
+    """A shape given by heights, slopes and a declared kink that it does not have."""
 
     kink: tuple[float, float] = (0.0, 0.0)
 
     @property
     def kinks(self) -> Array:
-        """One kink."""
+        """The declared kink, a table of one row (position, jump of the slope)."""
         return np.array([self.kink])
 
 
 @dataclass(frozen=True, eq=False)
 class Conjugate(Sloped):
-    """Heights, slopes and conjugate; a factor other than 1 makes the conjugate wrong."""
+    """A shape given by heights, slopes and conjugate H f'; a factor other than 1 is wrong."""
 
     conjugate: float = 1.0
 
     def slope_conjugate(self, x: ArrayLike) -> Array:
-        """H f' of the Fourier series, times the factor."""
+        """Conjugate H f' of the Fourier series, times the factor."""
         return self.conjugate * conjugate(self.shape, np.asarray(x) - self.offset)
 
 
 @dataclass(frozen=True, eq=False)
 class Even(Sloped):
-    """Heights and slopes, declared symmetric."""
+    """A shape given by heights and slopes and declared symmetric, which may be false."""
 
     symmetric = True  # type: ignore[assignment]
 
 
 def conjugate(series: contact.Fourier, x: Array) -> Array:
-    """H f' of f = sum a_k cos kqx + b_k sin kqx: sum kq (a_k cos kqx + b_k sin kqx)."""
+    """Conjugate H f' = sum kq (a_k cos kqx + b_k sin kqx) of a series f.
+
+    The series is f = sum a_k cos kqx + b_k sin kqx.
+    """
     cosine, sine = np.asarray(series.cosine, dtype=float), np.asarray(series.sine, dtype=float)
     k = np.arange(1, len(cosine) + 1)
     angle = 2 * np.pi / series.period * np.asarray(x)[..., None] * k
@@ -98,7 +101,7 @@ def conjugate(series: contact.Fourier, x: Array) -> Array:
 
 @dataclass(frozen=True)
 class Known(Drawn):
-    """A scene and a judge of its solution."""
+    """A scene, and a judge that compares its solution with the known one."""
 
     judge: Callable[[contact.Solution, float], str] = field(default=lambda solution, tol: "")
 
@@ -111,7 +114,7 @@ Judge = Callable[[contact.Solution, float], str]
 
 
 def against(answer: Any, offset: float = 0.0, known_to: float = 1e-13) -> Judge:
-    """Return a judge by known zones and pressures, which are accurate to `known_to`."""
+    """Return a judge that compares with known zones and pressures, accurate to `known_to`."""
 
     def judge(solution: contact.Solution, tol: float) -> str:
         if solution.certificate.undecided:
@@ -122,7 +125,7 @@ def against(answer: Any, offset: float = 0.0, known_to: float = 1e-13) -> Judge:
             return _against_full_twin(solution, answer, known_to)
         right = np.diff(answer.zones)[:, 0]
         period = solution.scene.period or np.inf
-        # A zone at the border of the cell may be the first or the last.
+        # A zone at the border of the cell may come first or last: all cyclic orders are tried.
         zones = np.arange(len(right))
 
         def difference(order: Any) -> Array:
@@ -145,10 +148,10 @@ def against(answer: Any, offset: float = 0.0, known_to: float = 1e-13) -> Judge:
 
 
 def _against_full_twin(solution: contact.Solution, twin: Any, known_to: float) -> str:
-    """Return what is wrong with full contact, compared with the pressure of another solution."""
+    """Return how the pressure of full contact differs from that of `twin`; else empty."""
     profile, period = solution.scene.profile, solution.scene.period
     assert period is not None
-    # These positions avoid kinks, where pressures are infinite.
+    # These positions do not fall on kinks, where pressures are infinite.
     x = profile.x0 + period * (np.arange(777) + 0.4142) / 777
     right = twin.pressure(x)
     error = float(np.abs(solution.pressure(x) - right).max() / np.abs(right).max())
@@ -157,7 +160,7 @@ def _against_full_twin(solution: contact.Solution, twin: Any, known_to: float) -
 
 
 def against_full(series: contact.Fourier, offset: float) -> Judge:
-    """Return a judge by the pressure of full contact, p = mean p - (E*/2) H f'."""
+    """Return a judge that compares with full contact, p = mean p - (E*/2) H f'."""
 
     def judge(solution: contact.Solution, tol: float) -> str:
         if len(solution.zones):
@@ -173,7 +176,10 @@ def against_full(series: contact.Fourier, offset: float) -> Judge:
 
 
 def against_twin(twin: contact.Scene) -> Judge:
-    """Return a judge by the same shape with true declarations, or under another control."""
+    """Return a judge that compares with the solution of another scene with the same answer.
+
+    The other scene has true declarations, or another control.
+    """
 
     def judge(solution: contact.Solution, tol: float) -> str:
         try:
@@ -188,7 +194,7 @@ def against_twin(twin: contact.Scene) -> Judge:
 def _disguise(
     rng: np.random.Generator, shape: Any, period: float | None, length: float, span: float
 ) -> tuple[str, HeightsOnly]:
-    """Return a shape as a user might write it, with the name of the disguise."""
+    """Return a shape as a user might write it: (name of the kind, profile)."""
     constant = float(rng.choice([0.0, span * 10 ** rng.uniform(-1, 6)]))
     away = length * (np.round(10 ** rng.uniform(0, 6)) + rng.uniform(-0.5, 0.5))
     offset = float(rng.choice([0.0, 0.0, away]))
@@ -271,11 +277,11 @@ def designed(rng: np.random.Generator, seed: int, length: float, modulus: float)
 
 @dataclass(frozen=True, eq=False)
 class Declared(Sloped):
-    """Heights, slopes and the declared kinks of the triangle wave."""
+    """A shape of `Kinked` given by heights, slopes and the true kinks of its triangle wave."""
 
     @property
     def kinks(self) -> Array:
-        """The kinks in the cell, or near an isolated contact."""
+        """The kinks (position, jump of the slope) in the cell, or near an isolated contact."""
         s = self.shape
         at = self.offset + s.at + s.length * np.array([0.0, 0.5])
         jump = 2 * s.size / s.length
@@ -309,7 +315,7 @@ def full(rng: np.random.Generator, seed: int, length: float, modulus: float) -> 
 
 
 def closed(rng: np.random.Generator, seed: int, length: float, modulus: float) -> Drawn:
-    """One zone of a wave, a wedge or a parabola, of any width."""
+    """One zone of a wave or a parabola, of any width."""
     narrow, wide = 10 ** rng.uniform(-5, -0.1), 1 - 10 ** rng.uniform(-5, -0.5)
     half = 0.5 * length * float(rng.choice([narrow, wide]))
     slope = 10 ** rng.uniform(-4, -1)
@@ -347,7 +353,7 @@ class _At:
 
 @dataclass(frozen=True, eq=False)
 class Rippled(contact.Profile):
-    """x^2/2R + A (1 - cos 2 pi x/l) + C."""
+    """Profile x^2/2R + A (1 - cos 2 pi x/l) + C, given by its heights alone."""
 
     radius: float
     amplitude: float
@@ -355,7 +361,7 @@ class Rippled(contact.Profile):
     constant: float = 0.0
 
     def height(self, x: ArrayLike) -> Array:
-        """f [m]."""
+        """Heights f(x) [m]."""
         x = np.asarray(x)
         ripple = self.amplitude * (1 - np.cos(2 * np.pi * x / self.wave))
         return np.asarray(self.constant + x**2 / (2 * self.radius) + ripple)
@@ -366,7 +372,7 @@ class RippledSlope(Rippled):
     """The same profile with its slope."""
 
     def slope(self, x: ArrayLike) -> Array:
-        """f'."""
+        """Slopes f'(x)."""
         x, q = np.asarray(x), 2 * np.pi / self.wave
         return np.asarray(x / self.radius + self.amplitude * q * np.sin(q * x))
 
@@ -375,7 +381,7 @@ def rippled(rng: np.random.Generator, seed: int, length: float, modulus: float) 
     """Ripples on a parabola, in contact in one to some thirty zones."""
     radius, wave = length * 10 ** rng.uniform(0, 2), length * 10 ** rng.uniform(-3, -1)
     amplitude = wave * 10 ** rng.uniform(-3.5, -1.5)
-    # Up to thirty waves lie in Hertz's zone of this load.
+    # Hertz's zone at this load contains up to about thirty waves.
     half = wave * 10 ** rng.uniform(-1, 1.2)
     load = np.pi * modulus * half**2 / (4 * radius)
     plain = radius, amplitude, wave
@@ -385,7 +391,7 @@ def rippled(rng: np.random.Generator, seed: int, length: float, modulus: float) 
 
 
 def flat_top(rng: np.random.Generator, seed: int, length: float, modulus: float) -> Drawn:
-    """A trace of forty samples of which some are equally high, at the approach of a given load."""
+    """A trace of forty samples with a flat top, at the approach that belongs to a load."""
     heights = np.zeros(40)
     start, count = int(rng.integers(40)), int(rng.integers(1, 12))
     heights[(start + np.arange(count)) % 40] = length * 10 ** rng.uniform(-6, -2)

@@ -1,4 +1,4 @@
-"""Sets measured tables and figures in the pages of docs.
+"""Inserts measured tables and figures into the pages of docs.
 
     python -m contact.studies.pages OUT
 
@@ -22,7 +22,7 @@ PLACE = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTAL
 
 
 def filled(page: str, folder: Path) -> str:
-    """Return the text of a page with every table that the folder has."""
+    """Return the text of a page in which every table that the folder has is inserted."""
 
     def table(found: re.Match[str]) -> str:
         file = folder / f"{found[2]}.md"
@@ -34,7 +34,7 @@ def filled(page: str, folder: Path) -> str:
 
 
 def fill(folder: Path, docs: Path = DOCS) -> None:
-    """Set the tables and figures of a folder in all pages."""
+    """Insert the tables and figures of a folder into all pages."""
     for name in PAGES:
         page = docs / name
         page.write_text(filled(page.read_text(encoding="utf-8"), folder), encoding="utf-8")

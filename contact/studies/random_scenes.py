@@ -1,13 +1,13 @@
-"""Random scenes of every family, model and control, and what became of each.
+"""Random scenes of every family, model and control, and the outcome of each.
 
     python -m contact.studies.random_scenes FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
 
 Loads reach from first touch to beyond full contact. Every scene must come back certified, or end in
 an error of the package. Anything else is a fault: another exception, a warning of numpy or Python,
-a stated error above the tolerance, or zones that contradict either a solution a thousand times as
-tight or an independent grid that is fine enough to tell. A scene that takes longer than the limit,
-in seconds of processor time, is stopped; judging it may take as long again. The file gets one line
-of CSV per scene, and all outcomes are counted at the end.
+a stated error above the tolerance, or wrong zones. Zones are compared with a solution at a
+thousandth of the tolerance, and with an independent grid where it is fine enough. A scene that
+takes longer than the limit, in seconds of processor time, is stopped; judging it may take the same
+time again. The file gets one line of CSV per scene, and all outcomes are counted at the end.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ def _interaction(
 def _value(
     rng: np.random.Generator, profile: contact.Profile, modulus: float, length: float, kind: str
 ) -> float:
-    """A value of a control, up to eight decades below the load of full contact or just above it."""
+    """A random value of a control, from eight decades below full contact to just above it."""
     if kind == "contact_fraction":
         return float(rng.choice([10 ** rng.uniform(-4, 0), 1 - 10 ** rng.uniform(-4, 0), 1.0]))
     if kind == "half_width":
@@ -215,7 +215,7 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
 
 
 def _reason(error: contact.ContactError) -> str:
-    """Return a phrase that names the kind of an error, without its numbers."""
+    """Return the phrase of an error message that names its kind, without its numbers."""
     text = str(error)
     known = (
         "no symbol",
@@ -244,14 +244,14 @@ def _reason(error: contact.ContactError) -> str:
 
 
 def unsound(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
-    """Return what a solution's own certificate or stated error says is wrong; else ''."""
+    """Return what is wrong with a solution's certificate or stated error; else empty."""
     if not solution.certificate.holds and scene.interaction.exact:
         return f"not certified: {solution.certificate.note}"
     return "" if solution.error <= tol else f"stated error {solution.error:.2g}"
 
 
 def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
-    """Return how a solution differs from one a thousand times as tight; else empty."""
+    """Return how a solution differs from one at a thousandth of the tolerance; else empty."""
     try:
         tight = contact.solve(scene, tol=max(1e-3 * tol, 1e-13))
     except contact.NotConverged as error:
@@ -275,9 +275,10 @@ def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: floa
 
 
 def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
-    """Return a zone or gap that grids contradict; empty if there is none.
+    """Return a zone or gap that a grid contradicts; empty if there is none.
 
-    A fine grid has to confirm what a coarse one finds, which may have fewer points than a trace.
+    What a coarse grid finds must be confirmed by a fine one, because the coarse grid may have fewer
+    points than a measured trace.
     """
     if isinstance(scene.interaction, OWN_MODELS):
         return grid_judge.fault(scene, solution)
@@ -295,7 +296,10 @@ def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
 def _against_cells(
     scene: contact.Scene, solution: contact.Solution, points: int, least_cells: int = 8
 ) -> str:
-    """The same on one grid, for zones and gaps of at least `least_cells` cells."""
+    """Return a zone or gap that one grid of `points` cells contradicts; empty if none.
+
+    Zones and gaps of fewer than `least_cells` cells are not compared.
+    """
     period = scene.period
     assert period is not None
     cell = (scene.profile.x0, scene.profile.x0 + period)
@@ -324,7 +328,7 @@ def _against_cells(
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """(start, stop) of every run of true entries."""
+    """Index pairs (start, stop) of every run of true entries."""
     change = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
     return list(zip(change[::2].tolist(), change[1::2].tolist(), strict=True))
 

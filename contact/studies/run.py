@@ -2,7 +2,8 @@
 
     python -m contact.studies.run [--quick] [--peers] [--docs] OUT
 
-Tables, CSV and figures go to OUT; `--docs` sets them, and other tables found there, in the pages.
+Tables, CSV and figures go to OUT. `--docs` inserts them, and other tables found there, into the
+pages.
 It runs on one thread.
 """
 

@@ -2,8 +2,8 @@
 
 A family is a function of a random generator and the length of a cell. It returns a profile,
 periodic or not, whose slopes are about 1e-3 to 1e-1. The interaction models are written as a reader
-of docs/own-profile.md would write them. Each gives its kernel in closed form, and by `multiplier`
-or `rest` what an independent grid needs (contact.studies.grid_judge).
+of docs/own-profile.md would write them. Each defines its kernel in closed form. Its `multiplier` or
+`rest` is for the independent grid of contact.studies.grid_judge.
 """
 
 from __future__ import annotations
@@ -25,7 +25,10 @@ Family = Callable[[np.random.Generator, float], contact.Profile]
 
 @dataclass(frozen=True, eq=False)
 class PiecewiseLinear(contact.Profile):
-    """A polygon through corners `at`, ascending; an isolated one continues its outer lines."""
+    """A polygon with corners at the ascending positions `at`.
+
+    Without a period the first and last line continue to infinity.
+    """
 
     at: Array
     heights: Array
@@ -99,12 +102,12 @@ class Mixed(contact.Profile):
 
 
 def sinusoid(rng: np.random.Generator, length: float) -> contact.Profile:
-    """One wave per cell."""
+    """A sinusoid with one wave per cell."""
     return contact.Sinusoid(length * 10 ** rng.uniform(-3, -1) / (2 * np.pi), length)
 
 
 def fourier(rng: np.random.Generator, length: float) -> contact.Profile:
-    """Up to 40 harmonics, some absent; amplitudes fall as k^0 to k^-2.5."""
+    """A Fourier series of up to 40 harmonics k, some absent, falling as k^0 to k^-2.5."""
     n = int(rng.integers(1, 41))
     k = np.arange(1, n + 1)
     size = k ** -rng.uniform(0, 2.5) * (rng.random(n) < rng.uniform(0.3, 1))
@@ -115,7 +118,7 @@ def fourier(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def polynomial(rng: np.random.Generator, length: float) -> contact.Profile:
-    """An even degree of 2 to 8; the profile grows on both sides and has bumps between."""
+    """A polynomial of even degree 2 to 8, which grows on both sides and has bumps between."""
     degree = 2 * int(rng.integers(1, 5))
     c = rng.normal(size=degree + 1)
     c[-1] = abs(c[-1]) + 0.1
@@ -137,9 +140,9 @@ def sampled(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def trace(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A trace of any kind with 100 to 5,000 points.
+    """A trace of any kind of `trace_kinds` with 100 to 5,000 points.
 
-    One trace in five is that of an isolated body, tilted, with shoulders that rise on both sides.
+    One trace in five is isolated. It is tilted and bent so that the body recedes on both sides.
     """
     points, kind, positions = (
         int(10 ** rng.uniform(2, 3.7)),
@@ -156,7 +159,7 @@ def trace(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def biquadratic(rng: np.random.Generator, length: float) -> contact.Profile:
-    """Two tips, periodic or isolated."""
+    """Two parabolic tips, periodic or isolated."""
     period = length if rng.random() < 0.6 else None
     return contact.Biquadratic(
         length * 10 ** rng.uniform(0, 2), length * rng.uniform(0.1, 0.9), period
@@ -181,7 +184,7 @@ def flat(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def piecewise(rng: np.random.Generator, length: float) -> contact.Profile:
-    """3 to 24 corners at random positions, or a sawtooth or trapezoid."""
+    """A polygon of 3 to 24 corners at random positions, or a sawtooth or trapezoid."""
     n = int(rng.integers(3, 25))
     gaps = rng.dirichlet(np.full(n, rng.choice([0.7, 3.0, 30.0])))
     at = length * (
@@ -255,11 +258,11 @@ FAMILIES: dict[str, Family] = {
 def with_counter_body(
     seed: int, family: str, profile: contact.Profile, length: float, share: float = 0.12
 ) -> tuple[str, contact.Profile]:
-    """Return the profile, for a share of the seeds combined with a rough counter body.
+    """Return (family, profile); a share of the profiles is combined with a counter body.
 
-    The counter body comes from any family, at any shift, mirrored or not. If it is periodic, its
-    cell is the profile's, or a half, a third, two thirds or twice of it. It has a random generator
-    of its own, so that scenes without a counter body do not depend on it.
+    The counter body comes from any family, at any shift, mirrored or not. Its cell has the length
+    of the profile's cell, or a half, a third, two thirds or twice that length. A random generator
+    of its own draws it, so that scenes without a counter body do not depend on it.
     """
     rng = np.random.default_rng([seed, 2])
     if rng.random() >= share:
@@ -273,7 +276,7 @@ def with_counter_body(
 
 @dataclass(frozen=True)
 class Waves(contact.Interaction):
-    """A symbol L_n = 1 + excess[n - 1] of the longest waves n of the period, 1 of all others."""
+    """A substrate whose symbol is 1 + excess[n - 1] for the longest waves n, 1 for others."""
 
     excess: tuple[float, ...]
     name = "waves"
@@ -294,7 +297,7 @@ class Waves(contact.Interaction):
         return sie.hilbert(period) + sie.Smooth(value, potential)
 
     def multiplier(self, q: Array, period: float) -> Array:
-        """The symbol."""
+        """The symbol L at wave numbers q."""
         n = np.rint(q * period / (2 * np.pi)).astype(int)
         table = np.concatenate((np.zeros(1), self.excess))
         return np.asarray(1 + np.where(n < len(table), table[np.minimum(n, len(table) - 1)], 0.0))
@@ -302,9 +305,10 @@ class Waves(contact.Interaction):
 
 @dataclass(frozen=True)
 class Bed(contact.Interaction):
-    """The symbol L(q) = 1 + eps exp(-q depth), given by its kernel alone.
+    """A substrate of symbol L(q) = 1 + eps exp(-q depth), given by its kernel alone.
 
-    The series of r^n sin(n theta) and of r^n cos(n theta)/n have closed forms.
+    With r = exp(-2 pi depth/period), the kernel and its potential are series of r^n sin(n theta)
+    and r^n cos(n theta)/n, which have closed forms.
     """
 
     eps: float
@@ -327,7 +331,7 @@ class Bed(contact.Interaction):
         return sie.hilbert(period) + sie.Smooth(value, potential)
 
     def multiplier(self, q: Array, period: float) -> Array:
-        """The symbol."""
+        """The symbol L at wave numbers q."""
         return np.asarray(1 + self.eps * np.exp(-q * self.depth))
 
 
@@ -359,7 +363,7 @@ class Buried(contact.Interaction):
         )
 
     def rest(self, lag: Array) -> Array:
-        """The potential of the kernel less ln|lag|."""
+        """The potential of the kernel less ln|lag|, at lags x - xi."""
         return np.asarray(0.5 * self.eps * np.log(lag**2 + self.depth**2))
 
 
@@ -369,9 +373,9 @@ OWN_MODELS = (Waves, Bed, Coated, Buried)
 def with_own_model(
     seed: int, interaction: contact.Interaction, length: float, share: float = 0.15
 ) -> contact.Interaction:
-    """Return the interaction, for a share of the seeds replaced by one of `OWN_MODELS`.
+    """Return the interaction; for a share of the seeds it is one of `OWN_MODELS` instead.
 
-    The model has a random generator of its own, so that the other scenes do not depend on it.
+    A random generator of its own draws the model, so that other scenes do not depend on it.
     """
     rng = np.random.default_rng([seed, 1])
     if rng.random() >= share or interaction.strip:

@@ -20,9 +20,10 @@ Rng = np.random.Generator
 def self_affine_heights(
     rng: Rng, n: int, hurst: float, longest: int = 1, shortest: float = 0.25
 ) -> Array:
-    """Heights of rms 1 whose amplitudes fall as k^-(1/2 + H), with random phases.
+    """Heights of rms 1 whose amplitudes fall with the harmonic k as k^-(1/2 + hurst).
 
-    The harmonics go from `longest` to the fraction `shortest` of the number of points.
+    The phases are random. The harmonics go from `longest` to the fraction `shortest` of the number
+    of points.
     """
     k = np.arange(n // 2 + 1)
     size = np.where(
@@ -92,7 +93,7 @@ def spikes(rng: Rng, n: int) -> Array:
 
 
 def steps(rng: Rng, n: int) -> Array:
-    """Terraces with noise."""
+    """Terraces at random heights, with noise."""
     borders = np.sort(rng.choice(n, 9, replace=False))
     return np.asarray(
         rng.normal(size=10)[np.searchsorted(borders, np.arange(n)) % 9]
@@ -101,7 +102,7 @@ def steps(rng: Rng, n: int) -> Array:
 
 
 def white_noise(rng: Rng, n: int) -> Array:
-    """White noise."""
+    """White noise: independent heights."""
     return np.asarray(rng.normal(size=n))
 
 
@@ -145,7 +146,7 @@ KINDS: dict[str, Callable[[Rng, int], Array]] = {
         staircase,
     )
 }
-# Kinds of positions: see `drawn`.
+# The kinds of positions are explained in `drawn`.
 POSITIONS = ("even", "rounded", "uneven")
 
 
@@ -161,7 +162,7 @@ def drawn(rng: Rng, kind: str, points: int, positions: str = "even") -> contact.
     elif positions == "uneven":
         at = at + rng.uniform(-0.4, 0.4, points)
     values = KINDS[kind](rng, points)
-    # No slope is above 1, as on real surfaces.
+    # The heights are reduced so that no slope is above 1, as on real surfaces.
     steepest = float(np.abs(np.diff(values)).max()) / pitch
     return contact.Sampled(
         at * pitch,
