@@ -26,27 +26,28 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class ArcOptions:
-    """How the curve of equilibria is followed. Lengths are arc lengths: zone widths moved."""
+    """Options of the steps along the curve; arc lengths are in units of zone widths."""
 
     first_step: float = 0.1
     longest_step: float = 0.5
-    # Angle that a step aims to turn the tangent by; a larger one is refused by its cosine.
+    # Wanted angle between the tangents at both ends of a step. A step is refused if the cosine of
+    # the angle is below the next number.
     aimed_turn: float = 0.2
     least_cosine: float = 0.85
     max_growth: float = 4.0
     shrink: float = 0.3
-    # Largest deviation of the predictor from the tangent, over the step.
+    # Largest deviation of the predictor from the tangent, relative to the step.
     max_predictor_bend: float = 0.3
-    # Least share of its last value that the unit of the control may fall to in a step: at a turning
-    # point the unit without this limit falls to 0, and the tangent turns at once.
+    # Least ratio of the unit of the control to its last value. Without this limit the unit falls to
+    # 0 at a turning point, and the tangent turns abruptly.
     least_unit_ratio: float = 0.5
     # Nodes of the interpolation inside a step, and their least relative separation.
     interpolation_nodes: int = 3
     node_separation: float = 0.1
     max_bisections: int = 4
-    # Ends pushed off an unstable equilibrium, over the zone or the gap next to them.
+    # Push of ends away from an unstable equilibrium, relative to the zone or gap next to them.
     push: float = 0.03
-    # Next to a point where contact vanishes, steps go this part of the way to it.
+    # Near a point where contact vanishes, a step goes this fraction of the way to it.
     before_vanishing: float = 0.9
     # Relative accuracy of a turning point that need not be located exactly.
     rough_turning: float = 1e-3
@@ -60,8 +61,8 @@ class CurvePoint:
     """An equilibrium on the curve, with its tangent.
 
     scales: units of the motions of the ends and of the control (2n + 1,). tangent: unit vector
-    (2n + 1,). curvature: coefficients of the square and the cube of the length, by which the curve
-    leaves the tangent (2, 2n + 1).
+    (2n + 1,). curvature: coefficients of the square and the cube of the length in the
+    deviation of the curve from the tangent (2, 2n + 1).
     """
 
     at: State
@@ -87,7 +88,7 @@ class CurvePoint:
         return float(self.tangent[-1])
 
     def moved(self, to: State) -> Array:
-        """Difference of another equilibrium, in the units of the tangent (2n + 1,)."""
+        """Difference of another equilibrium from this one, divided by the scales (2n + 1,)."""
         return np.append(outward(self.at.table, to.table), to.value - self.at.value) / self.scales
 
     def length(self, to: State) -> float:
@@ -136,7 +137,7 @@ class Step:
         return found
 
     def _about(self, length: float) -> Array:
-        """Predictor inside the step: the cubic through both ends, corrected by what is known."""
+        """Predictor inside the step: the cubic through both ends, corrected at known equilibria."""
         nodes: list[float] = []
         for node in sorted(self.known, key=lambda k: abs(k - length)):
             if len(nodes) < ARC_OPTIONS.interpolation_nodes and min(
@@ -159,7 +160,7 @@ class Step:
         )
 
     def _cubic(self, length: float) -> Array:
-        """The cubic that has both ends of the step and their tangents."""
+        """The cubic through both ends of the step with the tangents there."""
         square, cube = self._leaves
         return np.asarray(length * self.start.tangent + length**2 * square + length**3 * cube)
 
@@ -173,7 +174,7 @@ class Step:
 
     @property
     def lets_go(self) -> bool:
-        """Whether ends let go of sharp corners at the end of the step, where the curve ends."""
+        """Whether ends leave sharp corners in a jump at the end of the step; the curve ends there."""
         return self.after is not None and self.after.growth > TOLERANCES.neutral
 
     @property

@@ -3,8 +3,8 @@
 Intervals of tension whose ends are driven outward advance; those driven inward recede. The steps
 are those of contact.adhesion.gradient_flow. What differs is the set of intervals. A new one
 begins where the gap falls below the reach. Two become one where the gap is below the reach all
-the way between them. One is cut where the gap exceeds the reach. Contact is lost where the load
-of q no longer presses.
+the way between them. One is cut where the gap exceeds the reach. Contact is lost where the
+total load of contact and tension no longer presses the surfaces together.
 """
 
 from dataclasses import dataclass
@@ -26,21 +26,22 @@ from sie import Array
 
 @dataclass(frozen=True)
 class CohesiveFlowOptions:
-    """What is added to the gradient flow where the intervals are those of a tension."""
+    """Options of the gradient flow that only intervals of tension need."""
 
-    # Intervals covered by contact are widened by this factor, or by this part of their width.
+    # If contact reaches past an interval, its strips are widened by this factor, or its ends moved
+    # by this fraction of its width.
     widening: float = 1.25
     forced_advance: float = 0.01
-    # An interval so many strips wide does not stay open.
+    # An empty interval this many strips wide is expected to snap into contact.
     wide_interval: float = 10.0
-    # Steps cut by round trips, after which ends move one way; shortened steps of a lost contact.
+    # Steps cut since they overshoot, before a damped step is taken; tries after contact is lost.
     max_round_trips: int = 4
     max_retries: int = 6
-    # Newton step at which Newton's method alone converges.
+    # Newton step, relative to zones and gaps, below which Newton's method alone converges.
     newton_range: float = 1e-3
-    # From so many zones on, a grid guides ends that recede.
+    # With more zones than this, a solution on a grid gives the start of ends that recede.
     guided_zones: int = 6
-    # Changes of the reach on a grid: the error of the grid must be smaller.
+    # Relative changes of the reach on the grid, which must exceed the error of the grid.
     guide_margins: tuple[float, ...] = (0.02, 0.06, 0.2)
 
 
@@ -60,7 +61,7 @@ def advanced(
     guide: GridGuide | None = None,
     zones: Array | None = None,
 ) -> CohesiveState:
-    """The least equilibrium that holds these intervals, whose ends are all driven outward.
+    """The least equilibrium that contains these intervals, whose ends are all driven outward.
 
     Raises `Closed` if there is none. zones: first guess of the contact, where it may cover some
     intervals.
@@ -81,16 +82,16 @@ def advanced(
 
 
 def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState) -> CohesiveState:
-    """The state with new intervals, or the one past the snapping shut of new zones.
+    """The state with new intervals, or the one after new zones have snapped into contact.
 
-    The second comes from a law without range.
+    The latter state is found from a law without range.
     """
     if len(here.zones) <= len(before.zones) or here.residual.max() < FLOW.hard_drive:
         return here
     ahead = jkr_guide.before_advanced(curve, here.zones, here.value)
     if ahead is None:
         return here
-    # If a zone was lost again, it does not snap shut without range.
+    # If a zone was lost again, it does not snap into contact under the law without range.
     return ahead if ahead.q is not None and ahead.q.inside(here.zones.mean(axis=1)).all() else here
 
 
@@ -109,9 +110,10 @@ def receded(
 
 
 def guide_of(curve: CohesiveCurve, zones: int, table: Array | None) -> GridGuide | None:
-    """A grid that guides ends which move from these intervals.
+    """The solution on a grid from which ends that start at these intervals are predicted.
 
-    None without contact, or where a spring holds it. table: None for tension in all of a period.
+    None without contact, between sharp corners, or under the control of a spring. table: None for
+    tension in all of a period.
     """
     control = curve.control
     if (
@@ -124,17 +126,17 @@ def guide_of(curve: CohesiveCurve, zones: int, table: Array | None) -> GridGuide
 
 
 def guide_down(curve: CohesiveCurve, zones: int, table: Array) -> GridGuide | None:
-    """The same grid where zones recede from an equilibrium; None if they are few."""
+    """`guide_of` for zones that recede from an equilibrium; None if there are few zones."""
     return guide_of(curve, zones, table) if zones > OPTIONS.guided_zones else None
 
 
 def guided(
     curve: CohesiveCurve, guide: GridGuide, table: Array | None, value: float, sign: float
 ) -> CohesiveState | None:
-    """A state near the equilibrium, found on a grid, whose ends are all driven onward.
+    """A state near the equilibrium, found on a grid, whose ends are all driven by `sign`.
 
-    None where the grid does not tell. The error of the grid shows in the drives: it must be below
-    the margin. table: None for tension in all of a period.
+    None where the grid is too coarse. Its error shows in the residuals, and must be below the
+    margin. table: None for tension in all of a period.
     """
     for margin in OPTIONS.guide_margins:
         try:
@@ -190,7 +192,7 @@ def _flow(curve: CohesiveCurve, table: Array, value: float, sign: float) -> Cohe
 
 
 def _changed_intervals(curve: CohesiveCurve, here: CohesiveState, sign: float) -> Array | None:
-    """The intervals after births, merges and cuts where ends have come to; None if unchanged."""
+    """The intervals after births, merges and cuts at the present state; None if unchanged."""
     if sign > 0:
         return _intervals_grown(curve, here)
     # Ends that move freely may close a gap.
@@ -216,7 +218,8 @@ def _on_new_intervals(
 def _filled(curve: CohesiveCurve, zones: Array, table: Array) -> Array:
     """The zones, and one more in each empty interval far wider than a strip.
 
-    Contact snaps shut there. While the interval is taken to be open, it would pull on all others.
+    Surfaces snap into contact there. As long as the interval had no contact, its tension would move
+    the ends of all other intervals.
     """
     empty = np.ones(len(table), dtype=bool)
     empty[interval_of(zones, table)] = False
@@ -234,15 +237,15 @@ def _is_near_rest(curve: CohesiveCurve, here: CohesiveState) -> bool:
 
 
 def settled(curve: CohesiveCurve, here: State, sign: float) -> CohesiveState | None:
-    """The equilibrium near ends about to rest, to full accuracy.
+    """The equilibrium near a state whose ends are almost at rest, to full accuracy.
 
-    If it has other intervals, the flow goes on from there.
+    If the intervals change there, the flow goes on from the changed ones.
     """
     for _ in range(OPTIONS.max_retries):
         try:
             tight = curve.settled(here)
         except ContactLost:
-            # The last contact, next to where it is lost.
+            # The state was so near the loss of contact that Newton's method lost it.
             if sign > 0:
                 raise
             return None
@@ -278,7 +281,7 @@ def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) ->
 def intervals_left(
     curve: CohesiveCurve, value: float, zones: Array, gap_samples: tuple[Array, Array]
 ) -> Array:
-    """What is left of a tension on all of a period once the gap somewhere exceeds the reach.
+    """The intervals of tension once the gap in a period under tension everywhere exceeds reach.
 
     Raises ContactLost where no contact is left.
     """
@@ -290,7 +293,7 @@ def intervals_left(
 def _widened(
     curve: CohesiveCurve, table: Array, zones: Array, covered: EndsCovered, by: float
 ) -> Array:
-    """The intervals, their strips next to covered ends multiplied by a factor."""
+    """The intervals, with the strips of tension next to covered ends multiplied by a factor."""
     width, gaps, zones = np.diff(table, axis=1)[:, 0], curve.gaps(table), curve.fitted(zones, table)
     strips = np.column_stack((width, width))
     i = interval_of(zones, table)
@@ -311,7 +314,7 @@ def _widened(
 
 
 def _step(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, largest move over the widths)."""
+    """(next state, largest move of an end relative to the zone or gap next to it)."""
     onward = sign * here.residual
     if onward.min() < -FLOW.max_drive_back or (
         here.growth >= 0.0 and onward.max() <= FLOW.resting_drive < -onward.min()
@@ -334,8 +337,8 @@ def _step(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, float]
             limit = _shorter(here, limit, step, 0.3)
             continue
         except EndsCovered as covered:
-            # An end that has gone too far inward goes less far; an end that the others pushed out
-            # goes farther.
+            # Inward steps of covered ends are shortened. In an outward flow covered ends are moved
+            # farther out.
             if sign < 0:
                 limit = _shorter(here, limit, step, np.where(covered.ends, 0.5, 0.9))
             else:
@@ -345,7 +348,7 @@ def _step(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, float]
             continue
         passed = gradient_flow.overshoots(here, ahead, step, sign)
         if not passed.any():
-            # Where the next state has no contact, the ends are not at rest.
+            # After a failed step the move is inf, so that the ends are not taken to be at rest.
             return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
         limit, back_again = _shorter(here, limit, step, np.where(passed, 0.5, 0.9)), back_again + 1
     raise NotConverged("no step of the ends keeps to the branch")
@@ -354,7 +357,7 @@ def _step(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, float]
 def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array:
     """Limits of a shorter step.
 
-    A damped step keeps its shape, so that ends at rest do not hold up the others.
+    If the state is unstable, one factor shortens the limits of all ends in proportion.
     """
     if here.growth >= 0.0:
         return np.asarray(float(np.min(by)) * limit * float((np.abs(step) / limit).max()))
@@ -362,10 +365,9 @@ def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array
 
 
 def _let_go(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, largest move): a step of all ends down the slope of the energy.
+    """(next state, inf): the longest step of the implicit Euler method within the limits.
 
-    It is taken where growing ends drive others the other way, as under a held approach. It is the
-    longest step of the implicit Euler method within the limits.
+    It is taken where some ends are driven back while others advance, as under a fixed approach.
     """
     inward, outward = gradient_flow.inward_and_outward(curve, here)
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
@@ -383,7 +385,7 @@ def _let_go(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, floa
 
 
 def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """The intervals with new ones, and joined where the gap is below the reach all between.
+    """The intervals with new ones, joined where the gap between two is below the reach.
 
     None if nothing changed.
     """
@@ -420,7 +422,7 @@ def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
 def _intervals_cut(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
     """The intervals without the parts where the gap exceeds the reach.
 
-    A part that begins at an end is left to the motion of that end. None if nothing changed.
+    Parts that begin at an end are not removed: that end recedes over them. None if nothing changed.
     """
     (x, gap), table, period = here.gap_samples, here.table, curve.problem.round
     out: list[tuple[float, float]] = []

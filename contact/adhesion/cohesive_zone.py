@@ -389,7 +389,7 @@ class CohesiveCurve(Curve):
         )
 
     def inner_control(self, pulled: TractionLoaded, value: float) -> Control:
-        """The control of q, whose load includes the tension."""
+        """The control of the contact q, whose load is the given one plus the tension's pull."""
         return replace(self.control, value=value + self.yields * pulled.pulling.total)
 
     @property

@@ -1,9 +1,10 @@
 """The curve of equilibria under a law of prescribed edge intensities (JKR).
 
-A state is a contact on given zones. With r_i = K_i - K* at every end, K* < 0 of the law, an end
-is driven outward while r_i > 0: when it moves by ds, the energy changes by (pi/E*)(K_i^2 - K*^2)
-ds. Equilibria have r = 0. They are found by growing and shrinking
-(contact.adhesion.gradient_flow) and followed along their curve (contact.adhesion.arc_length).
+A state is a contact on given zones. At every end the residual is r_i = K_i - K*: the edge intensity
+K_i less that of the law, K* < 0. An end is driven outward while r_i > 0: when it moves by ds, the
+energy changes by (pi/E*)(K_i^2 - K*^2) ds. Equilibria have r = 0. They are found by growing and
+shrinking (contact.adhesion.gradient_flow) and followed along their curve
+(contact.adhesion.arc_length).
 
 A sharp corner, beyond which the profile ends, is an obstacle. An end that is driven outward there
 (r >= 0) is pinned and does not move; an end that is driven inward leaves it. So an equilibrium
@@ -35,18 +36,18 @@ class StateTolerances:
 
     # Accuracy of the density of a final state: a few units of round-off above the engine's limit.
     density: float = 1e-13
-    # Accuracy of the densities that rates are computed from, where the engine iterates: Newton's
-    # steps square the error of a state, whatever the rates are wrong by.
+    # Accuracy of the densities that rates are computed from, where the engine iterates. Errors of
+    # the rates make Newton's method slower, but not its result less accurate.
     rates: float = 1e-10
     rough_rates: float = 1e-4
     # Accuracy of states on the way to an equilibrium, and of signs that rounding may change.
     rough: float = 1e-9
-    # Newton's step at an equilibrium on the way, and rounding of Newton's steps.
+    # Newton's step at an equilibrium on the way; smaller steps may be rounding.
     resting_step: float = 1e-6
-    # Longest step of an end of an interval inward and outward.
+    # Longest step of an end inward and outward, relative to the width of its interval.
     max_inward: float = 0.3
     max_outward: float = 0.5
-    # Longest step into the gap next to it; two ends that meet keep a fifth of it.
+    # Longest step relative to the gap next to the end: if both ends move, a fifth of it is left.
     max_into_gap: float = 0.4
     # Newton's step at an equilibrium; one more is taken, which squares it.
     newton_step: float = 1e-11
@@ -57,8 +58,8 @@ class StateTolerances:
     pinned: float = 1e-10
     # Round-off times a condition of 1e3: a growth rate, a width or a height below it is zero.
     neutral: float = 1e-12
-    # Below this K/K* the energy no longer tells the rates; above it, an asymmetry of the second
-    # derivatives beyond the next number means that there is no energy.
+    # Below this ratio K/K* the energy no longer determines the rates. Above it, second derivatives
+    # of the energy are symmetric: a larger asymmetry than the next number means there is no energy.
     least_gain: float = 1e-3
     asymmetry: float = 1e-8
 
@@ -76,7 +77,7 @@ class NoState(Exception):
 
 @record
 class Corners:
-    """Drive of the ends of a profile with sharp corners, as if no end were pinned.
+    """Residuals of all ends of a profile with sharp corners, as if no end were pinned.
 
     pinned: which ends rest at a corner (2n,). residual, rates, by_value: as in `State`.
     """
@@ -89,7 +90,7 @@ class Corners:
 
 @record
 class State:
-    """A state: intervals under a value of the control, and what drives their ends.
+    """A state: intervals under a value of the control, and the residuals at their ends.
 
     table: the intervals (n, 2). residual: r/|K*| of the left and then the right ends (2n,).
     rates: dr/ds (2n, 2n). by_value: dr/d(value) (2n,). load, level: scaled. The residual of a
@@ -109,7 +110,7 @@ class State:
 
     @property
     def whole(self) -> Corners:
-        """Drive of all ends, as if none were pinned."""
+        """Residuals and rates of all ends, as if none were pinned."""
         return self.corners or Corners(
             np.zeros(len(self.residual), dtype=bool), self.residual, self.rates, self.by_value
         )
@@ -149,20 +150,20 @@ class State:
 
     @property
     def gains(self) -> Array:
-        """K/K* of each end (2n,).
+        """The ratio K/K* of the edge intensity to that of the law, at each end (2n,).
 
-        The slope of the energy goes with its square, so that dr/ds times it is a second
-        derivative of the energy.
+        The slope of the energy is proportional to K^2. So dr/ds times K/K* is proportional to a
+        second derivative of the energy.
         """
         return 1.0 - self.residual
 
     @cached_property
     def growth(self) -> float:
-        """Largest eigenvalue of J over the weights; negative where an equilibrium is stable."""
+        """Largest eigenvalue of the rates dr/ds divided by the weights; negative if stable."""
         return self.growth_of(np.arange(len(self.residual)))
 
     def growth_of(self, ends: Index) -> float:
-        """Largest eigenvalue of J over the weights if only these ends move."""
+        """Largest eigenvalue of the rates dr/ds divided by the weights if only these ends move."""
         second = self._second(ends)
         values = (
             np.linalg.eigvals(self._driven(ends)).real
@@ -172,7 +173,7 @@ class State:
         return float(values.max(initial=-1.0))
 
     def motions(self, ends: Index) -> tuple[Array, Array]:
-        """(real parts of the eigenvalues of J over the weights, eigenvectors as columns).
+        """(real parts of eigenvalues, eigenvectors as columns) of the rates divided by the weights.
 
         Only the given ends move.
         """
@@ -184,14 +185,14 @@ class State:
         return growth, second[1][:, None] * motions
 
     def _driven(self, ends: Index) -> Array:
-        """J over the weights, of these ends."""
+        """The rates dr/ds between these ends, divided by the weights."""
         return np.asarray(self.rates[np.ix_(ends, ends)] / self.weight[ends, None])
 
     def _second(self, ends: Index) -> tuple[Array, Array] | None:
-        """(symmetric matrix with the eigenvalues of J over the weights, scale of its vectors).
+        """(symmetric matrix with the eigenvalues of `_driven`, scale of its eigenvectors).
 
-        None where an end is driven so hard that the energy does not determine it, or where an
-        interaction has no energy.
+        None where K/K* of an end is so small that the energy does not determine the rates, or where
+        an interaction has no energy.
         """
         gains = self.gains[ends]
         if gains.min(initial=1.0) < TOLERANCES.least_gain:
@@ -213,7 +214,7 @@ class State:
     def refuse_neutral(self) -> None:
         """Raise NotConverged if some motion of the ends changes nothing.
 
-        Then there is not one contact, but a row of them.
+        Then there is a continuous family of contacts instead of one.
         """
         if abs(self.growth) <= TOLERANCES.neutral:
             raise NotConverged(
@@ -234,9 +235,9 @@ class State:
 
 @dataclass(frozen=True)
 class Curve:
-    """The states of a problem under one control at any value.
+    """The states of a problem under one control, whose value varies.
 
-    control: at the value that the scene asks for.
+    control: the control with the value that the scene asks for.
     """
 
     problem: Problem
@@ -267,8 +268,8 @@ class Curve:
         state = solved.whole
         follows, wanted = state, problem.end.intensity
         if state.iteration is not None:
-            # There are as many right sides as ends: one matrix solves them all, as accurately as
-            # rates need.
+            # The rates need as many right sides as there are ends. A direct solution with one
+            # matrix serves them all, at the accuracy of rates.
             follows = sie.solve_fixed(
                 equation,
                 state.density.zones,
@@ -280,7 +281,8 @@ class Curve:
         size = abs(wanted)
         values = np.zeros(len(follows.condition_scale))
         first = follows.condition_index[0]
-        # A load is the value of one row; minus an approach is the value in the row of every zone.
+        # In the right side of the conditions a load stands in one row, for all zones together.
+        # Minus an approach stands in the row of every zone.
         by_load = control.load is not None
         values[first : first + (1 if by_load else len(table))] = 1.0 if by_load else -1.0
         unit = np.concatenate(follows.response(values).intensities)
@@ -304,37 +306,37 @@ class Curve:
         return here.with_pinned(pinned)
 
     def under(self, control: Control) -> "Curve":
-        """The same states under another control."""
+        """The curve of the same problem under another control."""
         return Curve(self.problem, control)
 
     def again(self, here: State, value: float) -> State:
-        """The state on the intervals of one found under another control."""
+        """The state at a value of this control, on the intervals of a state of another curve."""
         return self.at(here.table, value)
 
     def unit(self, here: State) -> float:
-        """Change of the control that changes the largest drive by the intensity of the law."""
+        """Change of the control that changes some residual r/|K*| by 1, and none by more."""
         return 1.0 / float(np.abs(here.whole.by_value).max())
 
     def vanishes(self, here: State, motion: Array) -> float:
-        """Length along a motion (2n + 1,) at which contact inside the intervals vanishes.
+        """Length along a motion (2n + 1,) at which a zone of contact inside an interval vanishes.
 
-        Infinite where the intervals are the contact.
+        It is infinite here, since the intervals are the zones of contact.
         """
         return np.inf
 
     @property
     def formally(self) -> "Curve":
-        """The same curve without tests of the contact inside the intervals."""
+        """This curve itself; a curve of tension returns one that skips sign tests of the contact."""
         return self
 
     def has_right_zones(self, here: State) -> bool:
-        """Whether the contact inside the intervals passes the tests left out by `formally`."""
+        """Whether the contact passes the tests that the curve `formally` skips; here always."""
         return True
 
     def within(self, table: Array) -> Array:
-        """The zones cut at sharp corners; ends next to one snap to it.
+        """The zones cut at sharp corners; ends very near a corner are moved to it.
 
-        Zones of a body that repeats are moved to its own period.
+        Zones of a periodic body are first moved to the period between its corners.
         """
         lo, hi = self.problem.corners
         if not np.isfinite([lo, hi]).all():
@@ -349,13 +351,13 @@ class Curve:
         return np.asarray(table)
 
     def to_corners(self, table: Array) -> Array:
-        """Distance of each end from its sharp corner (2n,); infinite without one."""
+        """Distance of the outermost ends from the sharp corners (2n,); infinite for other ends."""
         away, (lo, hi) = np.full(table.size, np.inf), self.problem.corners
         away[0], away[-1] = table[0, 0] - lo, hi - table[-1, 1]
         return away
 
     def settled(self, here: State) -> State:
-        """The equilibrium nearby, by Newton's method to full accuracy."""
+        """The equilibrium near this state, by Newton's method to full accuracy."""
         rough = (
             here.solved is not None
             and here.solved[1] > TOLERANCES.density

@@ -1,8 +1,8 @@
-"""The events that interrupt a curve of equilibria: where something begins, closes or is lost.
+"""The events that interrupt a curve of equilibria: zones begin, merge, close or are lost.
 
-`Events` holds those of adhesion without range. A zone begins where surfaces touch and jumps to a
-finite width, so that every change of the zones is a jump. contact.adhesion.cohesive_events
-derives those of a tension from it.
+`Events` is for adhesion whose tension acts at the ends of zones only (JKR). A zone begins where
+surfaces touch and jumps to a finite width, so that every change of the zones is a jump.
+contact.adhesion.cohesive_events derives from it the events under a tension that acts across a gap.
 """
 
 from collections.abc import Callable, Iterator
@@ -23,11 +23,11 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class EventOptions:
-    """Where a zone, or an interval, begins and how."""
+    """Widths with which a new zone, or a new interval of tension, begins."""
 
-    # Width of what begins, over the overlap that was seen, and its least width.
+    # First width of a new zone, relative to the width of the overlap.
     new_width: float = 1e-2
-    # First width over the one that a touch at one point grows to.
+    # First width relative to the one that a touch at one point grows to.
     part_of_rest: float = 0.5
 
 
@@ -36,9 +36,9 @@ EVENTS = EventOptions()
 
 @record
 class PathState:
-    """What there is under a value of the control.
+    """The state of the path at a value of the control.
 
-    An equilibrium, or surfaces closed over the whole period, or surfaces apart.
+    It is an equilibrium, or surfaces closed over the whole period, or surfaces apart.
     """
 
     value: float
@@ -57,10 +57,10 @@ class PathState:
 
 @record
 class Jump:
-    """An event of the zones.
+    """An event at which zones change.
 
-    kind: see contact.sweeps.adhesive. place: scaled, where it begins. smooth: nothing jumps, and
-    no energy is lost.
+    kind: see contact.sweeps.adhesive. place: scaled place at which the change begins. smooth: true
+    if no end jumps and no energy is lost.
     """
 
     kind: str
@@ -73,8 +73,8 @@ class Jump:
 def moves_both_ways(curve: Curve) -> bool:
     """Whether ends may drive each other back under this control.
 
-    They do where an approach is held over all of a body: then every change of the control is
-    followed through all jumps.
+    They do where an approach is held over a whole period or between sharp corners. Then every
+    change of the control is followed through all jumps.
     """
     return curve.control.load is None and (
         curve.problem.period is not None or curve.problem.profile.support is not None
@@ -83,9 +83,9 @@ def moves_both_ways(curve: Curve) -> bool:
 
 @dataclass(frozen=True)
 class Events:
-    """Events of adhesion without range.
+    """Events of a path whose adhesion acts at the ends of zones only (JKR).
 
-    cell: where the surfaces touch first [m].
+    cell: the interval in which the surfaces first touch.
     """
 
     curve: Curve
@@ -93,7 +93,7 @@ class Events:
 
     @property
     def first(self) -> float:
-        """Value of the control at which surfaces apart come together."""
+        """Value of the control at which separated surfaces come together."""
         return 0.0
 
     @property
@@ -102,7 +102,7 @@ class Events:
         return self.curve.control.load is not None
 
     def jump_in(self) -> Jump:
-        """The jump of surfaces that come together."""
+        """The jump from separated surfaces into contact."""
         table = touched(self.curve, self.cell, self.first)
         after = self.grown(table, self.first)
         return Jump(
@@ -113,22 +113,23 @@ class Events:
         )
 
     def reopening(self, here: PathState, value: float) -> Jump | None:
-        """The jump by which closed surfaces open as the control falls to a value; None if they do
-        not.
+        """The jump by which closed surfaces open as the control falls to a value.
+
+        None if they do not open.
         """
         return None
 
     def off_curve(self, here: State, value: float) -> Iterator[Jump | PathState] | None:
-        """Events of a state without free ends, up to a jump or the value; None for others."""
+        """Events of a state without free ends, up to a jump or the value; None otherwise."""
         return None
 
     def grown(self, table: Array, value: float) -> PathState:
-        """The path state that ends reach which advance from these zones."""
+        """The state in which the ends come to rest after they advance from these zones."""
         try:
             try:
                 return self._at_rest(grown(self.curve, table, value))
             except NotConverged:
-                # Under a held approach ends that advance may hold back each other.
+                # Under a fixed approach, an end that advances may stop or reverse another one.
                 rest = None if self.by_load else relaxed(self.curve, table, value)
                 if rest is None:
                     raise
@@ -137,10 +138,10 @@ class Events:
             return PathState(value, closed=True)
 
     def shrunk(self, table: Array, value: float) -> PathState:
-        """The path state that ends reach which recede from these zones.
+        """The state in which the ends come to rest after they recede from these zones.
 
-        Under a held approach, tension that is lost raises the surface of a period elsewhere,
-        where zones may begin.
+        Under a fixed approach of a period, a lost zone lets the surface come closer elsewhere, so
+        that zones may begin there.
         """
         try:
             rest = (receded if self.by_load else relaxed)(self.curve, table, value)
@@ -177,15 +178,15 @@ class Events:
         return Jump(self.kind(before, after, rises), place, before, after)
 
     def vanishing(self, here: State, sense: float) -> Jump | None:
-        """The end of a curve near a state that is no turning point; None without one."""
+        """The jump at the end of a curve that is no turning point; None if there is none."""
         return None
 
     def smooth_changes(self, step: Step, length: float, last: State) -> Iterator[Jump]:
-        """Events in a step at which nothing jumps."""
+        """The events inside a step at which no end jumps."""
         return iter(())
 
     def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:
-        """The first jump inside a step that is no turning point: a touch; None without one."""
+        """The jump at the first touch of surfaces inside a step; None if there is none."""
         looks = sense > 0.0 or not self.by_load
         overlaps = (
             openings(self.curve.fields(last, TOLERANCES.rough)).overlaps
@@ -214,7 +215,8 @@ class Events:
     def _with_new(self, here: State, place: float, half: float) -> Array:
         """The zones and a new one at a place, such that all ends are driven outward.
 
-        It is narrow, or about as wide as it will be if its ends are driven outward there, too.
+        The new zone is narrow. If its ends are still driven outward at about its final width, it
+        gets that width.
         """
         table = here.table
 
@@ -266,7 +268,7 @@ def first_zero(
         length = step.where(condition, first, last, length)
         end = step.at(length)
         place = least(end, lo, hi)[0]
-        # Elsewhere the condition may have been negative before.
+        # In other intervals the condition may have become negative earlier in the step.
         seen = others(end)
         seen = seen[(seen[:, 0] > place) | (seen[:, 1] < place)]
     return length, place, width

@@ -1,4 +1,4 @@
-"""The guide without range: contacts whose tension acts on strips narrower than their zones.
+"""First guesses from a law without range (JKR), for tension on strips narrower than zones.
 
 Under a little less work of adhesion without range, a contact lies inside the one that is searched
 for; under a little more, it holds it. At each tip of its zones the strip has a closed form, and
@@ -27,13 +27,13 @@ from sie import Array
 
 @dataclass(frozen=True)
 class JkrGuideOptions:
-    """How near a law without range leads to a contact under a tension."""
+    """Margins and tolerances of the first guesses from a law without range."""
 
-    # Changes of the work of adhesion that are tried.
+    # Relative changes of the work of adhesion that are tried.
     margins: tuple[float, float] = (0.02, 0.2)
     # Largest drive of a state near an equilibrium.
     near_drive: float = 0.25
-    # Newton's step of the tips about which strips are put: the rest of it is added to the strips.
+    # Accuracy of the ends of the zones to which strips of tension are added.
     resting_step: float = 2e-3
 
 
@@ -136,15 +136,15 @@ def near_pull_off(
         return rest
 
     with suppress(Closed, NoState, NotConverged):
-        # A little more work widens the contact.
+        # The start must contain the contact: zones under a larger work of adhesion are wider.
         first = relaxed(short, here.table, here.value)
         if first is None:
             return None
         passed.append(first)
         last = apart.near_the_last(short, first, recede_on)
         for value in apart.controls_above(last.value, here.value):
-            # Under a load what is left does not depend on the way: the last state passed above is
-            # the start.
+            # The zones left under a load do not depend on the path, so that the last state with a
+            # larger control serves as the start.
             above = min((one for one in passed if one.value >= value), key=lambda one: one.value)
             tips = gradient_flow.receded(short, above.table, value)
             start = None if tips is None else _with_range(curve, short, tips, -_OPTIONS.margins[0])

@@ -1,6 +1,6 @@
-"""Fields of one symmetric zone: the pressure and the numbers by its series, the rest by the engine.
+"""Fields of one symmetric zone: pressure and integrals by series, the rest by the engine.
 
-The engine solves the zone as it is when a displacement or a gap is asked for.
+The engine solves the equation on the known zone once a displacement or a gap is asked for.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from contact.formulation.units import Units
 from contact.model.scene import Scene
 from sie import Array, Index, nearest_image
 
-# Angles from which the maximum of the pressure is bracketed.
+# Number of angles at which the pressure is sampled to bracket its maximum.
 ANGLES = 64
-# Tolerance of the density, which the stated error of the series does not include.
+# Tolerance of the density that the engine solves for; it is no part of the stated error.
 DENSITY_TOLERANCE = 1e-13
 
 
@@ -40,12 +40,12 @@ class ClosedFields(ZoneFields):
         self.__dict__.update(scene=scene, zone=zone, amplitude_rate=0.0)
 
     def end_remainders(self, table: Array, order: Index) -> Array | None:
-        return None  # the ends have no more digits than their places
+        return None  # the ends are known to the digits of `zone_table` only
 
     def __getstate__(self) -> dict[str, Any]:
         return {"scene": self.scene, "zone": self.zone, "amplitude_rate": 0.0}
 
-    # By the engine
+    # Quantities that the engine computes.
 
     @cached_property
     def problem(self) -> Problem:  # type: ignore[override]
@@ -60,7 +60,7 @@ class ClosedFields(ZoneFields):
 
     @cached_property
     def state(self) -> sie.AnyState:  # type: ignore[override]
-        """The equation solved on the zone as it is."""
+        """The solution of the equation on the known zone, whose ends do not move."""
         problem = self.problem
         zones = np.asarray(problem.units.scaled(self.zone_table))
         end = problem.end if self.zone.problem.corner is None else sie.SINGULAR
@@ -68,7 +68,7 @@ class ClosedFields(ZoneFields):
         on = sie.Zones.of(zones, end, end, symmetric=True)
         return sie.solve_zones(equation, on, DENSITY_TOLERANCE)
 
-    # By the series
+    # Quantities that the series gives.
 
     @cached_property
     def zone_table(self) -> Array:
@@ -100,7 +100,7 @@ class ClosedFields(ZoneFields):
         return float(self.zone.widths) / self.scene.period
 
     def _pressure(self, x: Array, from_left: Array, to_right: Array) -> Array:
-        """Pressure [Pa] at places x in the zone, and their distances from its ends."""
+        """Pressure [Pa] at places x in the zone; from_left, to_right: distances from its ends."""
         zone, way, kink = self.zone, self.zone.problem.map, self.zone.problem.kink
         y, weight, half = way.y(x), way.weight(x), zone.half
         root = way.rise(-zone.half_width, from_left) * way.rise(x, to_right)
@@ -115,8 +115,9 @@ class ClosedFields(ZoneFields):
         return np.asarray(self._unit * out)
 
     def _arcosh(self, tangent: Array, over: Array) -> Array:
-        """arcosh(tan A / tan u). over: sqrt(1 - (tan u / tan A)^2), which has more digits next to
-        the ends.
+        """arcosh(tan A / tan u), the shape of the pressure under a kink (contact.closed.zone).
+
+        over: sqrt(1 - (tan u / tan A)^2), which has more digits next to the ends.
         """
         half = self.zone.half
         if self.zone.problem.map.period is not None:
@@ -155,7 +156,7 @@ class ClosedFields(ZoneFields):
     def pressure_bound(self) -> float:  # type: ignore[override]
         return math.inf if self._is_singular else self._unit * float(self.zone.sums[1])
 
-    # Levels
+    # Approach, stiffness and mean gap.
 
     @property
     def _even_level(self) -> float:
@@ -163,7 +164,7 @@ class ClosedFields(ZoneFields):
 
     @cached_property
     def approach(self) -> float | None:  # type: ignore[override]
-        """The mean height over the angle on the zone, less what the load sinks under its own."""
+        """The mean height of the profile on the zone, plus the compliance times the load."""
         if not self.scene.operator.has_approach:
             return None
         flat = self.zone.problem.corner is not None

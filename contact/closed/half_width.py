@@ -1,6 +1,7 @@
 """The half width of one symmetric zone about the origin, and the branch from zero load.
 
-With xi = a t alone, and sin(pi xi/L) = sin(pi a/L) t with all periods, u = pi xi/L, A = pi a/L,
+The load P of a zone of half width a is an integral of the forcing g. With xi = a t for a zone
+alone, and sin(pi xi/L) = sin(pi a/L) t with all periods, u = pi xi/L and A = pi a/L,
 
     P = int g(xi) xi / sqrt(a^2 - xi^2) dxi                     level = (P/pi) ln(a / 2d) - mean F
     P = int g(xi) sin u / sqrt(sin^2 A - sin^2 u) dxi           level = (P/pi) ln sin A - mean F
@@ -31,8 +32,8 @@ class BranchOptions:
     """Options of the scan over half widths; a guess needs two digits, the branch's maximum nine."""
 
     points_per_decade: int = 4  # the controlled quantity is smooth in the logarithm
-    decades: int = 10  # below the widest zone; loads of narrower ones are lost in round-off
-    open_decades: int = 12  # above and below 1 where nothing limits the zone
+    decades: int = 10  # scanned below the widest zone; loads of narrower ones are lost in round-off
+    open_decades: int = 12  # scanned above and below 1 where nothing limits the zone
     branch_points: int = 40  # solved along the branch from zero load
     maximum_tolerance: float = 1e-9  # of the half width at the maximum; the load is flat there
 
@@ -41,9 +42,9 @@ OPTIONS = BranchOptions()
 
 
 def guess_half_width(problem: Problem, control: Control) -> float:
-    """The scaled half width at which one zone carries about the control.
+    """The scaled half width at which one zone roughly has the controlled load or approach.
 
-    If no zone carries it, the half width at the first maximum of the controlled quantity.
+    If no zone reaches it, this is the half width at the first maximum of that quantity.
     """
     if control.half_width is not None:
         return control.half_width
@@ -100,7 +101,7 @@ def widest(problem: Problem) -> float:
 
 
 def _carried(problem: Problem, control: Control, a: Array) -> Array:
-    """The controlled quantity at half widths a; -inf beyond its first maximum."""
+    """The controlled load or approach at half widths a; -inf beyond its first maximum."""
     period, poles = problem.period, len(problem.kernel.poles)
     if period is not None and poles > 1:
         sine = np.sin(np.pi * a / period)
@@ -139,7 +140,7 @@ def carried_by(problem: Problem, control: Control, a: float) -> float:
 
 
 def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
-    """Half widths and the controlled quantity, from zero load to its first maximum."""
+    """(half widths, controlled load or approach) from zero load to the first maximum."""
     limit = widest(problem)
     if not math.isfinite(limit):
         limit = 1e3 * guess_half_width(problem, control)

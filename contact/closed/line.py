@@ -1,10 +1,10 @@
 r"""The map under which one symmetric zone is one interval under Cauchy's kernel.
 
-With u = pi x/L and pressures in E*/2, the equation of the pressure becomes
+With u = pi x/L and the slope f' of the profile f, the equation of the pressure becomes
 
     (1/pi) PV int Phi(eta) / (y - eta) d eta = G(y),     G = f'/w,     p = (E*/2) w Phi.
 
-                     y          w          load over E*/2, per int Phi d eta
+                     y          w          load divided by E*/2, per unit of int Phi d eta
     a zone alone     x          1          1
     all periods      sin u      cos u      L/pi
 
@@ -33,7 +33,7 @@ def column(value: Value) -> Value:
 
 def least(values: Array) -> Value:
     """Returns the minimum of each row; nan where the row has one."""
-    # One row: two methods of the array take half the time of the function.
+    # For one row, argmin and item take half the time of min.
     return values.item(values.argmin()) if values.ndim == 1 else values.min(axis=-1)
 
 
@@ -62,7 +62,7 @@ class LineMap:
 
     @property
     def load_factor(self) -> float:
-        """Load over E*/2 [m] per int Phi d eta; also int w dx per unit of y."""
+        """Load divided by E*/2 [m], per unit of int Phi d eta; also dx/dy times the weight w."""
         return 1.0 if self.period is None else self.period / math.pi
 
     def y(self, x: Value) -> Value:

@@ -1,12 +1,12 @@
-"""Odd Chebyshev series on one interval, and what follows from samples of the right side.
+"""Odd Chebyshev series on one interval: coefficients, sums and integrals from samples.
 
-G = sum g_k T_k(t) over odd k gives Phi = sqrt(1 - t^2) sum g_k U_{k-1}(t), bounded at both ends.
-Its integral is pi g_1/2 times the half length. Off the interval its transform is sum g_k rho^k with
-rho = t - sgn(t) sqrt(t^2 - 1).
+The right side G = sum g_k T_k(t), over odd k, gives the solution Phi = sqrt(1 - t^2) sum g_k
+U_{k-1}(t), bounded at both ends. Its integral is pi g_1/2 times the half length. Off the interval
+its Hilbert transform is sum g_k rho^k with rho = t - sgn(t) sqrt(t^2 - 1).
 
-With q = sum g_k U_{k-1}, a longer interval raises Phi by q(1) / sqrt(1 - t^2) per unit of half
-length. So the integral grows with the half length at the rate pi q(1). A Newton step needs no more
-than these two sums over the samples.
+With the polynomial q = sum g_k U_{k-1}, a longer interval raises Phi by q(1) / sqrt(1 - t^2) per
+unit of half length. So the integral grows with the half length at the rate pi q(1). A Newton step
+needs no more than these two sums over the samples.
 """
 
 from functools import lru_cache
@@ -16,13 +16,13 @@ from scipy import fft
 
 from sie import Array, Index, record
 
-# Samples of q per degree. Between them q, a polynomial, is known from its second differences.
+# Samples of the polynomial q per degree: so many that second differences bound it in between.
 SAMPLES_PER_DEGREE = 8
 
 
 @record
 class Table:
-    """The positive Chebyshev nodes t of twice their number, and the sums over values there.
+    """The positive half t of the Chebyshev nodes, and weights of sums over values there.
 
     sums (nodes, 4): from values to g_1, q(1) and the last two coefficients. matrix: from values to
     coefficients. sines, cosines: of the angles at which q is sampled.
@@ -35,7 +35,7 @@ class Table:
     cosines: Array
 
     def samples(self, g: Array) -> Array:
-        """q at the sampling angles, for coefficients (..., orders)."""
+        """The polynomial q at the sampling angles, for coefficients g (..., orders)."""
         padded = np.zeros((*g.shape[:-1], 2 * len(self.sines)))
         padded[..., : 2 * g.shape[-1] : 2] = g
         return np.asarray(0.5 * fft.dst(padded, type=3)[..., : len(self.sines)] / self.sines)
@@ -55,7 +55,7 @@ def powers(count: int) -> Array:
 
 @lru_cache(maxsize=32)
 def table(size: int) -> Table:
-    """The table of a number of nodes."""
+    """The table of `size` positive nodes."""
     degree, k = 2 * size, orders(size)
     # Whole turns are taken off in integers: the round-off of k * theta would grow with k.
     turns = (2 * np.arange(size)[:, None] + 1) * k % (4 * degree)
@@ -78,7 +78,7 @@ def summed(g: Array, t: Array) -> Array:
 
 
 def off(g: Array, t: Array) -> Array:
-    """sum g_k rho^k at t >= 1 (..., points), for coefficients (..., orders)."""
+    """The transform sum g_k rho^k off the interval, at t >= 1 (..., points); g: (..., orders)."""
     rho = 1.0 / (t + np.sqrt((t - 1.0) * (t + 1.0)))
     square = rho * rho
     if rho.ndim == 1 and len(g):
@@ -92,7 +92,7 @@ def off(g: Array, t: Array) -> Array:
 
 
 def off_integral(g: Array, t: Array) -> Array:
-    """The integral of `off` from 1 to t, of one load.
+    """The integral of `off` from 1 to t, for one load.
 
     int rho^k dt = [(1 - rho^(k-1))/(k-1) - (1 - rho^(k+1))/(k+1)]/2.
     """

@@ -1,8 +1,9 @@
 """Signs of the pressure inside a zone and of the gap outside, and the stated error.
 
-Inside, p / sqrt(1 - t^2) is a polynomial plus a positive part of the kink. It is at least its first
-coefficient less the sum of k |g_k| over the others. Where that does not decide, the polynomial is
-sampled so closely that no zero is hidden between samples. Outside, the slope of the gap is
+Inside, p / sqrt(1 - t^2) is, up to a positive factor, the polynomial q = sum g_k U_{k-1} of
+contact.closed.series plus a positive term from the kink. q is at least its first coefficient less
+the sum of k |g_k| over the others. Where that bound does not decide, q is sampled so closely that
+no zero is hidden between samples. Outside, the slope of the gap is
 
     gap' = w (G - sum g_k rho^k),     plus     J/pi arccos(tan A / tan u)     of the kink.
 
@@ -10,11 +11,10 @@ Where it is nowhere negative the gap is least at the ends, where it is zero. Whe
 the border of a lone wave, the gap itself is sampled.
 
 The stated error is the larger one of two: the error of an end over the width of the zone, and that
-of the pressure over its mean, which is at most the peak. Ends are off by Newton's last step and by
-round-off. The pressure follows them, and it is off by the coefficients that were left off and by
-round-off. If the half length is off by a part e of itself, t = cos(a), then sum k g_k sin(k a)
-changes by at most e sum k^2 |g_k|: each term by e k g_k (1 - cos(a) cos(k a)) / sin(a), at most
-e k^2 |g_k|.
+of the pressure over its mean, which is at most the peak. Ends have the error of Newton's last step
+and round-off. The pressure has the errors of the ends, of the truncated series and round-off. If
+the half length has the relative error e, and t = cos(a), then sum k g_k sin(k a) changes by at most
+e sum k^2 |g_k|: each term by e k g_k (1 - cos(a) cos(k a)) / sin(a), at most e k^2 |g_k|.
 """
 
 import math
@@ -36,14 +36,15 @@ class SignOptions:
     clear_of_zero: float = (
         1e-9  # least pressure or fall of a gap, over the largest: round-off x 1e6
     )
-    border_places: int = 32  # places at which the gap is looked at up to the border
-    places_per_feature: int = 4  # and no fewer per length over which the shape varies
+    border_places: int = 32  # places at which the gap is sampled up to the border
+    places_per_feature: int = 4  # least number of places per length over which the shape varies
     max_places: int = 4096  # shapes that vary more closely have no closed form of use
     far_places: int = 512  # places without a border, evenly in ln t
     farthest: float = 1e12  # half lengths; the profile dwarfs every load there
-    least_of_widest: float = 0.05  # gap past its maximum that is not taken for a contact
+    least_of_widest: float = 0.05  # a smaller gap past its maximum may be a contact
     stated_round_off: float = 4e-14  # sums of some hundred terms; the other routes state it too
-    edge_peak: float = 8.0  # pressure at a corner over its mean, where errors are looked at
+    # ratio of the pressure next to a corner to its mean, for the stated error
+    edge_peak: float = 8.0
 
 
 OPTIONS = SignOptions()
@@ -52,7 +53,7 @@ OPTIONS = SignOptions()
 def signs(zone: ClosedZone) -> tuple[Value, Value]:
     """Whether both signs are right beyond doubt, and the least sampled gap [m].
 
-    The gap is inf where it opens all the way, and was not sampled.
+    The gap is inf where its slope is positive everywhere outside, so that it was not sampled.
     """
     if zone.problem.corner is not None:
         return zone.punch > 0.0, math.inf
@@ -61,24 +62,25 @@ def signs(zone: ClosedZone) -> tuple[Value, Value]:
     return pushes & opens, gap
 
 
-# Inside
+# The pressure inside the zone.
 
 
 def _pushes(zone: ClosedZone) -> Value:
-    """Whether q, with the least part of the kink, is clear of zero."""
+    """Whether the polynomial q plus the least term of the kink is clearly above zero."""
     most, kinked, first = zone.sums[1], zone.problem.kink / math.pi, zone.first
     bounded = kinked + first + abs(first) - most > OPTIONS.clear_of_zero * (kinked + most)
     if everywhere(bounded):
         return bounded
     value = table(zone.nodes // 2).samples(zone.g) + kinked
-    # Twice the depth to which a parabola through three samples falls below them.
+    # A parabola through three samples falls below them by at most bend/8; twice that is allowed
+    # for.
     bend = np.abs(value[..., :-2] - 2.0 * value[..., 1:-1] + value[..., 2:])
     low = np.minimum(least(value), least(value[..., 1:-1] - 0.25 * bend))
     return bounded | (low > OPTIONS.clear_of_zero * largest(value))
 
 
 def least_inside(zone: ClosedZone) -> tuple[float, int]:
-    """The least p / sqrt(1 - t^2) of one load over E*/2 at the samples, and their number."""
+    """(least p / sqrt(1 - t^2) at the samples, in units of E*/2; their number) for one load."""
     if zone.problem.corner is not None:
         return float(zone.punch), 0
     looks = table(zone.nodes // 2)
@@ -87,11 +89,11 @@ def least_inside(zone: ClosedZone) -> tuple[float, int]:
     return float((value * weight).min()), SAMPLES_PER_DEGREE * zone.nodes // 2
 
 
-# Outside
+# The gap outside the zone.
 
 
 def places(zone: ClosedZone) -> Array:
-    """Places t > 1 (..., places) at which the gap is looked at, closer beside the zone."""
+    """Places t > 1 (..., places) at which the gap is sampled, closer together near the zone."""
     problem, half = zone.problem, column(zone.half)
     if not math.isfinite(problem.limit):
         return _to_far_away() + 0.0 * half
@@ -106,19 +108,19 @@ def places(zone: ClosedZone) -> Array:
 
 @lru_cache(maxsize=8)
 def _squares(count: int) -> Array:
-    """Places in (0, 1), closer next to 0."""
+    """Places in (0, 1), closer together near 0."""
     return np.asarray(((np.arange(count) + 0.5) / count) ** 2)
 
 
 @lru_cache(maxsize=1)
 def _to_far_away() -> Array:
-    """Places from 1 to the farthest one, closer next to 1."""
+    """Places from 1 to the farthest one, closer together near 1."""
     far = np.geomspace(4.5, OPTIONS.farthest, OPTIONS.far_places)
     return np.concatenate((1.0 + 3.0 * _squares(OPTIONS.border_places), far))
 
 
 def _opens(zone: ClosedZone) -> tuple[Value, Value]:
-    """Whether the gap opens away from the zone, or stays clear of zero; the least sampled gap."""
+    """(whether the gap rises or stays clearly above zero outside; least sampled gap)."""
     problem, t = zone.problem, places(zone)
     half = column(zone.half)
     x, weight = problem.map.at(half * t)
@@ -142,7 +144,10 @@ def _opens(zone: ClosedZone) -> tuple[Value, Value]:
 
 
 def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[bool, float]:
-    """The same for one load whose gap does not open beyond doubt: it may up to round-off."""
+    """(whether the gap stays above zero outside; least sampled gap) for one load.
+
+    Called where the slope of the gap is not positive everywhere.
+    """
     problem, clear = zone.problem, OPTIONS.clear_of_zero
     rounding = 4.0 * ROUND_OFF * (np.abs(own) + zone.sums[0] + problem.kink)
     if (rises > -rounding).all() and rises.max() > 0.0:
@@ -154,16 +159,16 @@ def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[b
     gap = height - float(problem.profile.height(zone.half_width)) - sunk
     top = int(np.argmax(gap))
     lowest = float(gap[top:].min())
-    # Between samples past its maximum the gap falls less than it has fallen in all.
+    # Past its maximum the gap falls less between two samples than over all samples.
     rising = bool(np.all(np.diff(gap[: top + 1]) >= -clear * gap[top]))
     return rising and lowest > OPTIONS.least_of_widest * float(gap[top]) > 0.0, lowest
 
 
-# The stated error
+# The stated error.
 
 
 def stated(zone: ClosedZone) -> Value:
-    """The stated error of ends and pressure, before what the profile's own claims add."""
+    """The stated error of ends and pressure, without the error that the profile claims."""
     problem, way = zone.problem, zone.problem.map
     if problem.corner is not None:
         return OPTIONS.edge_peak * OPTIONS.stated_round_off + 0.0 * zone.half
@@ -172,7 +177,7 @@ def stated(zone: ClosedZone) -> Value:
     # Coefficients fall as a geometric series from 1 to round-off: the sum of those left off.
     left = 4.0 * (1.0 - zone.nodes / math.log(EPS)) * zone.tail
     weight = way.weight(zone.half_width)
-    # w changes by h tan A of itself as the half length grows.
+    # A relative error e of the half length changes the weight w by at most e h tan A, below e/w.
     turns = 0.0 if way.period is None else 1.0 / weight
     pressure = zone.end_error * (follows + scale * turns) + left + ROUND_OFF * scale
     rise = way.load_factor / weight

@@ -34,13 +34,13 @@ from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.verify.certificate import Certificate
 
-# Fraction of the period in contact from which on the gap is the better unknown, and solved for.
+# For a larger fraction of the period in contact the general search solves for the gap instead.
 WIDEST = 0.95
 _NOTE = "one interval: the signs of its series, inside and outside"
 
 
 def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
-    """The problem of one zone about the tip; None where a scene is none, or may be another."""
+    """The problem of one zone about the tip; None if the scene is no such problem."""
     profile, law = scene.profile, scene.law
     tips = profile.summits
     if (
@@ -125,7 +125,7 @@ def solve_closed(scene: Scene, tol: float) -> Solution | None:
 
 
 def solve_all_closed(scenes: Sequence[Scene], tol: float) -> list[Solution | None]:
-    """The same for scenes that differ in their loads alone, all at once."""
+    """`solve_closed` for scenes that differ in their loads alone, all at once."""
     start = time.perf_counter()
     if not scenes or scenes[0].given_load is None:
         return [solve_closed(scene, tol) for scene in scenes]
@@ -148,7 +148,7 @@ def solve_all_closed(scenes: Sequence[Scene], tol: float) -> list[Solution | Non
 
 
 def _judged(zone: ClosedZone, tol: float) -> tuple[Any, Value, Value]:
-    """Whether a zone is an answer; the stated error; the least sampled gap."""
+    """(whether the zone is certified within tol; stated error; least sampled gap)."""
     problem = zone.problem
     holds, gap = signs(zone)
     error = stated(zone)
@@ -178,7 +178,7 @@ def _certificate(scene: Scene, zone: ClosedZone, gap: float) -> Certificate:
         points = inside if corner else inside + places(zone).size
     return Certificate(
         smallest_pressure=unit * least,
-        # A gap that opens all the way is least at the ends.
+        # An infinite gap means that it rises everywhere: its least value is 0, at the ends.
         smallest_gap=None if corner else gap if math.isfinite(gap) else 0.0,
         gap_rounding=16 * ROUND_OFF * abs(float(scene.profile.height(zone.half_width))),
         load_balance=0.0 if load is None else abs(unit * float(zone.totals) / load - 1.0),

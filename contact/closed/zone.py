@@ -1,7 +1,8 @@
 """One symmetric zone under a control, for one load or for several at once: Newton's method on ln h.
 
-h is the half length of the zone on the line of `contact.closed.line`. Of a tip with a kink
-J = f'(0+) - f'(0-), the part J/2 sgn(x) is taken off f'. With A = pi a/L its pressure and load are
+h is the half length of the zone on the line of `contact.closed.line`. A tip may have a kink
+J = f'(0+) - f'(0-): its part J/2 sgn(x) is subtracted from the slope f'. With the half width a, the
+period L, A = pi a/L and u = pi x/L, the pressure and load of this part are
 
     p = (E*/2) (J/pi) arcosh(tan A / tan |u|),      load = (E*/2) (J L/pi) artanh(sin A)
 
@@ -28,7 +29,7 @@ EPS = float(np.finfo(float).eps)
 ROUND_OFF = 4 * EPS
 # Smaller numbers lose digits.
 SMALLEST = float(np.finfo(float).tiny) / EPS
-# Gauss points of the mean height over a quarter turn; the heights of a zone are smooth there.
+# Gauss points of the mean height over the angle from 0 to pi/2, in which heights are smooth.
 GAUSS_POINTS = 64
 
 
@@ -37,16 +38,17 @@ class OneZoneOptions:
     """Options of Newton's method on the half length of a zone."""
 
     first_nodes: int = 8  # a sinusoid or a parabola needs no more
-    finer: int = 4  # factor to the next number of nodes, where these do not resolve the series
+    finer: int = 4  # factor to the next number of nodes if the series is not resolved
     max_nodes: int = 512  # contact over 0.95 of a period, the widest taken, needs some 250
     max_steps: int = 60  # five are usual; a load that no zone bears uses all of them
     settled_step: float = 1e-9  # in ln h; the step after it is below round-off
-    refine_below: float = 0.1  # step in ln h from which on the series is about that of the solution
+    # step in ln h; after a smaller one the series is nearly that of the solution
+    refine_below: float = 0.1
 
 
 @record
 class OneZoneProblem:
-    """What is common to all loads.
+    """The data of one symmetric zone that are common to all loads.
 
     kink: J at x = 0. corner: half width of a punch without slope, None where there are no corners.
     limit: half width [m] that no zone exceeds.
@@ -60,17 +62,17 @@ class OneZoneProblem:
 
     @cached_property
     def top(self) -> float:
-        """The limit on the line."""
+        """The limit of the half length h on the line."""
         return float(self.map.y(self.limit)) if math.isfinite(self.limit) else math.inf
 
     def slopes(self, y: Array) -> Array:
-        """G at y, less the part of the kink."""
+        """The right side G = f'/w at places y on the line, without the part of the kink."""
         x, weight = self.map.at(y)
         slope = np.asarray(self.profile.slope(x), dtype=np.float64)
         return np.asarray((slope - 0.5 * self.kink) / weight)
 
     def kink_load(self, half: Value) -> tuple[Value, Value]:
-        """Load over E*/2 of the kink, and its rate with the half length."""
+        """(load of the kink divided by E*/2, its rate with the half length)."""
         if self.kink == 0.0:
             return 0.0, 0.0
         if self.map.period is None:
@@ -79,14 +81,15 @@ class OneZoneProblem:
         return factor * np.arctanh(half), factor / ((1.0 - half) * (1.0 + half))
 
     def mean_height(self, half: Value) -> Value:
-        """Mean of f - min f [m] over the angle on the zone."""
+        """Mean of f - min f [m] over the zone, in the angle arccos t."""
         t, weights = _quarter_turn()
         height = np.asarray(self.profile.height(self.map.at(column(half) * t)[0]))
         return (height - lowest(self.profile)).dot(weights)
 
     def even_level(self, half: Value, datum: float | None) -> Value:
-        """Logarithmic potential of a unit load that presses the zone evenly; -pi E*/2 times the
-        compliance of the fixed zone.
+        """Logarithmic potential of a unit load on the zone whose displacement there is uniform.
+
+        It is -pi E*/2 times the compliance of the fixed zone.
         """
         if self.map.period is not None:
             return np.log(half)
@@ -96,11 +99,12 @@ class OneZoneProblem:
 
 @record
 class ClosedZone:
-    """One zone, of one load in numbers or of several in rows.
+    """One zone: for one load fields are numbers, for several they are arrays with one row each.
 
-    half_width [m]. half: half length on the line. g: coefficients (..., orders). tail: sum of the
-    last ones and of those left off. end_error: error of ln half. punch: load over E*/2 and
-    pi half of a flat punch. found: whether Newton's method converged to a zone below the limit.
+    half_width [m]. half: half length on the line. g: series coefficients (..., orders). tail: sum
+    of the last ones and of those left off. end_error: error of ln half. punch: load of a flat punch
+    divided by E*/2, by the load factor and by pi half. found: whether Newton's method converged to
+    a zone below the limit.
     """
 
     problem: OneZoneProblem
@@ -115,18 +119,18 @@ class ClosedZone:
     found: Value
 
     def rows(self, chosen: Mask | int) -> "ClosedZone":
-        """Some of the loads, or one."""
+        """The zone for some of the loads, or for one."""
         names = ("half_width", "half", "g", "tail", "end_error", "punch", "found")
         return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
     @property
     def first(self) -> Value:
-        """g_1."""
+        """The first coefficient g_1 of the series."""
         return self.g[..., 0] if self.g.shape[-1] else 0.0
 
     @cached_property
     def sums(self) -> tuple[Value, Value, Value]:
-        """Sums of |g_k|, of k |g_k|, which bounds |q|, and of k^2 |g_k|."""
+        """(sum of |g_k|, sum of k |g_k|, sum of k^2 |g_k|); the second bounds the polynomial q."""
         plain, once, twice = np.abs(self.g).dot(powers(self.g.shape[-1])).T
         return plain, once, twice
 
@@ -147,18 +151,19 @@ class ClosedZone:
 
     @cached_property
     def totals(self) -> Value:
-        """Load over E*/2 [m]."""
+        """Load divided by E*/2 [m]."""
         smooth = math.pi * self.half * (0.5 * self.first + self.punch)
         return self.problem.map.load_factor * smooth + self.problem.kink_load(self.half)[0]
 
 
-# From half length, load over E*/2 and its rate with the half length: ln(wanted/present), the rate
-# of ln(present) with ln(half), and the round-off of ln(present).
+# Function of (half length, load divided by E*/2, rate of that with the half length). It returns,
+# for the controlled load or approach, (ln(wanted/present), d ln(present) / d ln(half), round-off of
+# ln(present)).
 Residual = Callable[[Value, Value, Value], tuple[Value, Value, Value]]
 
 
 def zone_under(problem: OneZoneProblem, loads: Value) -> ClosedZone:
-    """The zone under loads over E*/2 [m], one or several."""
+    """The zone under one or several loads, each divided by E*/2 [m]."""
     if problem.corner is not None:
         return _punch(problem, problem.corner, loads)
 
@@ -170,8 +175,10 @@ def zone_under(problem: OneZoneProblem, loads: Value) -> ClosedZone:
 
 
 def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | None) -> ClosedZone:
-    """The zone at an approach [m]. With the zone fixed the approach grows with the load: pressure
-    and gap vanish at its ends, so that their motion adds nothing.
+    """The zone at an approach [m].
+
+    The rate of the approach is that of the load times the compliance of the fixed zone: pressure
+    and gap vanish at the ends, so that their motion adds nothing.
     """
 
     def residual(half: Value, total: Value, rate: Value) -> tuple[Value, Value, Value]:
@@ -208,9 +215,10 @@ def _newton(
     residual: Residual,
     options: OneZoneOptions = OneZoneOptions(),
 ) -> ClosedZone:
-    """Newton's method for ln half, of all loads together, on as many nodes as the series asks for.
+    """The zone by Newton's method for ln half, for all loads together.
 
-    Loads and widths that follow a power law are on a straight line there.
+    In logarithms a power law between load and width is linear. The number of nodes is raised until
+    the series is resolved.
     """
     size, settled = options.first_nodes, half != half
     factor = problem.map.load_factor * math.pi
@@ -239,7 +247,7 @@ def _newton(
         half = choose(fails, half, longer)
     g = values.dot(nodal.matrix)
     size_of = np.abs(g) / column(scale)
-    # All coefficients after the last one above round-off are left off.
+    # The coefficients after the last one above round-off are dropped.
     count = size - int(
         ((size_of if size_of.ndim == 1 else size_of.max(axis=0))[::-1] > EPS).argmax()
     )
@@ -252,6 +260,6 @@ def _newton(
 
 @lru_cache(maxsize=1)
 def _quarter_turn() -> tuple[Array, Array]:
-    """Gauss points t = cos(angle) and weights of the mean over angles of a quarter turn."""
+    """(Gauss points t = cos(angle), weights) of the mean over angles from 0 to pi/2."""
     s, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     return np.cos(0.25 * math.pi * (1.0 + s)), 0.5 * weights

@@ -1,6 +1,7 @@
 """First-order closure: the nominal pressure of a strip is the isolated load of the same width.
 
-One zone keeps the formal isolated solution of the paper. Several zones are contacts of their own.
+For one zone the isolated solution is formal, as in the paper: its signs are not checked. For
+several zones the profile of the strip alone is a contact problem of its own.
 """
 
 from __future__ import annotations
@@ -28,14 +29,16 @@ from contact.search.topology.pressure_form import PressureForm
 from contact.verify.error import SolvedZones
 from sie import Array
 
-# Samples of one zone in which lowest places are counted; a missed one costs a longer search.
+# Samples of one zone in which local minima are counted; a missed one costs a longer search.
 LOOKS = 2**10
 
 
 def first_order(
     context: SolveContext, scaled: ScaledScene, found: SolvedZones | None = None
 ) -> SolvedZones:
-    """The strip under the isolated load of the same total width over the period.
+    """The zones of the strip; its nominal pressure is the isolated load divided by the period.
+
+    The isolated load is that of the profile alone with the same total width.
 
     found: the same strip, solved to a larger tolerance.
     """
@@ -69,7 +72,7 @@ def first_order(
             return outcome
         if isinstance(outcome.refusal, OutOfRange):
             raise outcome.refusal
-        # Further zones may come into contact: several zones are then solved for.
+        # Further zones may come into contact, so the search for several zones follows.
         context.record_failure("one zone by its width", outcome)
         return several.found(pressure, zones)
     with context.plan.timed("isolated reference"):
@@ -79,7 +82,7 @@ def first_order(
 
 
 def _is_asperity(problem: Problem, zones: Array) -> bool:
-    """Whether the contact is one zone that grew from one lowest place of the profile."""
+    """Whether the contact is one zone with at most one local minimum of the profile in it."""
     if len(zones) != 1:
         return False
     inside = np.linspace(float(zones[0, 0]), float(zones[0, 1]), LOOKS)
@@ -88,7 +91,7 @@ def _is_asperity(problem: Problem, zones: Array) -> bool:
 
 
 def _about_load(scaled: ScaledScene) -> float:
-    """The scaled load; under another control that of the exact periodic contact on a grid."""
+    """The scaled load; if it is not given, that of the exact periodic contact on a grid."""
     problem, control = scaled.problem, scaled.control
     if control.load is not None:
         return control.load

@@ -1,7 +1,7 @@
 """The two contacts of the first-order closure, and their derivatives by centre, pressure and load.
 
 One contact is that of the strip under a nominal pressure, the other that of its profile alone. A
-unit of an unknown adds a density on the same zones; an end moves by 2 K / A of that density.
+unit change of an unknown adds a density on the same zones. From it follow the motions of the ends.
 """
 
 from __future__ import annotations
@@ -23,9 +23,10 @@ from sie import Array, Mask, record
 class DerivativeOptions:
     """Options of the derivatives, which steer Newton's method and scale small stated errors."""
 
-    tolerance: float = 1e-9  # of the densities: the stiffness of the solution is made of them
-    difference_tolerance: float = 1e-11  # of contacts whose difference is taken: shift^2 over 1e5
-    shift: float = 1e-3  # of the centre in a central difference, over the gap at the border
+    # of the densities, from which also the stiffness of the solution is computed
+    tolerance: float = 1e-9
+    difference_tolerance: float = 1e-11  # of contacts whose difference is taken: shift^2 / 1e5
+    shift: float = 1e-3  # of the centre in a central difference, relative to the gap at the border
 
 
 OPTIONS = DerivativeOptions()
@@ -33,7 +34,7 @@ OPTIONS = DerivativeOptions()
 
 @record
 class TwoContacts:
-    """The contacts of the strip and of its profile alone.
+    """The contact of the strip and the contact of its profile alone.
 
     unknowns: scaled centre, nominal pressure and load of the strip (3,).
     """
@@ -57,7 +58,10 @@ class TwoContacts:
 
 @record
 class ContactRates(sie.Kept):
-    """Derivatives of both contacts by the unknowns: outward motions (2, Z) of ends, approach."""
+    """Derivatives of both contacts by centre, nominal pressure and load.
+
+    Derivatives of ends are outward motions (2, Z); those of the approach are numbers.
+    """
 
     at: TwoContacts
 
@@ -102,7 +106,10 @@ class ContactRates(sie.Kept):
         return step[0] * self.by_centre + step[1] * self.by_pressure + step[2] * self.by_load
 
     def of_ends(self, off: Array) -> Array:
-        """Bounds of the errors of ends (Z, 2) over their zones' widths, by errors of unknowns."""
+        """Bounds of the errors of ends (Z, 2), relative to the widths of their zones.
+
+        off: the errors of centre, nominal pressure and load (3,).
+        """
         by = np.abs(self.by_centre), np.abs(self.by_pressure), np.abs(self.by_load)
         moved = sum(abs(part) * rate for part, rate in zip(off, by, strict=True))
         return np.asarray(np.asarray(moved).T / np.diff(table_of(self.at.strip), axis=1))
@@ -137,7 +144,11 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def matrix(self) -> Array:
-        """Jacobian (2, 2) of (W - W0, middle - centre) by centre and nominal pressure."""
+        """Jacobian (2, 2) by centre and nominal pressure of the two conditions.
+
+        They are W - W0, the total width of the strip's zones less that of the profile alone, and
+        the middle of the strip's zones less the centre.
+        """
         wider = (
             self.by_centre.sum() - self.alone_by_centre.sum(),
             self.by_pressure.sum() - self.alone.sum(),
@@ -148,7 +159,7 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def following(self) -> Array:
-        """ContactRates of the unknowns with the load (3,)."""
+        """Derivatives of centre, nominal pressure and load by the load (3,)."""
         return np.append(
             -np.linalg.solve(self.matrix, (float(self.by_load.sum()), middle_motion(self.by_load))),
             1.0,
@@ -156,8 +167,8 @@ class ContactRates(sie.Kept):
 
 
 def _shifted(strip: SolvedZones) -> sie.AnyState:
-    """The density that a unit motion of the centre adds, by a central difference."""
-    # A strip may be its own mirror image; the difference is not.
+    """The change of the density per unit motion of the centre, by a central difference."""
+    # The strip may be symmetric; the difference of two shifted ones is not.
     problem, zones = (
         strip.fields.problem,
         replace(strip.fields.state.density.zones, symmetric=False),
@@ -180,7 +191,7 @@ def _shifted(strip: SolvedZones) -> sie.AnyState:
 
 @dataclass(frozen=True)
 class _Difference:
-    """(ahead - behind) factor, as a function."""
+    """The function (ahead(x) - behind(x)) * factor."""
 
     ahead: Callable[[Array], Array]
     behind: Callable[[Array], Array]
@@ -196,7 +207,7 @@ def middle_motion(moved: Array) -> float:
 
 
 def spread(table: Array, moved: Array, part: float) -> Array:
-    """Zones after outward motions (2, Z) of their ends, limited to a part of each zone and gap."""
+    """Zones after outward motions (2, Z) of their ends, at most `part` of each zone and gap."""
     outward = np.clip(moved.T, -part * np.diff(table), part * room_beside(table, None))
     return np.asarray(table + outward * [-1, 1])
 

@@ -36,18 +36,19 @@ WIDTH_ROUND_OFF = 64 * float(np.finfo(float).eps)
 class WidthOptions:
     """Options of Newton's method for the width of one zone."""
 
-    max_steps: int = 80  # five are usual, more beside the maximum of the load
-    widest: float = 0.9998  # fraction of the period up to which the column is resolved
-    converged_step: float = 1e-8  # over the width; the rates then give the rest
-    stalled_step: float = 1e-6  # over the width; below it round-off may keep steps from falling
-    at_maximum: float = 1e-4  # bracket of the maximum over the width; the load is flat there
+    max_steps: int = 80  # five are usual, more near the maximum of the load
+    widest: float = 0.9998  # fraction of the period; for wider zones the right side is not resolved
+    converged_step: float = 1e-8  # relative to the width; the rates then correct the rest
+    # relative to the width; below it round-off may keep steps from falling
+    stalled_step: float = 1e-6
+    at_maximum: float = 1e-4  # relative bracket of the width at the maximum; the load is flat there
 
 
 @record
 class _AtWidth:
-    """Both contacts at one width.
+    """The contact of the strip and that of its profile alone, at one width.
 
-    present, wanted: the controlled quantity, and the value asked for. slope, by_load: rates of the
+    present, wanted: the controlled quantity, and its given value. slope, by_load: rates of the
     controlled quantity with the width and with the load. following: rates of centre, nominal
     pressure and load with the load (3,).
     """
@@ -71,9 +72,9 @@ class _AtWidth:
 
 
 class OneZoneClosure:
-    """The search for the width that carries the control.
+    """The search for the width at which the controlled quantity has its given value.
 
-    strip, alone: they solve the strip under a given nominal pressure, and the profile alone.
+    strip: solves the strip under a given nominal pressure. alone: solves the profile alone.
     first: zones near the solution; None for a zone about the origin. tol: wanted error.
     """
 
@@ -89,7 +90,7 @@ class OneZoneClosure:
         self.options = WidthOptions()
 
     def found(self, control: Control, guess: float) -> SolvedZones:
-        """The zone that carries the control, from a guess of its width."""
+        """The zone under the control, from a guess of its width."""
         given = control.half_width is not None
         here = self._at_width(control, guess) if given else self._root(control, guess)
         condition = here.slope * here.width / abs(here.present)
@@ -113,7 +114,7 @@ class OneZoneClosure:
         return self.problem.period
 
     def _at_width(self, control: Control, width: float) -> _AtWidth:
-        """The strip with a zone of this width, under the nominal pressure P0 of the same width."""
+        """Both contacts at this width; the isolated load P0 of it sets the nominal pressure."""
         of_width = HalfWidth(0.5 * width) if self.first is None else Width(width)
         start = _widened(self.first if self.last is None else table_of(self.last), width)
         alone = self.alone(self.isolated, of_width, start)
@@ -141,8 +142,9 @@ class OneZoneClosure:
         )
 
     def _root(self, control: Control, guess: float) -> _AtWidth:
-        """The contacts that carry the control: Newton's method in a bracket of the width. Its lower
-        end carries too little and lies on the branch from zero load.
+        """The contacts under the control, by Newton's method in a bracket of the width.
+
+        The lower end of the bracket carries too little and lies on the branch from zero load.
         """
         options, low = self.options, None
         high, carries, refusal = options.widest * self._period, False, None

@@ -46,21 +46,22 @@ Strip = Callable[[Problem, Control, Array | None], SolvedZones]
 
 @dataclass(frozen=True)
 class ClosureOptions:
-    """Options of the root for the nominal pressure."""
+    """Options of the root search for the nominal pressure."""
 
     max_steps: int = 40  # Newton steps; from a rough guess five are usual
     widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
-    max_fraction_closed: float = 0.5  # of a zone or a gap, in the zones expected after a step
+    max_fraction_closed: float = 0.5  # limits the predicted change of a zone or gap in a step
     least_rate: float = 64 * float(
         np.finfo(float).eps
     )  # d ln width / d ln pressure: round-off of a width
-    jump: float = 3.0  # Newton steps from both ends over a bracket in which W - W0 jumps over zero
-    grid_tolerance: float = 1e-3  # of the first zones of the profile alone
+    # steps from both ends divided by the bracket; above it W - W0 jumps past zero
+    jump: float = 3.0
+    grid_tolerance: float = 1e-3  # for the first guess of the zones of the profile alone
     margin: float = 2.0  # stated error of the root over its last Newton step
 
 
 class SeveralZones:
-    """The search for the nominal pressure; `strip` solves the strip under a given one."""
+    """The search for the nominal pressure; `strip` solves the strip under a given pressure."""
 
     def __init__(self, context: SolveContext, scaled: ScaledScene, strip: Strip) -> None:
         self.context, self.scaled, self.strip, self.options = (
@@ -110,7 +111,10 @@ class SeveralZones:
         raise self.context.error(Failure(reason, at.strip.free), at.strip.fields.problem)
 
     def _step(self, rates: ContactRates, miss: float) -> Array:
-        """Newton's step of (centre, nominal pressure, load) that adds -miss to W - W0."""
+        """Newton's step of (centre, nominal pressure, load) by which the excess `miss` vanishes.
+
+        The excess is W - W0, the width of the zones of the strip less that of the profile alone.
+        """
         held = np.array([0.0, 0.0, 1.0]) if self.scaled.control.load is not None else rates.approach
         by_load = np.array([[rates.by_load.sum()], [middle_motion(rates.by_load)]])
         matrix = np.vstack((np.hstack((rates.matrix, by_load)), held))
@@ -120,7 +124,7 @@ class SeveralZones:
         return np.asarray(np.linalg.solve(matrix, [-miss, 0.0, 0.0]))
 
     def _solved(self, at: TwoContacts, rates: ContactRates, ends: Array) -> SolvedZones:
-        """The strip with the rate of its nominal pressure, and the error of its ends added."""
+        """The zones of the strip, with the rate of the nominal pressure and the ends' error."""
         follows = rates.following
         fields = replace(
             at.strip.fields,
@@ -135,7 +139,7 @@ class SeveralZones:
         )
 
     def _width_error(self, at: TwoContacts) -> float:
-        """Bound of the error of W - W0 by the errors of both contacts."""
+        """Bound of the error of the difference W - W0 of the two total widths."""
         missed = 0.0
         for found in (at.strip, at.alone):
             ends = found.free.end_error + found.fields.state.end_truncation
@@ -151,7 +155,7 @@ class SeveralZones:
         return TwoContacts(np.array([centre, pressure, strip.fields.density.total]), strip, alone)
 
     def _alone(self, centre: float, load: float, last: TwoContacts | None) -> SolvedZones:
-        """The profile of one strip alone, cut off at its borders."""
+        """The contact of the profile alone, cut off at the borders of the strip."""
         problem = replace(
             self.scaled.problem,
             interaction=Isolated(),
@@ -205,7 +209,7 @@ def _from_grid(problem: Problem, load: float) -> Array:
 
 
 def _moved(last: TwoContacts, problem: Problem) -> Array:
-    """Zones of the profile alone under the last pressure; ends at a border move with it."""
+    """Zones of the profile alone at the last pressure; ends at the strip's border move with it."""
     table = table_of(last.alone).copy()
     table.flat[[0, -1]] = np.where(last.cut_off, np.array(problem.cut), table.flat[[0, -1]])
     return table

@@ -1,4 +1,4 @@
-"""A strip that is centred on its zones, and the zones of the localized model.
+"""The zones of the localized model: the strip is centred on its own zones.
 
 The strip's centre c is the middle of the outermost ends of its zones. Zones about a centre are
 found as in any other scene; c is the root of middle(c) - c, by the secant method.
@@ -28,27 +28,29 @@ class CentringOptions:
     """Options of the secant method for the centre of a strip."""
 
     max_steps: int = 30  # five are usual
-    patience: int = 4  # steps in which the miss must halve; it does not where the middle jumps
-    longest_step: float = 4.0  # secant step over the last one, and over the miss
-    max_halvings: int = 3  # of a step that zones do not follow
-    round_off: float = 1e-7  # miss over the narrowest zone from which on it may cease to fall
+    patience: int = 4  # steps in which the residual must halve; it does not where the middle jumps
+    # bound of a secant step, relative to the last step and to the residual
+    longest_step: float = 4.0
+    max_halvings: int = 3  # of a step of the centre after which the zones are not found
+    # residual over the narrowest width; below it round-off may keep it from falling
+    round_off: float = 1e-7
 
 
 OPTIONS = CentringOptions()
 
 
 def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> SolvedZones:
-    """The zones of a strip that is centred on them, from zones `start` near by or from none."""
+    """The zones of a strip that is centred on them. start: a first guess of the zones."""
     problem, load = scaled.problem, scaled.control.load
     if load is not None and not context.single and not problem.interaction.follows_isolated:
-        # A known nominal pressure belongs to the right side, which has as many modes as it takes
-        # beside the border of the strip. As an unknown it has those of the zones only.
+        # A known nominal pressure goes into the right side, which is resolved near the border of
+        # the strip by as many modes as needed. An unknown one would have the modes of the zones.
         problem = problem.with_amplitude(load / problem.repeat_length)
     if start is not None:
         problem = about(problem, start)
     scaled = replace(scaled, problem=problem)
     first = search(context, scaled, start)
-    assert isinstance(first, SolvedZones)  # a strip has no full contact to be near to
+    assert isinstance(first, SolvedZones)  # full contact does not occur in a strip
     found = _at_rest(context, scaled, first)
     if found.fields.problem.amplitude is None or problem.interaction.follows_isolated:
         return found
@@ -56,7 +58,7 @@ def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> 
 
 
 def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> SolvedZones:
-    """The strip moved to the centre of its zones."""
+    """The zones after the strip was moved until its centre is the middle of its zones."""
     before: tuple[float, float, Array] | None = None
     misses, stalled = [math.inf], math.inf
     for _ in range(OPTIONS.max_steps):
@@ -76,7 +78,7 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
         if abs(miss) * follows <= close or stalled < abs(miss) < OPTIONS.round_off * width:
             left = abs(miss) * follows / width
             return replace(found, control_error=found.control_error + left)
-        # Only round-off keeps a miss from falling after a secant step.
+        # Only round-off keeps the residual from falling after a secant step.
         stalled = 0.25 * abs(miss) if is_secant else math.inf
         misses.append(abs(miss))
         recent = misses[-OPTIONS.patience :]
@@ -90,7 +92,7 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
 def _moved(
     context: SolveContext, scaled: ScaledScene, found: SolvedZones, step: float, expected: Array
 ) -> SolvedZones:
-    """The zones after a step of the centre, or after a shorter one that they follow."""
+    """The zones after a step of the centre, which is halved until the zones are found."""
     problem, table = found.fields.problem, found.free.density.zones.table
     for _ in range(OPTIONS.max_halvings):
         there = problem.about(problem.centre + step)
@@ -102,7 +104,7 @@ def _moved(
 
 
 def no_centre(problem: Problem, control: Control) -> ContactError:
-    """What to raise where no strip is centred on its zones."""
+    """The error to raise where no strip is centred on its zones."""
     first = problem.interaction.follows_isolated
     closure, instead = ("first-order", INSTEAD) if first else ("self-consistent", EXACT)
     return OutOfRange(
