@@ -1,13 +1,15 @@
 """Check of what a user's profile claims about itself against its heights.
 
 Checked are the slope, the jumps at kinks, symmetry, period and summits. Over a panel between
-declared breakpoints the height rises by the integral of the slope. The difference, beyond the
-rounding of the heights and the error of the quadrature, over the integral of |f'|, is the
-relative error of the slope. Pressures and ends follow it, so it is added to the stated error.
+declared breakpoints the height rises by the integral of the slope. The two are compared. Their
+difference, less the rounding of the heights and the error of the quadrature, is divided by the
+integral of |f'|: this is the relative error of the slope. Pressures and ends follow it, so it is
+added to the stated error.
 
-Quadrature fails on a panel with an undeclared corner. Such a panel is no evidence, since the
-difference does not appear on several parts of it. Undeclared corners inside zones show in the
-residual, those of full contact in the series of the slope (contact.formulation.conjugate).
+Quadrature also fails on a panel with an undeclared corner. So a panel is divided, and only a
+difference that appears on several parts of it counts as an error of the slope. Undeclared corners
+inside zones show in the residual, those of full contact in the series of the slope
+(contact.formulation.conjugate).
 
 The package's own profile classes are not checked here: their tests check them.
 """
@@ -27,14 +29,14 @@ from sie import Array, record
 class ClaimOptions:
     """Numbers of the check. None is sensitive: twice or half of each finds the same false claims.
 
-    few, many: limits of the number of panels and of kinks; between them two panels per
-        resolution. A derived slope has few: each of its values takes many heights.
-    nodes: of Gauss's rule, on one, two and three parts of a panel.
-    margin: factor on estimated errors, and ratio of the errors of pressures and ends to the
-        relative error of the slope.
-    parts, levels: a panel that disagrees is divided into this many parts, this many times.
-    jump: relative difference from which the jump at a kink is false.
-    refused: relative error from which a claim is refused; a smaller one is stated.
+    few, many: least and largest number of panels, and of kinks; between these limits there are two
+    panels per length `resolution`. If the slope is derived from heights, `few` is the largest
+    number, as each value of the slope takes many heights. nodes: number of nodes of Gauss's rule,
+    which is applied to one, two and three parts of a panel. margin: factor on estimated errors;
+    also the ratio of the errors of pressures and ends to the relative error of the slope. parts,
+    levels: a panel that disagrees is divided into this many parts, this many times. jump: relative
+    difference from which the jump at a kink is false. refused: relative error above which a claim
+    is refused; a smaller error is added to the stated error.
     """
 
     few: int = 16
@@ -54,7 +56,8 @@ OPTIONS = ClaimOptions()
 class Claims:
     """Result of the check.
 
-    error: of pressures and ends; limit: its cause, in words; fault: a false claim, in words.
+    error: relative error of pressures and ends. limit: cause of that error, in words. fault: a
+    false claim, in words; empty if there is none.
     """
 
     error: float = 0.0
@@ -86,7 +89,7 @@ def of(profile: Profile, zones: Array | None = None) -> Claims:
 
 
 def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | None:
-    """The interval to check [m]; zones of similar width and place have the same."""
+    """The interval to check [m]; it is the same for zones of similar width and place."""
     known = profile.support or profile.known
     if known is not None:
         return float(known[0]), float(known[1])
@@ -147,8 +150,8 @@ def _rules(count: int) -> tuple[Array, Array]:
 class _Panels:
     """Panels from a to b (n,), with the rise of the height and the integral of the slope on each.
 
-    size: integral of |f'|; doubt: error of rise and integral; x, slope: at all nodes;
-    heights: at both ends (2, n); noise: of a height.
+    size: integral of |f'|. doubt: possible error of rise and integral. x, slope: all nodes and the
+    slope there. heights: at both ends (2, n). noise: rounding of a height.
     """
 
     a: Array
@@ -195,7 +198,8 @@ class _Panels:
 
     @property
     def relative(self) -> Array:
-        """Difference of rise and integral beyond doubt, over the integral of |f'|.
+        """Difference of rise and integral, less their possible error, divided by the integral of
+        |f'|.
 
         Zero where values are not finite.
         """
@@ -205,7 +209,7 @@ class _Panels:
 
 
 def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
-    """Largest relative error of the slope that several parts of a panel share, and in words."""
+    """Largest relative error of the slope found on several parts of a panel, and its description."""
     missing = panels.relative
     which = np.flatnonzero(missing > 0.0)
     least, a, b = missing[which], panels.a[which], panels.b[which]
@@ -294,7 +298,7 @@ def _period_fault(profile: Profile, panels: _Panels) -> str:
 
 
 def _differ(x: Array, here: Array, there: Array, panels: _Panels, message: str, y: Array) -> str:
-    """The pair of heights, at x and y, that differs most, in words; empty if all agree."""
+    """Description of the pair of heights, at x and y, that differs most; empty if all agree."""
     places = 8 * EPS * (np.abs(x) + np.abs(y)) * panels.largest
     error = np.abs(here - there) - OPTIONS.margin * (panels.noise + places)
     # Heights are infinite outside sharp corners.

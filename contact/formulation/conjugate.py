@@ -11,12 +11,13 @@ transforms are
     q = 2   (J L^2 / 4 pi^3) Cl_3(2 pi u),   Cl_3(y) = sum_k cos(ky)/k^3
 
 The rest is smooth, and its Fourier series is transformed term by term. Poles of algebraic points
-(sie.AlgebraicPoints) are subtracted as well: 1/(y - i eta) becomes (pi/L) cot(pi (y - i eta)/L),
-whose transform is i times it plus pi/L. The polynomials of all jumps together are one piecewise
-quadratic, whose transform takes a time that does not grow with their number (pieces.py).
+(sie.AlgebraicPoints) are subtracted as well. The periodic form of 1/(y - i eta) is (pi/L) cot(pi (y
+- i eta)/L); its transform is i times the cotangent term, plus pi/L. The polynomials of all jumps
+together are one piecewise quadratic, whose transform takes a time that does not grow with their
+number (pieces.py).
 
-The logarithms of kinks are kept separate from the rest, `smooth`: next to a kink they need its
-distance to more digits than x has (sie.jumps.density).
+The logarithms of kinks are kept separate from the rest, `smooth`. Next to a kink they need the
+distance from it to more digits than x has (sie.jumps.density).
 """
 
 from collections.abc import Callable
@@ -45,18 +46,22 @@ class ConjugateOptions:
 
     min_samples: int = 256
     max_samples: int = 2**18
-    samples_per_length: int = 16  # of a shortest length of the profile
-    block: int = 1 << 20  # pairs of a point and a jump that are handled at once; bounds the memory
+    samples_per_length: int = 16  # per shortest length of the profile
+    # number of pairs of a point and a jump computed at once; bounds the memory
+    block: int = 1 << 20
     # Error of H f' relative to the residual and its conjugate at the samples: the peaks of noise
     # between the samples need 2.
     residual_margin: float = 2.0
-    max_noise: float = 1e-9  # over the largest term: larger terms that do not decay are not noise
-    no_decay: float = 0.6  # terms that fall by less than this factor in an octave do not decay
+    # relative to the largest term: terms above this that do not decay are not noise
+    max_noise: float = 1e-9
+    no_decay: float = 0.6  # ratio of terms one octave apart, above which they do not decay
     checks: int = 32  # places at which a user's closed form is compared with the series
-    max_mismatch: float = 1e-6  # relative: larger is refused, smaller is stated as an error
+    # relative mismatch: a larger one is refused, a smaller one adds to the error
+    max_mismatch: float = 1e-6
     jump_in_samples: float = 64.0  # messages call a step of this many median steps a jump
     pole_reach: float = 0.25  # periods: farther poles stay in the series (0.1 to 0.5 are the same)
-    kink_reach: float = 1e-5  # periods: nearer to a kink a closed form is extrapolated linearly
+    # periods: nearer to a kink than this a closed form is extrapolated linearly
+    kink_reach: float = 1e-5
 
 
 OPTIONS = ConjugateOptions()
@@ -124,7 +129,7 @@ class Conjugate(sie.Kept):
         )
 
     def _of_bodies(self) -> "Transform":
-        """The sum over the bodies of a pair, each with its own period.
+        """The sum of the transforms of both bodies of a pair, each with its own period.
 
         Logarithms that repeat within the common period become those of the shorter period.
         """
@@ -140,9 +145,9 @@ class Conjugate(sie.Kept):
         return Transform(smooth, sum(part.error for part in parts.values()), worst.limit)
 
     def _difference(self, closed: Callable[[Array], Array], series: "Transform") -> float:
-        """Difference of a user's closed form from the series of the slope.
+        """Largest difference between a user's closed form and the series of the slope.
 
-        Raises SceneError if it is another function.
+        Raises SceneError if the difference is so large that the closed form must be wrong.
         """
         x = self.profile.x0 + self.period * (np.arange(OPTIONS.checks) + 0.4142) / OPTIONS.checks
         here, there = closed(x), series.smooth(x)
@@ -193,8 +198,8 @@ def _series(profile: Profile, length: float) -> Transform:
     """The transform by the Fourier series of the slope without its declared jumps."""
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
-    # Jumps of f''' that do not add up to 0 need a cubic; the one of their sum is placed at one
-    # jump.
+    # If the jumps of f''' do not add up to 0, a cubic is needed. It takes the sum of the jumps and
+    # is placed at the first jump.
     first, over = jumps[:1, 0], np.full(len(jumps[:1]), jumps[orders == 2, 2].sum())
     at, heights = np.append(jumps[:, 0], first), jumps[:, 2, None] * (orders[:, None] == [0, 1, 2])
     of_jumps = Pieces.of(
@@ -222,7 +227,8 @@ def _series(profile: Profile, length: float) -> Transform:
     used = np.flatnonzero(size > max(1e-17 * scale, series.noise))
     k = np.arange(int(used[-1]) + 1 if len(used) else 1)
     c = (2 * coefficients[: len(k)] * np.exp(-1j * pi * k / len(series.x)))[1:]
-    # Im of the sum, as H takes cos to sin and sin to -cos; that is Re of -i times it.
+    # H takes cos to sin and sin to -cos, so that the transform is the imaginary part of the complex
+    # sum. It is written as the real part of -i times the sum.
     left = Sum.of(-1j * c) if len(c) else None
 
     def smooth(x: Array) -> Array:
@@ -247,8 +253,9 @@ def _series(profile: Profile, length: float) -> Transform:
 class _SampledSeries:
     """Fourier series of a slope without its declared jumps.
 
-    x: even places. residual: that slope there. coefficients: complex terms. noise: size of terms
-    that are noise. scale: the largest slope or term. settled: whether the series has converged.
+    x: evenly spaced places. residual: the slope without its jumps there. coefficients: complex
+    terms. noise: size below which terms are noise. scale: the largest slope or term. settled:
+    whether the series has converged.
     """
 
     x: Array
@@ -262,11 +269,11 @@ class _SampledSeries:
 def _sampled_series(
     profile: Profile, length: float, closed: Callable[[Array], Array], rounding: float
 ) -> _SampledSeries:
-    """The series at ever more places until it converges.
+    """The Fourier series, from more and more samples until it converges.
 
-    closed: the part of the slope that is subtracted. rounding: of that part.
+    closed: the part of the slope that is subtracted. rounding: rounding error of that part.
     """
-    # Too few samples for the resolution of the profile would alias.
+    # Fewer samples than the resolution of the profile asks for would cause aliasing.
     least = 2 ** np.ceil(np.log2(8 * length / (profile.resolution or length)))
     n = int(np.clip(least, OPTIONS.min_samples, OPTIONS.max_samples))
     while True:
@@ -326,7 +333,7 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
 
 @record
 class _PeriodicPoles:
-    """Poles of the algebraic points of a periodic slope: tanh(pi eta/L) and c of each.
+    """Poles of the algebraic points of a periodic slope: tanh(pi eta/L) and coefficient c of each.
 
     With s = sin(pi y/L), k = cos(pi y/L), T = tanh(pi eta/L): cot(pi (y - i eta)/L) = (s k (1 -
     T^2) + i T) / (s^2 + k^2 T^2).
@@ -349,7 +356,7 @@ class _PeriodicPoles:
 
     @property
     def size(self) -> float:
-        """An upper bound of their sum."""
+        """An upper bound of the sum of the poles."""
         return float(sum((np.abs(size) / tanh).sum() for tanh, size in self.poles))
 
     def __call__(self, x: Array, conjugate: bool) -> Array:
@@ -371,7 +378,7 @@ class _PeriodicPoles:
                 odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
-                # the residue term i c / (-i eta)
+                # At the place itself the terms i c / (-i eta) of poles too close for `poles` count.
                 out[turns == 0.0] -= self.points.left_out(
                     place, OPTIONS.pole_reach * self.length
                 ).real
@@ -379,10 +386,10 @@ class _PeriodicPoles:
 
 
 def _noise(size: Array, scale: float) -> float:
-    """Size of terms that are noise of numerically derived slopes; 0 if there is no noise.
+    """Size of the Fourier terms that are noise of a numerically derived slope; 0 without noise.
 
-    The terms of noise are as large in the last octave as in the one before; those of a profile
-    fall.
+    The terms of noise are as large in the last octave as in the one before, while those of a
+    profile decrease.
     """
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))

@@ -1,6 +1,6 @@
-"""Scaled controls: the quantity that is given, as side conditions of the equation.
+"""Scaled controls: a given quantity becomes a side condition of the integral equation.
 
-There are two formulations, with the pressure or the slope of the gap as the unknown:
+The condition depends on the unknown, the pressure (left) or the slope of the gap (right):
 
     load        int p = P, equal levels of all zones     mean pressure P / period
     approach    level -approach of every zone            mean gap = mean f - approach
@@ -9,8 +9,8 @@ There are two formulations, with the pressure or the slope of the gap as the unk
     width       int p unknown, equal levels,             mean pressure unknown,
                 ends with a given total width            ends with a given total width
 
-Loads are per period where there is one, in `Units.load`; approaches in `Units.height`, widths in
-`Units.length`.
+Loads are per period where there is one. Loads are in units of `Units.load`, approaches in
+`Units.height`, widths in `Units.length`.
 """
 
 from __future__ import annotations
@@ -34,17 +34,18 @@ Conditions = tuple[tuple[sie.Condition, ...], tuple[sie.TotalWidth, ...]]
 
 @dataclass(frozen=True)
 class Control:
-    """A given value, scaled.
+    """A control with its given value, scaled.
 
-    `load`, `approach`, `half_width` and `width` are the value if it is that quantity, else None.
+    Of the members `load`, `approach`, `half_width` and `width`, the controlled one is the value,
+    the others are None.
     """
 
     value: float
     name: ClassVar[str]
     counted_in: ClassVar[str]
     quantity: ClassVar[Quantity | None] = None
-    # d approach / d load of the device that holds the contact: 0 if it holds the approach, None if
-    # it holds the load.
+    # Compliance d approach / d load of the loading device: 0 if it prescribes the approach, None if
+    # it prescribes the load.
     yields: ClassVar[float | None] = None
 
     def _if(self, quantity: Quantity) -> float | None:
@@ -91,7 +92,7 @@ class Control:
 
 @dataclass(frozen=True)
 class Load(Control):
-    """The load, per period where there is one."""
+    """Control by the load, per period where there is one."""
 
     name, counted_in = "load", "load"
     quantity = Quantity.LOAD
@@ -107,7 +108,7 @@ class Load(Control):
 
 @dataclass(frozen=True)
 class Approach(Control):
-    """The approach: minus the level of every zone."""
+    """Control by the approach, which is minus the level of every zone."""
 
     name, counted_in = "approach", "height"
     quantity = Quantity.APPROACH
@@ -129,7 +130,7 @@ class Approach(Control):
 
 @dataclass(frozen=True)
 class Machine(Control):
-    """The approach of the far end of a spring: that of the contact plus give * load."""
+    """Control by the approach of the far end of a spring: approach of the contact + give * load."""
 
     give: float
     name, counted_in = "machine", "height"
@@ -144,7 +145,7 @@ class Machine(Control):
 
 @dataclass(frozen=True)
 class HalfWidth(Control):
-    """The half width of one zone about the origin; its ends do not move."""
+    """Control by the half width of one zone about the origin; its ends do not move."""
 
     name, counted_in = "half_width", "length"
     quantity = Quantity.HALF_WIDTH
@@ -155,7 +156,7 @@ class HalfWidth(Control):
 
 @dataclass(frozen=True)
 class Width(Control):
-    """The width of all zones together; the load is unknown."""
+    """Control by the total width of all zones; the load is unknown."""
 
     name, counted_in = "width", "length"
     quantity = Quantity.WIDTH

@@ -1,10 +1,10 @@
 r"""The elastic energy of a contact, U = (1/2) int p u dx = (1/2) (P approach - int p f dx).
 
-In contact u = approach - f. The integral over a zone is taken in its angle, x = middle + half
-cos(theta): the roots of p at the ends are smooth there, and even angles are as exact as the series
-of p. If f or one of its derivatives jumps in the zone, Gauss panels between the jumps are used
-instead, with nodes that crowd at their ends, so that logarithms cost no digits. The number of nodes
-is doubled until the integral no longer changes.
+In contact u = approach - f. The integral over a zone is taken in the angle theta of x = middle +
+half cos(theta). In this variable the square roots of p at the ends are smooth, and evenly spaced
+angles are as exact as the series of p. If f or one of its derivatives jumps in the zone, Gauss
+panels between the jumps are used instead. Their nodes crowd at the ends of panels, so that
+logarithms cost no digits. The number of nodes is doubled until the integral no longer changes.
 """
 
 from collections.abc import Callable
@@ -23,7 +23,7 @@ from sie import Array, wrapped
 def elastic_energy(fields: Fields) -> float | None:
     """(1/2) int p u dx [J/m], per period where there is one; None where it is undefined.
 
-    That is so without an approach, and for a strip, which is only a part of the body.
+    It is undefined without an approach, and for a strip, which is only a part of the body.
     """
     if isinstance(fields, ApartFields):
         return 0.0
@@ -41,7 +41,7 @@ def elastic_energy(fields: Fields) -> float | None:
 
 
 def _shape_moment_of_zones(fields: ZoneFields | GapFields) -> float:
-    """Scaled int p F dx over the zones."""
+    """Integral of pressure times scaled profile F over the zones, scaled."""
     problem = fields.problem
     breaks, total = np.sort(problem.forcing.jumps.broken_at), 0.0
     shape = fields.standing_shape if isinstance(fields, ZoneFields) else problem.shape
@@ -65,7 +65,7 @@ def _shape_moment_of_zones(fields: ZoneFields | GapFields) -> float:
 
 
 def _shape_moment_of_period(fields: FullFields) -> float:
-    """Scaled int p F dx over the period, in full contact."""
+    """Integral of pressure times scaled profile F over the period in full contact, scaled."""
     problem = fields.problem
     units, period = problem.units, problem.repeat_length
     start = float(units.scaled(np.array(problem.profile.x0)))
@@ -82,9 +82,9 @@ def _shape_moment_of_period(fields: FullFields) -> float:
 def _integral(
     function: Callable[[Array], Array], cuts: Array, smooth: bool, max_nodes: int = 2**17
 ) -> float:
-    """Integral from the first to the last of ascending cuts, with ever more nodes.
+    """Integral from the first to the last of ascending cuts; nodes are doubled until it converges.
 
-    smooth: the function is smooth and periodic, so that even nodes are best.
+    smooth: the function is smooth and periodic, so that evenly spaced nodes are best.
     """
 
     def sums(count: int) -> tuple[float, float]:

@@ -25,7 +25,7 @@ from sie import Array, Index, Mask, nearest_image, record, wrapped
 class FieldOptions:
     """Where the fields of a contact are sampled, and to what tolerance they are solved again."""
 
-    peak_zones: int = 16  # zones whose pressure is followed between samples for the highest one
+    peak_zones: int = 16  # zones in which the highest pressure is located between samples
     far_from: float = 1e3  # half-lines are sampled closely up to this many spans of the zones,
     far_to: float = 1e12  # and on a logarithmic scale up to this many
     far_samples: int = 512
@@ -38,7 +38,7 @@ OPTIONS = FieldOptions()
 
 
 class NoZones(sie.Kept):
-    """Members of `Fields` that are the same for all contacts without zones."""
+    """Members of `Fields` that have the same values for all contacts without zones."""
 
     loads = levels = np.zeros(0)
     zone_table = cohesive = np.zeros((0, 2))
@@ -59,10 +59,12 @@ def moved_ends(
     response: sie.AnyDensity | None = None,
     tolerance: float = 0.0,
 ) -> Array:
-    """How far each end (2, Z) moves outward per unit of a condition's value; 0 for fixed ends.
+    """Outward motion of each end (2, Z) per unit of a condition's value; 0 for fixed ends.
 
-    It is 2 K / A, as in a Newton step, or comes from the rates of prescribed intensities. response:
-    the solution for that unit, if it is known already. tolerance: of the iteration that finds it.
+    It is 2 K / A, with the intensity K of the response and the edge slope A, as in a Newton step.
+    For ends of prescribed intensity it follows from the rates of the intensities. response: the
+    solution for a unit of the condition's value, if it is known already. tolerance: tolerance of
+    the iteration that finds the response.
     """
     zones = state.density.zones
     response = state.response(state.values(condition), tolerance) if response is None else response
@@ -74,8 +76,8 @@ def moved_ends(
 def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
     """Outward motions 2 K / A (2, Z) of ends without prescribed intensities; 0 for fixed ends.
 
-    K are the intensities of `density`, A the edge slopes of `on`, both on the same zones. The
-    motion is the rate at which the ends move as the load of `density` is added to that of `on`.
+    K are the intensities of `density`, A the edge slopes of `on`, both on the same zones. The ends
+    move at this rate as multiples of `density` are added to `on`.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(
@@ -84,7 +86,7 @@ def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
 
 
 def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
-    """The state of a unit of nominal pressure outside a strip, on the same zones."""
+    """The solution for a unit of nominal pressure outside a strip, on the same zones."""
     equation = sie.Equation(
         problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential())
     )
@@ -96,7 +98,7 @@ class ZoneFields(sie.Kept):
     """Fields of a contact whose unknown is the pressure on its zones.
 
     Arrays of places are scaled inside and in metres in the members of `Fields`. Pickles and copies
-    leave out `state` with its matrices; what depends on it is computed first.
+    leave out `state` with its matrices; members that depend on `state` are computed before.
     """
 
     problem: Problem
@@ -127,7 +129,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def levels(self) -> Array:
-        """Potential - columns - F on each solved zone, scaled; all are equal in a solution."""
+        """Level of each solved zone, scaled: potential - columns - F, equal on all in a solution."""
         zones = self.density.zones
         if len(zones) == 1:
             end = zones.b
@@ -149,9 +151,10 @@ class ZoneFields(sie.Kept):
     def stiffness(self) -> float | None:
         """d load / d approach [N/m^2] at the given tilt or moment; None without an approach.
 
-        The ends are kept fixed where their motion does not change the density at first order. Under
-        the first-order closure the nominal pressure follows the load at `amplitude_rate`. A strip
-        whose centre moves with the load sinks by `centring` more for a unit of load.
+        The ends are kept fixed where their motion does not change the density at first order. In
+        the first-order localized model the nominal pressure changes with the load at the rate
+        `amplitude_rate`. A strip whose centre moves with the load approaches by `centring` more per
+        unit of load.
         """
         if self.approach is None:
             return None
@@ -171,9 +174,9 @@ class ZoneFields(sie.Kept):
 
     @property
     def load_size(self) -> float:
-        """The size that an error of the load is compared with, scaled.
+        """The scaled force that an error of the load is divided by.
 
-        It is the load, or what the prescribed intensities bear if that is larger.
+        It is the load, or the force of the prescribed intensities if that is larger.
         """
         zones = self.density.zones
         wanted = abs(self.problem.end.intensity or 0.0)
@@ -181,7 +184,7 @@ class ZoneFields(sie.Kept):
 
     @property
     def bending(self) -> float:
-        """Intensity of the largest coefficients of the density over the prescribed one."""
+        """Intensity of the density's largest coefficients, divided by the prescribed intensity."""
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         return float(
@@ -191,9 +194,11 @@ class ZoneFields(sie.Kept):
     def second_variation(self, yields: float | None = None) -> Array:
         """Second variation of the energy by outward motions of all free ends, scaled (2 Z, 2 Z).
 
-        Row i, column j is dG_i/ds_j / (2 w) times the roots of both zones' widths, with the energy
-        release rate G = w (K/K*)^2. Ends at sharp corners do not move and are left out. yields: d
-        approach / d load of what holds the contact; None if it holds the load.
+        Row i, column j is dG_i/ds_j / (2 w) times the square roots of both zones' widths. Here G =
+        w (K/K*)^2 is the energy release rate at end i, with the work of adhesion w, the intensity K
+        and the prescribed one K*; s_j is the motion of end j. Ends at sharp corners do not move and
+        are left out. yields: compliance d approach / d load of the loading device; None if it
+        prescribes the load.
         """
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
@@ -236,7 +241,7 @@ class ZoneFields(sie.Kept):
         return self.problem.compression * self.density.total / self.problem.repeat_length
 
     def end_remainders(self, table: Array, order: Index) -> Array | None:
-        """Digits that rounding cuts off the ends [m] in the rows of a table; None if unknown.
+        """Ends of the rows of a table minus their rounded values [m]; None if unknown.
 
         order: the zone of each row.
         """
@@ -260,22 +265,25 @@ class ZoneFields(sie.Kept):
         return self.density.locate(x)[2]
 
     def scaled_gap(self, x: Array) -> Array:
-        """F - V + lambda C + level, scaled, and exactly zero on the zones."""
+        """The scaled gap: F - V + lambda C + level between the zones, exactly zero on them.
+
+        F is the scaled profile, V the potential, lambda C the columns with their amplitudes.
+        """
         return np.where(self.inside(x), 0.0, self.formal_gap(x))
 
     def formal_gap(self, x: Array) -> Array:
-        """F - V + lambda C + level everywhere, scaled; on the zones it shows the error."""
+        """The scaled gap F - V + lambda C + level everywhere; on the zones it shows the error."""
         gap = np.asarray(self.standing_shape(x) + self.level + self._relative_displacement(x))
-        # In a narrow gap the opening keeps digits that the difference above loses.
+        # In a narrow gap the difference above loses digits; `opening` is not such a difference.
         narrow, opening = self.density.opening(x)
         return np.where(narrow, opening, gap) if narrow.any() else gap
 
     def formal_pressure(self, x: Array) -> Array:
-        """Scaled pressure, whatever its sign."""
+        """Scaled pressure, positive or negative."""
         return np.asarray(self.density(x))
 
     def standing_shape(self, x: Array) -> Array:
-        """F of the profile as it is turned, by the given or by the solved tilt."""
+        """The scaled profile F, turned by the given or by the solved tilt."""
         shape = self.problem.shape(x)
         return (
             shape
@@ -288,7 +296,7 @@ class ZoneFields(sie.Kept):
         return float(self.density.amplitudes[-1])
 
     def _relative_displacement(self, x: Array) -> Array:
-        """Scaled displacement -V + lambda C, without the level."""
+        """Scaled displacement -V + lambda C by the potential V and the columns, without the level."""
         return self._raised(x, self.density.potential(x))
 
     def _raised(self, x: Array, potential: Array) -> Array:
@@ -318,7 +326,7 @@ class ZoneFields(sie.Kept):
     def tips(self) -> Array:
         """Scaled places of convex kinks, ascending, with their images next to the zones.
 
-        There a gap may have a minimum without a level tangent.
+        At these places a gap may have a minimum where its slope is not zero.
         """
         kinks, heights = self.problem.forcing.kinks
         at = kinks[heights > 0]
@@ -337,7 +345,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def largest_shape(self) -> float:
-        """Scaled bound of the displacement on the zones: shape at their ends plus level."""
+        """Scaled estimate of the largest displacement on the zones: shape at their ends plus level."""
         zones = self.density.zones
         return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(
             self.level
@@ -353,7 +361,7 @@ class ZoneFields(sie.Kept):
             yield float(right), float(left), True, True
         first, last = float(zones.a[0]), float(zones.b[-1])
         if problem.interaction.strip:
-            # Beyond its border lies the next strip.
+            # Only the gap within the strip counts: beyond its border lies the next strip.
             lo, hi = (
                 problem.centre - 0.5 * problem.repeat_length,
                 problem.centre + 0.5 * problem.repeat_length,
@@ -433,7 +441,7 @@ class ZoneFields(sie.Kept):
     def rates(self, x: Array) -> tuple[Array, Array]:
         """Scaled outward rates of the ends (n, 2) and of the gap at places x, per unit of ln(load).
 
-        They start a search only, so that the response is iterated to a few digits.
+        The rates only start a search, so that the response is computed to a few digits.
         """
         response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
         zones, load = self.density.zones, self.density.total
@@ -451,7 +459,7 @@ class ZoneFields(sie.Kept):
 
     @property
     def scaled_moment(self) -> float:
-        """Scaled int p x dx about x = 0."""
+        """Scaled moment int p x dx about x = 0."""
         return self.density.moment(about=-self.problem.units.lever)
 
     @property
@@ -461,7 +469,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def rotational_stiffness(self) -> float:
-        """d moment / d tilt at the given load [N]: the inverse of the tilt for a unit of moment.
+        """d moment / d tilt at the given load [N]: one divided by the tilt per unit of moment.
 
         The ends are kept fixed, as for `stiffness`.
         """
@@ -497,7 +505,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Highest pressure [Pa], sampled on all zones, followed between samples on the highest."""
+        """Highest pressure [Pa]: sampled on all zones, located between samples on the highest ones."""
         density = self.density
         if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
             left, right = density.intensities
@@ -551,12 +559,12 @@ class ZoneFields(sie.Kept):
         zero = self.level if self.approach is None else 0.0
         u = np.where(inside, -self.level - shape, self._relative_displacement(scaled)) + zero
         if self.problem.amplitude:
-            # This part belongs to F of the equation, but not to the profile.
+            # A given nominal pressure is part of F in the equation, but it is a displacement.
             u = u + self.problem.raised(scaled)
         return np.asarray(u * self.problem.units.height)
 
 
 def mean_shape(problem: Problem) -> float:
-    """Mean of F over the profile's period, by Gauss-Legendre panels between its breakpoints."""
+    """Mean of the scaled profile F over its period, by Gauss-Legendre panels between breakpoints."""
     x, _, weights = over_period(problem.profile)
     return float(problem.shape(problem.units.scaled(x)) @ weights)

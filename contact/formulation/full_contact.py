@@ -1,9 +1,11 @@
 r"""Full contact of a periodic profile, where it begins, and surfaces that do not touch.
 
-The pressure is p = pbar - (E*/2) R, R_q = q f_q / L(q) (contact.formulation.relief), with L the
-symbol of the operator. Full contact is possible if p is nowhere negative, and unknown for a model
-without a symbol. A concave kink makes R infinite, so that no load closes the gap over it. That gap
-is soon narrower than any number, and the rest of the contact is then as in full contact.
+The pressure is p = pbar - (E*/2) R, with the mean pressure pbar and the relief R of the profile f.
+The Fourier terms of R are R_q = q f_q / L(q), with L the symbol of the operator
+(contact.formulation.relief). Full contact is possible if p is nowhere negative. It is unknown for a
+model without a symbol. A concave kink makes R infinite, so that no load closes the gap over it. As
+the load grows, that gap becomes narrower than numbers resolve. The rest of the contact is then as
+in full contact.
 """
 
 from collections.abc import Callable
@@ -23,13 +25,13 @@ from contact.model.profiles.base import Profile
 from contact.model.profiles.derive import detail_of
 from sie import Array, record
 
-# Gaps whose half width is below this part of the period, or of their zone, are left out, and the
-# certificate says so: the positions of their ends are rounded to about as much.
+# Gaps whose half width is below this fraction of the period, or of their zone, are left out, and
+# the certificate says so: the rounding of their ends is about as large.
 NARROWEST = 1e-13
 
 
 class FullLimit(sie.Kept):
-    """Where full contact begins: at the mean pressure `pressure` [Pa], or inf for never.
+    """The mean pressure `pressure` [Pa] at which full contact begins; inf if it never does.
 
     approached: whether contact under growing loads tends to full contact; it does over concave
     kinks, but not between sharp corners. is_known: whether the model gives the pressure of full
@@ -60,8 +62,7 @@ class FullLimit(sie.Kept):
     def onset_pressure(self) -> float:
         """Mean pressure [Pa] at which the least pressure of full contact is zero.
 
-        Over concave kinks it is the pressure at which a single gap is as narrow as gaps that are
-        left out.
+        Over concave kinks it is the pressure at which a single gap is as narrow as `NARROWEST`.
         """
         relief, samples, kinks = self.relief, period_samples(self.profile), self.profile.kinks
         valleys = np.sort(self.profile.wrap(kinks[kinks[:, 1] < 0, 0]))
@@ -79,7 +80,7 @@ class FullLimit(sie.Kept):
             nearest = around[np.searchsorted(0.5 * (around[1:] + around[:-1]), x)]
             return relief(np.where(np.abs(x - nearest) < least, nearest + least, x))
 
-        # Samples may miss a logarithm, which is infinitely narrow.
+        # Samples may miss the logarithm at a kink, whose peak is infinitely narrow.
         return (
             0.5
             * self.E_star
@@ -102,7 +103,7 @@ def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
 
 @record
 class FullFields(NoZones):
-    """Full contact of a periodic profile: p = pbar - (E*/2) R, no gap.
+    """Fields of full contact of a periodic profile: p = pbar - (E*/2) R, without a gap.
 
     mean_height: mean f - min f [m].
     """
@@ -119,7 +120,7 @@ class FullFields(NoZones):
 
     @property
     def approach(self) -> float:
-        """Mean f - min f, plus the mean displacement, which only a body with a base has [m]."""
+        """Mean f - min f + the mean displacement [m]; the latter is 0 for a body without a base."""
         return self.mean_height + self._compressed * self.mean_pressure
 
     @property
@@ -156,9 +157,9 @@ class FullFields(NoZones):
 
 @record
 class ApartFields(NoZones):
-    """Surfaces that do not touch, at an approach [m] of at most zero.
+    """Fields of surfaces that do not touch, at an approach [m] of at most zero.
 
-    None where no approach is given: the bodies may be anywhere, and the gap is infinite.
+    The approach is None where none is given: then the distance is unknown, and the gap is infinite.
     """
 
     problem: Problem

@@ -1,16 +1,16 @@
 r"""`GapFields`: nearly full contact, with the slope of the gap on the gaps as the unknown.
 
-With s the slope of the gap (zero in contact), u' = s - f'. On a body of symbol L the pressure is p
-= pbar + (E*/2) G u', where G has the symbol 1/L: H, the periodic Hilbert transform, on a
-half-plane, else H and a smooth part. With R = G f' (contact.formulation.relief), zero pressure in
-the gaps means
+Let s be the slope of the gap (zero in contact), so that the displacement has the slope u' = s - f'.
+On a body of symbol L the pressure is p = pbar + (E*/2) G u', with the operator G of symbol 1/L. On
+a half-plane G is the periodic Hilbert transform H; on other bodies it is H plus a smooth part. With
+R = G f' (contact.formulation.relief), zero pressure in the gaps means
 
     (1/pi) PV int_gaps s(xi) K(x - xi) dxi = R(x) - 2 pbar / E*     on the gaps,
     int_gap s = 0                                                   on each of them,
 
 with K the kernel of G. This is the equation of the zones with contact and gap exchanged; s vanishes
-at free ends. There are few unknowns where the contact is nearly full, however narrow the gaps
-(derived from (5); see docs/theory).
+at free ends. In nearly full contact the unknowns are few, however narrow the gaps are (derived from
+equation (5); see docs/theory).
 
 Where f' jumps inside a gap, at a concave kink, s jumps as much, and R has a logarithm there
 (sie.jumps.density). Around a single such valley R = C + (J/pi) ln|2 sin(pi y/l)| with J < 0. If C
@@ -43,8 +43,9 @@ from sie import Array, Index, record
 class GapFields(sie.Kept):
     """Fields of a periodic contact whose unknown is the slope of the gap on the gaps.
 
-    mean: scaled mean pressure. relief: R over the unit of slope, of scaled x. Pickles and copies
-    leave out `state` with its matrices; what depends on it is computed first.
+    mean: scaled mean pressure. relief: R divided by the unit of slope, as a function of scaled x.
+    Pickles and copies leave out `state` with its matrices; members that depend on it are computed
+    before.
     """
 
     problem: Problem
@@ -84,25 +85,30 @@ class GapFields(sie.Kept):
         return gaps_between(gaps.table, self.period)
 
     def formal_gap(self, x: Array) -> Array:
-        """Scaled gap, whatever its sign: the integral of its slope."""
+        """Scaled gap, positive or negative: the integral of its slope."""
         return np.asarray(self.gap_slope.integral(x))
 
     def formal_pressure(self, x: Array) -> Array:
-        """Scaled pressure in contact, whatever its sign, and zero in the gaps."""
+        """Scaled pressure, positive or negative in contact, and zero in the gaps."""
         inside = self.gap_slope.locate(x)[2]
         with np.errstate(invalid="ignore"):
             return np.where(inside, 0.0, self.bearing(x))
 
     def bearing(self, x: Array) -> Array:
-        """pbar - R + G s at scaled places: the pressure in contact, about zero in the gaps."""
+        """Scaled pressure pbar - R + G s at scaled places; in the gaps it is zero but for the
+        error.
+
+        pbar is the mean pressure, R the relief, G s the transform of the slope of the gap.
+        """
         return np.asarray(self.mean - self.relief(x) + self.gap_slope.transform(x))
 
     def pressure_in(self, zone: int | Index, left: Array, right: Array) -> Array:
-        """Scaled pressure at distances from the ends of zones, over their half width."""
+        """Scaled pressure at given distances from the ends of zones, divided by their half width."""
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)
         x = np.where(left <= right, a + half * left, b - half * right)
-        # Next to an end the pressure goes as the root of the distance, and x has lost digits of it.
+        # Next to an end the pressure is proportional to the square root of the distance. The factor
+        # corrects for the digits of the distance that are lost in x.
         nearer, kept = half * np.minimum(left, right), np.where(left <= right, x - a, b - x)
         return np.asarray(self.bearing(x) * np.sqrt(nearer / np.where(kept > 0, kept, np.inf)))
 
@@ -119,13 +125,13 @@ class GapFields(sie.Kept):
     def _of_zones(self, rates: Array) -> Array:
         """Outward rates of the ends of zones (n, 2) per unit of ln(load).
 
-        rates: those of the gaps' ends (2, n) per unit of mean pressure. The left end of a gap is
-        the right end of the zone before it.
+        rates: outward rates of the ends of the gaps (2, n) per unit of mean pressure. The left end
+        of a gap is the right end of the zone before it.
         """
         return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.mean
 
     def rates(self, x: Array) -> tuple[Array, Array]:
-        """See `ZoneFields.rates`."""
+        """Scaled outward rates of the ends (n, 2) and of the gap at places x, per unit of ln(load)."""
         response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
         return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(
             response.whole.integral(x) * self.mean
@@ -187,9 +193,10 @@ class GapFields(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """Even places over the period from the first gap on, and the scaled pressure there.
+        """Evenly spaced places over the period, from the first gap on, and the scaled pressure
+        there.
 
-        They are closer than the profile varies.
+        Their spacing is smaller than the length on which the profile varies.
         """
         x, relief = self.relief.samples
         start = self.gap_slope.zones.a[0]
@@ -207,8 +214,8 @@ class GapFields(sie.Kept):
     def steepest(self) -> float:
         """Largest slope of the scaled pressure between samples inside zones.
 
-        Samples next to ends are left out: there the pressure is a root that moves with the end. So
-        are tips, where the slope is infinite.
+        Samples next to ends are left out, as the pressure is there a square root that moves with
+        the end. Samples next to tips are left out as well, as the slope is infinite there.
         """
         x, value = self.samples
         bears = value > 0
@@ -236,7 +243,7 @@ class GapFields(sie.Kept):
 
     @property
     def levels(self) -> Array:
-        """Scaled minus-approach of each zone: one number by construction."""
+        """Minus the approach, scaled, for each zone; all are equal by construction."""
         return np.full(len(self.zones), -self.approach / self.problem.units.height)
 
     @property
@@ -246,19 +253,19 @@ class GapFields(sie.Kept):
 
     @property
     def gap_sizes(self) -> Array:
-        """A bound of the gap on each interval, scaled: half width times the size of the slope."""
+        """A scaled bound of the gap on each interval: half width times a bound of the slope."""
         slope, gaps = self.gap_slope, self.gap_slope.zones
         jumps = np.bincount(slope.jumps.zone, np.abs(slope.jumps.height), len(gaps))
         return np.asarray(gaps.half * (np.abs(slope.coefficients).sum(axis=1) + jumps))
 
     @property
     def mean_gap(self) -> float:
-        """Mean gap [m]: minus the moment of the slope, as the gap vanishes at its ends."""
+        """Mean gap [m]: minus the moment of its slope (by parts), divided by the period."""
         return -self.gap_slope.moment() / self.period * self.problem.units.height
 
     @cached_property
     def stiffness(self) -> float:
-        """d load / d approach [N/m^2]: response of the gaps at fixed ends, and the compression."""
+        """d load / d approach [N/m^2], from the response of the gaps at fixed ends and compression."""
         response = self.state.response(self.state.values())
         rate = (
             response.moment() / self.period + self.problem.compression

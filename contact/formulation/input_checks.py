@@ -1,8 +1,8 @@
-"""Check for heights that are rounded so coarsely that they contradict the slope: cosh(x) - 1.
+"""Check for heights whose round-off is large enough to contradict the slope.
 
-Over an interval the height rises by the integral of the slope. A difference is round-off if it
-stays as small over intervals far wider, where the rise is larger; it grows with them if height and
-slope are not of one function.
+An example is cosh(x) - 1 near x = 0. Over an interval the height rises by the integral of the
+slope. A difference of the two is round-off if it does not grow on far wider intervals, where the
+rise is larger. If height and slope are not of one function, it grows with the interval.
 """
 
 import math
@@ -19,10 +19,10 @@ from sie import Array
 class InputCheckOptions:
     """Numbers of the check.
 
-    parts: of the widest zone, on which rises are compared with integrals; nodes of each.
-    wider: intervals over the zone, where round-off is compared with larger rises.
-    counts: difference over the rise that is worth a message; less is none.
-    grows: largest growth of round-off over the wider intervals.
+    parts: number of parts of the widest zone on which rises are compared with integrals, and number
+    of nodes in each part. wider: widths of further intervals, divided by that of the zone. counts:
+    smallest difference, relative to the rise, that is reported. grows: largest factor by which
+    round-off may grow on the wider intervals.
     """
 
     parts: int = 16
@@ -35,9 +35,9 @@ _OPTIONS = InputCheckOptions()
 
 
 def height_rounding(problem: Problem, table: Array) -> str:
-    """How many digits round-off leaves of the heights over scaled zones (n, 2), in words.
+    """Message on how many digits round-off leaves of the heights over scaled zones (n, 2).
 
-    It is empty where they suffice, or where something else is wrong.
+    It is empty where the digits suffice, or where height and slope contradict each other otherwise.
     """
     zone = table[int(np.argmax(table[:, 1] - table[:, 0]))]
     middle, half = 0.5 * float(zone[0] + zone[1]), 0.5 * float(zone[1] - zone[0])
@@ -69,7 +69,7 @@ def height_rounding(problem: Problem, table: Array) -> str:
 def _differences(problem: Problem, middle: float, half: float) -> tuple[float, float, float]:
     """Differences of rises and integrals of the slope over parts of an interval, scaled.
 
-    Returns their median, the largest rise, and the largest sum of differences.
+    Returns the median of the differences, then the ranges of the cumulated rises and differences.
     """
     nodes, weights = np.polynomial.legendre.leggauss(_OPTIONS.parts)
     at = middle + half * np.linspace(-1, 1, _OPTIONS.parts + 1)
@@ -84,5 +84,5 @@ def _differences(problem: Problem, middle: float, half: float) -> tuple[float, f
         )
     if not (np.isfinite(difference).all() and math.isfinite(rise)):
         return 0.0, 0.0, 0.0
-    # A shape that bends sharply shows round-off in few parts: the median ignores the others.
+    # The median ignores the few parts in which a shape bends too sharply for the quadrature.
     return float(np.median(np.abs(difference))), rise, largest

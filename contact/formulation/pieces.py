@@ -16,10 +16,10 @@ from sie import Array, record
 
 @record
 class Pieces(sie.Kept):
-    """The function p_0 + p_1 (x - s_i) + p_2 (x - s_i)^2 between s_i and s_i+1.
+    """The function p_0 + p_1 (x - s_i) + p_2 (x - s_i)^2 between the places s_i and s_i+1.
 
-    places: s (n,), from the start of the period. jumps: of value, slope and second derivative (n,
-    3). coefficients: p (n, 3).
+    places: distances s_i (n,) from the start of the period. jumps: jumps of value, slope and second
+    derivative (n, 3). coefficients: p_0, p_1, p_2 of each interval (n, 3).
     """
 
     start: float
@@ -61,15 +61,15 @@ class Pieces(sie.Kept):
         if len(self.places) == 0:
             return np.zeros(t.shape)
         piece = np.searchsorted(self.places, t, side="right") - 1
-        # In front of the first place lies the end of the last piece.
+        # The interval before the first place is the end of the last one, of the period before.
         away = t - self.places[piece] + np.where(piece < 0, self.period, 0.0)
         p = self.coefficients[piece].T
         return np.asarray(p[0] + away * (p[1] + away * p[2]))
 
     def conjugate(self, x: Array) -> Array:
-        """(1/L) PV int f(xi) cot(pi (x - xi)/L) dxi, where the value does not jump.
+        """Hilbert transform (1/L) PV int f(xi) cot(pi (x - xi)/L) dxi of the function f.
 
-        The time does not grow with the number of jumps.
+        The value must not jump. The time does not grow with the number of jumps.
         """
         t = (np.asarray(x, dtype=float) - self.start) % self.period
         return self._transform(np.where(t < self.places[0], t + self.period, t))
@@ -84,10 +84,10 @@ class Pieces(sie.Kept):
 
 
 def _before(parts: Array) -> Array:
-    """Sum of all parts before each part."""
+    """Sum of all elements before each element."""
     return np.asarray(np.cumsum(parts) - parts)
 
 
 def _closed(values: Array, length: Array, more: float) -> Array:
-    """Values of the pieces, shifted so that their integral is -more."""
+    """Values on the intervals, shifted by a constant so that their integral is -more."""
     return np.asarray(values - (values @ length + more) / length.sum()) if len(values) else values

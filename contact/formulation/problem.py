@@ -40,10 +40,10 @@ def minus_one(x: Array) -> Array:
 class Problem(sie.Kept):
     """Profile, interaction, substrate and law in scaled variables.
 
-    centre: of the strip. amplitude: of the strip's column if it is given; then it belongs to the
-    right side. reference: whether this is one strip alone of a profile that repeats; its zones may
-    cross the border of the cell and end at the borders of the strip. moment: scaled, about x = 0;
-    None if the tilt is no unknown.
+    centre: centre of the strip. amplitude: amplitude of the strip's column, if it is given; then
+    the column belongs to the right side. reference: whether this is a single strip of a profile
+    that repeats; its zones may cross the border of the cell and end at the borders of the strip.
+    moment: scaled moment about x = 0; None if the tilt is not an unknown.
     """
 
     profile: Profile
@@ -59,7 +59,7 @@ class Problem(sie.Kept):
 
     @property
     def tilt(self) -> float:
-        """Angle by which the profile is turned; a first guess of it if the moment is given."""
+        """Angle by which the profile is turned; a first guess of that angle if the moment is given."""
         return self.profile.tilt if isinstance(self.profile, Tilted) else 0.0
 
     @property
@@ -110,12 +110,12 @@ class Problem(sie.Kept):
 
     @property
     def round(self) -> float | None:
-        """Scaled period that zones may go around; None without a period or with corners."""
+        """Scaled period across whose border zones may lie; None without a period or with corners."""
         return self.period if self.corners == (-np.inf, np.inf) else None
 
     @cached_property
     def borders(self) -> tuple[float, float]:
-        """Scaled limits that no zone may reach, of an isolated cell or a trace; else infinite."""
+        """Scaled limits of an isolated cell or a trace, which no zone may reach; else infinite."""
         known = None if self.period is not None or self.reference else self.profile.known
         if known is None:
             return -np.inf, np.inf
@@ -152,8 +152,8 @@ class Problem(sie.Kept):
                 rounding=profile.slope_rounding / units.slope,
             ),
         )
-        # Near the border of a strip the pressure outside it makes the right side vary on any
-        # length.
+        # The given pressure outside a strip is part of the right side. Near the border of the strip
+        # it varies on arbitrarily short lengths.
         if not self.amplitude:
             return whole
         return replace(
@@ -174,8 +174,8 @@ class Problem(sie.Kept):
         )
         factor = exponents * units.length ** (exponents - 1.0) / units.slope
         if self.cell is not None and self.kernel.period is None:
-            # A point on the border of a single cell acts from both sides. Without its images
-            # symmetric zones would see it on one side only.
+            # A point on the border of a single cell belongs to both sides of the cell. Without its
+            # images the equation of symmetric zones would contain it on one side only.
             at, exponents, left, right, factor = (
                 np.tile(part, 3) for part in (at, exponents, left, right, factor)
             )
@@ -183,7 +183,7 @@ class Problem(sie.Kept):
         return sie.AlgebraicPoints(at, exponents - 1.0, -factor * left, factor * right)
 
     def slope(self, x: Array) -> Array:
-        """f' over the unit of slope, plus the slope of the column if its amplitude is given.
+        """f' divided by the unit of slope, plus the slope of the column if its amplitude is given.
 
         A given column belongs to the right side, which may take as many modes as it needs near the
         border of a strip. Unknown columns are coupled to all zones and are truncated earlier.
@@ -195,7 +195,9 @@ class Problem(sie.Kept):
         return np.asarray(self.profile.slope(self.units.x(x))) / self.units.slope
 
     def shape(self, x: Array) -> Array:
-        """F = (f - min f) / (slope length), plus the column if its amplitude is given."""
+        """Scaled profile F = (f - min f) / (slope length), plus the column if its amplitude is
+        given.
+        """
         shape = self._profile_shape(x)
         return shape + self.raised(x) if self.amplitude else shape
 
@@ -217,9 +219,9 @@ class Problem(sie.Kept):
             )
 
     def shape_rounding(self, x: Array) -> float:
-        """Scaled effect of rounding on F at scaled places.
+        """Scaled effect of rounding on the profile F at scaled places.
 
-        It is the deviation from straight lines over a few units in the last digit.
+        It is the deviation of F from a straight line over a few units in the last digit of x.
         """
         at = self.units.x(x)
         near = at[:, None] + 4 * np.spacing(np.abs(at))[:, None] * np.arange(-4, 5)
@@ -240,17 +242,20 @@ class Problem(sie.Kept):
 
     @cached_property
     def compression(self) -> float:
-        """Scaled displacement for a unit of scaled uniform pressure; 0 where it does not count."""
+        """Scaled displacement per unit of scaled uniform pressure; 0 where the operator has none."""
         return (self.operator.compression or 0.0) / self.units.length
 
     def bearing(
         self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array
     ) -> Array:
-        """The pressure that must be positive, at distances / half width from the ends of zones."""
+        """The pressure that must be positive, at places given by distances from the ends of zones.
+
+        The distances are divided by the half width of the zone.
+        """
         return np.asarray(density.at(zone, left, right))
 
     def borne(self, density: sie.AnyDensity) -> float:
-        """Integral of that pressure over all zones."""
+        """Integral of the pressure that must be positive, over all zones."""
         return density.total
 
     @cached_property

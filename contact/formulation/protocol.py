@@ -1,8 +1,8 @@
-"""`Fields`, the protocol of what every route to a contact returns.
+"""`Fields`: the protocol of the results of every method of solution.
 
 `Solution`, its files, pictures and warnings ask for these members only, and need not know how a
 contact was found. Values are in SI units. Those called scaled are in the units of `problem.units`.
-What a route solves for, the pressure or the slope of the gap, is not part of the protocol.
+The unknown of the method, the pressure or the slope of the gap, is not part of the protocol.
 """
 
 from typing import Protocol
@@ -26,7 +26,7 @@ class Fields(Protocol):
     # Functions of the place x [m], of any shape.
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure [Pa]; 0 where nothing acts."""
+        """Pressure [Pa]; 0 outside contact and outside any tension of the law."""
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         """Pressure [Pa] at normalised positions t of a zone, accurate up to its ends."""
@@ -49,10 +49,10 @@ class Fields(Protocol):
 
     @property
     def levels(self) -> Array:
-        """Scaled minus-approach of each zone; their spread measures the error of the solution."""
+        """Minus the approach, scaled, for each zone; the spread measures the solution's error."""
 
     def end_remainders(self, table: Array, order: Index) -> Array | None:
-        """Digits that rounding cuts off the ends [m] in the rows of a table; None if unknown.
+        """Ends of the rows of a table minus their rounded values [m]; None if unknown.
 
         The rows are those of `zone_table` in this order, moved by whole periods.
         """
@@ -77,7 +77,7 @@ class Fields(Protocol):
 
     @property
     def contact_fraction(self) -> float:
-        """Width in contact over the period."""
+        """Width in contact divided by the period."""
 
     @property
     def widening_rate(self) -> float:
@@ -93,7 +93,7 @@ class Fields(Protocol):
 
     @property
     def pressure_bound(self) -> float:
-        """An upper bound of the pressure [Pa] that costs nothing; inf if none is known."""
+        """An upper bound of the pressure [Pa] that needs no computation; inf if none is known."""
 
     @property
     def gap_rounding(self) -> float:
@@ -101,9 +101,9 @@ class Fields(Protocol):
 
     @property
     def borne_beside(self) -> float:
-        """Scaled int p (F - gap) dx outside the contact, a part of the elastic energy."""
+        """Scaled int p (F - gap) dx outside contact, with the profile F: a part of the energy."""
 
-    # A body that may turn; None for a body that repeats.
+    # Members for a body that may turn; None for a body that repeats.
 
     @property
     def tilt(self) -> float | None:

@@ -13,8 +13,8 @@ from sie import Array
 
 IN_PANEL = 32  # nodes of a panel with crowded nodes
 _PERIOD_NODES = 12  # nodes of a panel in a rule over a period
-# Panels next to an algebraic point are halved this often. What the last one misses of |y|^n, n > 1,
-# is 2^(-2 * 28), rounding.
+# Panels next to an algebraic point are halved this often. The integral of |y|^n, n > 1, over the
+# last one is below 2^(-2 * 28) of the whole, which is round-off.
 _HALVINGS = 28
 
 
@@ -36,7 +36,7 @@ def chebyshev_nodes(count: int) -> Array:
 
 
 def sides(angle: Array) -> tuple[Array, Array]:
-    """Distances over the half width of middle + half cos(angle) from both ends of an interval."""
+    """Distances of middle + half cos(angle) from both ends of an interval, over its half width."""
     return 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
 
 
@@ -66,9 +66,10 @@ def panels(cuts: Array, count: int = 1) -> tuple[Array, Array]:
 
 
 def over_period(profile: Profile, least: int = 8) -> tuple[Array, Array, Array]:
-    """Nodes over a period [m], the same in periods from the start, and weights of sum 1.
+    """Gauss nodes over a period: places [m], places / period from the start, and weights.
 
-    At least `least` panels, split at breakpoints and as short as the profile's resolution.
+    The weights have the sum 1. There are at least `least` panels, split at breakpoints and as short
+    as the profile's resolution.
     """
     length = profile.period
     assert length is not None

@@ -1,10 +1,11 @@
 r"""`Relief`: R, the transform of the slope that gives the pressure of full contact.
 
-p = pbar - (E*/2) R, with R_q = q f_q / L(q) for a periodic profile f on a body of symbol L. On the
-half-plane L = 1 and R = H f' (contact.formulation.conjugate). On other bodies the few waves with
-L_n != 1 are corrected: R = H f' + sum_n q_n (1/L_n - 1) 2 Re f_n exp(i q_n x).
+In full contact p = pbar - (E*/2) R, with the mean pressure pbar. The Fourier terms of R are R_q = q
+f_q / L(q) for a periodic profile f on a body of symbol L. On the half-plane L = 1, and R is the
+Hilbert transform H f' of the slope (contact.formulation.conjugate). On other bodies the few waves
+with L_n != 1 are corrected: R = H f' + sum_n q_n (1/L_n - 1) 2 Re f_n exp(i q_n x).
 
-At a jump J of f', R has the logarithm (J/pi) ln|2 sin(pi (x - s)/l)| on any body. It goes to -inf
+At a jump J of f', R has the logarithm (J/pi) ln|2 sin(pi (x - s)/l)| on any body. R tends to -inf
 at a convex kink, where the pressure is infinite, and to +inf at a concave one.
 """
 
@@ -48,7 +49,7 @@ class Relief(Conjugate):
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
-        """Part of R that the kinks add through waves with L_n != 1.
+        """Part of R that the kinks contribute by the waves whose symbol L_n differs from 1.
 
         It is the sum over all kinks of (J/pi) times the smooth part of the inverse kernel's
         potential.
@@ -70,7 +71,7 @@ class Relief(Conjugate):
 
     @cached_property
     def inverse(self) -> Array:
-        """1 / L_n - 1 of the harmonics of the period."""
+        """1 / L_n - 1 for each harmonic n of the period, with the operator's symbol L_n."""
         inverse = self.operator.inverse_excess
         assert inverse is not None
         return inverse
@@ -112,7 +113,7 @@ class Relief(Conjugate):
 
 @record
 class ScaledRelief(sie.Kept):
-    """R over the unit of slope as a function of scaled x.
+    """R divided by the unit of slope, as a function of scaled x.
 
     The places of the kinks equal those of the problem bit for bit.
     """
@@ -132,16 +133,16 @@ class ScaledRelief(sie.Kept):
 
     @property
     def breakpoints(self) -> Array:
-        """Scaled places where R is not smooth; kinks as in the problem."""
+        """Scaled places where R is not smooth: its kinks and its other breakpoints."""
         return np.concatenate((self.at, self.units.scaled(self.relief.breakpoints)))
 
     @property
     def error(self) -> float:
-        """Estimate of the largest error of R over the unit of slope."""
+        """Estimate of the largest error of R, divided by the unit of slope."""
         return self.relief.error / self.units.slope
 
     def without_own(self, kinks: Index) -> Array:
-        """R at some of the kinks, without the own logarithm of each."""
+        """R at the kinks of these indices; the logarithm of the kink itself is left out at each."""
         at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
         logs = log_sine(turns - np.round(turns))
         logs[np.arange(len(kinks)), kinks] = 0.0
@@ -154,9 +155,9 @@ class ScaledRelief(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """Even places over a period, closer than the profile varies, and R there.
+        """Evenly spaced places over a period, and R there; computed once for all loads.
 
-        They are computed once for all loads.
+        Their spacing is smaller than the length on which the profile varies.
         """
         n = int(
             np.clip(
@@ -177,7 +178,9 @@ class ScaledRelief(sie.Kept):
         return np.asarray(self.relief.smooth(self.units.x(x)) / self.units.slope)
 
     def forcing(self, x: Array) -> Array:
-        """R without (J/pi) times the inverse kernel's potential of the kinks."""
+        """R without the contribution of the kinks, (J/pi) times the inverse kernel's potential
+        each.
+        """
         return np.asarray(self.smooth(x) - self.relief.of_waves(self.units.x(x)) / self.units.slope)
 
     def __call__(self, x: Array) -> Array:
@@ -189,7 +192,8 @@ class ScaledRelief(sie.Kept):
 def harmonics(profile: Profile, count: int) -> Complex:
     """Fourier coefficients f_n = (1/l) int f exp(-2 pi i n (x - x0)/l) dx, n = 1 ... count.
 
-    By Gauss-Legendre panels between breakpoints, as short as the resolution and as the waves.
+    They are integrated by Gauss-Legendre panels between breakpoints, no longer than the resolution
+    and the shortest wave.
     """
     x, turns, weights = over_period(profile, 2 * count)
     heights = np.asarray(profile.height(x), dtype=np.float64)
@@ -204,7 +208,7 @@ def height_noise(profile: Profile) -> float:
 
 
 def period_samples(profile: Profile) -> Array:
-    """Even samples of a period, closer than the profile varies, and its algebraic points."""
+    """Evenly spaced places of a period, closer than the profile varies, and algebraic points."""
     length = profile.period
     assert length is not None
     n = int(

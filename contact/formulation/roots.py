@@ -80,9 +80,10 @@ def _inverse(points: dict[float, float]) -> float:
 
 
 def reaches(value: Array) -> Array:
-    """Upper bound of a function around each sample, along the last axis; -inf off the peaks.
+    """Upper bound of a function near each sample that is a local maximum; -inf at other samples.
 
-    A peak may be twice as high above its sample as the parabola through it and its neighbours.
+    Samples are along the last axis. The bound lies above the sample twice as far as the top of the
+    parabola through it and its neighbours.
     """
     padded = np.concatenate((value[..., :1], value, value[..., -1:]), axis=-1)
     before, after = padded[..., :-2], padded[..., 2:]
@@ -99,7 +100,7 @@ def maximum(
     peaks: int = 64,
     value: Array | None = None,
 ) -> tuple[float, float]:
-    """(position, value) of the maximum of a function, searched around ascending samples x.
+    """Position and value of the maximum of a function, searched around ascending samples x.
 
     At most `peaks` samples are zoomed into, namely those whose bound reaches the highest sample.
     Each of `levels` zooms narrows the bracket to a quarter. A parabola through the last samples
@@ -120,7 +121,7 @@ def maximum(
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
         here = np.asarray(function(fine.ravel())).reshape(fine.shape)
         here = np.where(np.isnan(here), -np.inf, here)
-        # Keep the brackets that may still hold the highest value.
+        # Only the brackets that may contain the highest value are kept.
         may = reaches(here).max(axis=1) >= here.max()
         lo, hi, fine, here = lo[may], hi[may], fine[may], here[may]
         best, rows = np.argmax(here, axis=1), np.arange(len(here))
@@ -142,6 +143,6 @@ def maximum(
 
 
 def minimum(function: Callable[[Array], Array], x: Array) -> tuple[float, float]:
-    """(position, value) of the minimum, found as `maximum` finds it."""
+    """Position and value of the minimum of a function, found as in `maximum`."""
     place, value = maximum(lambda at: -np.asarray(function(at)), x)
     return place, -value

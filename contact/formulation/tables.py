@@ -55,7 +55,7 @@ def gaps_between(table: Array, period: float | None) -> Array:
 
 
 def room_beside(table: Array, period: float | None) -> Array:
-    """The width of each row or of the gap next to each of its ends, whichever is less (n, 2)."""
+    """For each end (n, 2), the smaller of the width of its row and that of the gap next to it."""
     right = np.diff(gaps_between(table, period))
     return np.minimum(np.diff(table), np.column_stack((np.roll(right, 1), right)))
 
@@ -90,7 +90,7 @@ def joined_where(table: Array, meets: Mask) -> Array:
 def united(table: Array) -> Array:
     """Rows in which overlapping rows are joined."""
     table = table[np.argsort(table[:, 0], kind="stable")]
-    # A new row begins to the right of all that came before.
+    # A row that overlaps no earlier one begins to the right of all earlier ends.
     reach = np.maximum.accumulate(table[:, 1])
     return joined_where(np.column_stack((table[:, 0], reach)), ~(table[1:, 0] > reach[:-1]))
 

@@ -44,7 +44,7 @@ class Units:
 
     @property
     def lever(self) -> float:
-        """Scaled position of the origin: x = length (lever + scaled x)."""
+        """Origin divided by the unit of length, so that x = length (lever + scaled x)."""
         return self.origin / self.length
 
     def x(self, scaled: Array) -> Array:
@@ -54,9 +54,9 @@ class Units:
         return np.asarray((x - self.origin) / self.length)
 
     def placed(self, scaled: Array) -> Array:
-        """Scaled places as they are after x has been rounded."""
+        """Scaled places after their positions x [m] have been rounded."""
         return self.scaled(self.x(scaled))
 
     def minus_place(self, scaled: Array) -> Array:
-        """-x, scaled."""
+        """Minus the position x [m], divided by the unit of length: the column that turns a body."""
         return np.asarray(-(scaled + self.lever))

@@ -1,13 +1,14 @@
-r"""Loads of the zones of a nearly full contact, p = pbar - R + G s.
+r"""Loads of the zones of a nearly full contact with the pressure p = pbar - R + G s.
 
-The load of a zone [a, b] is pbar (b - a) - int R + V(b) - V(a). V is the potential of the slope s
-of the gap, V' = G s, in closed form; it accounts for the gaps and for the roots of the pressure at
-the ends. R does not depend on the gaps. Its logarithms at kinks have the integral
+Here pbar is the mean pressure, R the relief and s the slope of the gap (contact.formulation.gaps).
+The load of a zone [a, b] is pbar (b - a) - int R + V(b) - V(a). V is the potential of s, V' = G s,
+in closed form; it contains the effect of the gaps and the square roots of the pressure at the ends.
+R does not depend on the gaps. Its logarithms at kinks have the integral
 
     (J / pi) int ln|2 sin(pi (x - s)/L)| dx = -(J L / 2 pi^2) Cl_2(2 pi (x - s)/L).
 
-The rest is as smooth as f' between breakpoints and like y^q ln|y|, q >= 1, next to them. Panels
-with crowded Gauss nodes integrate it to rounding.
+The rest is as smooth as f' between breakpoints and like y^q ln|y|, q >= 1, next to them. Gauss
+panels whose nodes crowd at both ends integrate it to rounding.
 
 Rounding leaves about 1e-16 of the mean pressure times a zone's width, and of the potential, which
 is as large as the height of the gaps. A zone a million times narrower than the gaps next to it
@@ -32,7 +33,8 @@ def loads(mean: float, relief: ScaledRelief, zones: Array, rise: Array) -> Array
     """
     start, period = float(zones[0, 0]), relief.period
     breaks = np.unique(np.concatenate((wrapped(relief.breakpoints, start, period), zones.ravel())))
-    # The small number lets knots at exactly the spacing pass as cuts.
+    # The factor just below 1 keeps an interval of exactly the spacing from being cut in two by
+    # rounding.
     parts = np.ceil((1 - EPS**0.5) * np.diff(breaks) / relief.spacing).astype(int)
     part = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
     cuts = np.append(
