@@ -174,7 +174,7 @@ class Step:
 
     @property
     def lets_go(self) -> bool:
-        """Whether ends leave sharp corners in a jump at the end of the step; the curve ends there."""
+        """Whether ends jump off sharp corners at the end of the step, where the curve ends."""
         return self.after is not None and self.after.growth > TOLERANCES.neutral
 
     @property

@@ -2,15 +2,15 @@
 
 The unknown intervals are those where the gap is below the reach of the tension.
 
-    advancing    from the intervals of the contact under the start law, or of the surfaces as they
-                 touch: new intervals begin where the gap falls below the reach, those that meet
-                 merge. Under tension, or below first touch, the contact advances under no load
-                 first, and recedes from there
-    receding     from an interval so wide that its ends are driven inward; with a period from
+    advancing    starts from the intervals of the contact under the start law, or of the surfaces at
+                 first touch: new intervals begin where the gap falls below the reach, those that
+                 meet merge. Under a negative load, or below first touch, the contact first advances
+                 under no load, and recedes from there
+    receding     starts from an interval so wide that its ends are driven inward; with a period from
                  tension everywhere
 
-Tension everywhere moves no surface of a half-plane: that contact is the one under the start law
-at the load with the tension added.
+A uniform tension everywhere does not deform a half-plane: that contact is the one under the start
+law, with the tension added to the load.
 """
 
 from __future__ import annotations
@@ -71,20 +71,22 @@ from sie import Array
 
 @dataclass(frozen=True)
 class CohesiveBranchOptions:
-    """Where a branch under a tension begins, and how its end is solved."""
+    """Options of the start of a branch under a tension, and of its final solution."""
 
-    # Accuracy of the ends of zones under the tension that was found: the best first.
+    # Accuracies of the ends of zones that are tried for the final solution, the best first.
     end_tolerances: tuple[float, ...] = (1e-13, 1e-11, 1e-9)
-    # Strips below this part of a zone act like an edge intensity. The ends then first move the next
-    # part of the way that it would drive them, at most that part of the room next to them.
+    # A strip of tension below this fraction of a zone acts like an edge intensity. The ends then
+    # first move by the fraction `first_move` of the Newton step of that intensity, and by no more
+    # than that fraction of the room next to them.
     narrow_strip: float = 0.02
     first_move: float = 0.3
-    # Each step takes a matrix of all unknowns.
+    # Largest number of zones: each step solves a dense matrix of all unknowns.
     max_zones: int = 400
-    # Narrowest strip over the zone, and the terms of a pressure that it takes, times its root.
+    # Narrowest strip relative to its zone. The pressure then takes about `terms` divided by the
+    # square root of this ratio terms.
     narrowest_strip: float = 5e-7
     terms: float = 16.0
-    # Approaches above first touch, over the mean height, from which the contact is lowered.
+    # Approaches above first touch, relative to the mean height, at which the descent may begin.
     first_approaches: tuple[float, ...] = (0.5, 0.2, 0.05, 0.01, 1e-3, 1e-4)
     profile_samples: int = 2049
 
@@ -93,7 +95,7 @@ _OPTIONS = CohesiveBranchOptions()
 
 
 def followed_under_tension(context: SolveContext) -> Outcome:
-    """The contact of the scene on the branch that the context asks for.
+    """The contact of the scene on the branch that the context names.
 
     Raises OutOfRange past pull-off.
     """
@@ -123,10 +125,10 @@ def followed_under_tension(context: SolveContext) -> Outcome:
 def _greatest(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The receding contact under the value.
+    """The receding contact at a value of the control.
 
-    Below first touch it is first found at an approach with contact under tension everywhere, and
-    then lowered.
+    Below first touch, the contact is first found at an approach at which tension acts everywhere.
+    From there the approach is lowered.
     """
     if curve.problem.round is None:
         return _receded(context, scaled, curve, value)
@@ -146,7 +148,7 @@ def _greatest(
 def _lowered(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The advancing contact under the value, or under no load and then lowered."""
+    """The advancing contact at a value; below 0 it is found at 0 and then followed down."""
     try:
         start = advancing(context, scaled, curve, max(value, 0.0))
     except Closed:
@@ -183,12 +185,12 @@ def advancing(
 def _advanced_from_touch(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> CohesiveState:
-    """The same equilibrium, by following the ends of its intervals."""
+    """The equilibrium of `advancing`, by following the ends of its intervals."""
     problem = scaled.problem
     if value == 0.0:
         table, zones = _touch_intervals(scaled, curve)
         if problem.period is None:
-            # A lone body is scaled by about its contact under no load.
+            # The unit of length of a lone body is about the width of its contact under no load.
             _refuse_narrow(context, problem.units.length)
     else:
         found = start_contact(context)
@@ -235,10 +237,10 @@ def _refuse_narrow(context: SolveContext, width: float) -> None:
 
 
 def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
-    """Zones whose ends have moved a part of the way that an edge intensity would drive them.
+    """The zones, moved outward by a fraction of the Newton step of their edge intensity.
 
-    Only zones with narrow strips: from there on the strips are wide enough to be resolved, and
-    the ends are still driven outward.
+    Only zones with narrow strips are moved. Afterwards the strips are wide enough to be resolved,
+    and the ends are still driven outward.
     """
     problem, zones = curve.problem, fields.density.zones.table
     wanted = math.sqrt(2 * curve.stress * curve.reach / math.pi)
@@ -258,9 +260,9 @@ def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
 def _sampled_farther(
     curve: CohesiveCurve, fields: ZoneFields, gap_samples: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """Samples of the gap of a lone body, as far as it is below the reach.
+    """Samples of the gap of a lone body, up to where the gap exceeds the reach.
 
-    Under a light load that is far from the contact.
+    Under a light load this place is far from the contact.
     """
     problem, (x, gap) = curve.problem, gap_samples
     if problem.round is not None or np.isfinite(problem.corners[0]):
@@ -339,7 +341,7 @@ def _receded(
     The ends of that interval, and of wider ones, are driven inward.
     """
     if np.isfinite(curve.problem.corners[0]):
-        # All that lies between the corners.
+        # The interval is all that lies between the corners.
         table = np.array([curve.problem.corners])
         curve.from_zones(
             table,
@@ -369,7 +371,7 @@ def _receded(
 def _receded_from_all(context: SolveContext, curve: CohesiveCurve, value: float) -> State | None:
     """The contact that recedes from tension everywhere in a period.
 
-    None where nothing is left. Raises Closed where the gap stays below the reach.
+    None if contact is lost. Raises Closed where the gap stays below the reach.
     """
     problem = curve.problem
     try:
@@ -404,7 +406,7 @@ def under_all(context: SolveContext, problem: Problem) -> Array | None:
 
 
 def _start_scene(context: SolveContext, problem: Problem) -> Scene:
-    """The scene under the start law, its control raised by the tension everywhere."""
+    """The scene under the start law, with the uniform tension added to its load."""
     scene, period = context.scene, context.scene.period
     assert period is not None and scene.law.bare is not None
     stress = scene.law.tension
@@ -446,7 +448,7 @@ def _solved_zones(
 ) -> tuple[CohesiveFields, sie.Free, Load]:
     """(fields, search of the ends, control) of zones under a tension.
 
-    load: that of q.
+    load: the load of the contact pressure q.
     """
     if pulled.pulling.spread != (None, None):
         return _solved_at_corners(pulled, load - pulled.pulling.total, zones)
@@ -470,9 +472,9 @@ def _solved_zones(
 def _solved_at_corners(
     pulled: TractionLoaded, load: float, zones: Array
 ) -> tuple[CohesiveFields, sie.Free, Load]:
-    """The same where a tension is spread over zones and follows their free ends.
+    """`_solved_zones` where the tension is spread over zones pinned at corners.
 
-    load: the given one.
+    That tension follows the free ends. load: the given load.
     """
     before = np.inf
     while True:
@@ -502,7 +504,7 @@ def _solved_at_corners(
 
 
 def all_zones(pulled: TractionLoaded, zones: Array) -> sie.Zones:
-    """Zones with the kinds of their ends, every density unknown."""
+    """The zones with the kind of each end: singular at a sharp corner."""
     left, right = (
         [sie.SINGULAR if place == corner else pulled.end for place in ends]
         for ends, corner in zip(zones.T, pulled.corners, strict=True)
@@ -511,7 +513,7 @@ def all_zones(pulled: TractionLoaded, zones: Array) -> sie.Zones:
 
 
 def everywhere(context: SolveContext, problem: Problem) -> Outcome:
-    """The contact under tension in all of a period: that of the start law, less the tension."""
+    """The contact under tension in all of a period, from that of the start law."""
     scene = _start_scene(context, problem)
     alone = replace(context, scene=scene, cache=SceneCache(scene))
     found = alone.solve_scene(scene, TOLERANCES.resting_step)

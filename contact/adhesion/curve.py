@@ -326,7 +326,7 @@ class Curve:
 
     @property
     def formally(self) -> "Curve":
-        """This curve itself; a curve of tension returns one that skips sign tests of the contact."""
+        """This curve; a curve of tension returns one that skips sign tests of the contact."""
         return self
 
     def has_right_zones(self, here: State) -> bool:

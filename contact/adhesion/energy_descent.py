@@ -1,11 +1,11 @@
-"""The energy descent: where ends may drive each other back, they go down the slope of the energy.
+"""The energy descent: steps of the ends of zones along which the energy falls.
 
-Under a held load an end that moves only helps the others, and the gradient flow
-(contact.adhesion.gradient_flow) moves all ends one way. Under a held approach it does not:
-tension that is lost where a zone recedes raises the surface of a period elsewhere, where others
-advance, or begin. There the steps are those of the implicit Euler method for D ds/dt = r, r the
-slope of the energy and D a diagonal damping. They are as long as the limits allow and approach
-Newton's. The energy falls, and where the ends come to rest they are stable.
+Under a fixed load an end that moves only drives the others the same way. The gradient flow
+(contact.adhesion.gradient_flow) then moves all ends in one direction. Under a fixed approach of a
+period, a zone that recedes lets the surface come closer elsewhere. Other zones advance or begin
+there. The steps are then those of the implicit Euler method for D ds/dt = r, with the residual r,
+a descent direction of the energy, and a diagonal damping D. They are as long as the limits allow
+and approach Newton's. The energy falls, so that the equilibrium at the end is stable.
 """
 
 import numpy as np
@@ -21,9 +21,9 @@ from sie import Array
 
 
 def relaxed(curve: Curve, table: Array, value: float) -> State | None:
-    """The stable equilibrium that ends reach from these zones under a value of the control.
+    """The stable equilibrium that is reached from these zones under a value of the control.
 
-    None if all have come apart. Raises `Closed` if the surfaces close altogether.
+    None if all zones are lost. Raises `Closed` if the surfaces close altogether.
     """
     here = curve.at(table, value, TOLERANCES.rough)
     widest = np.diff(here.table, axis=1)[:, 0]
@@ -37,8 +37,8 @@ def relaxed(curve: Curve, table: Array, value: float) -> State | None:
                 or float(np.abs(here.residual).max()) > FLOW.resting_drive
             ):
                 continue
-            # Overlaps are searched for at rest only: on the way that costs as much as many steps,
-            # and they may vanish again.
+            # Overlaps are searched for only once the ends are at rest: a search costs as much as
+            # many steps, and overlaps on the way may vanish again.
             overlaps = curve.within(openings(curve.fields(here, TOLERANCES.rough)).overlaps)
             if len(overlaps) == 0:
                 if here.growth < 0.0:
@@ -78,8 +78,8 @@ def _step(curve: Curve, here: State) -> tuple[State, Array]:
     damped = np.full(len(here.residual), FLOW.runaway_overshoot)
     for _ in range(LIMITS.max_bisections):
         step = here.damped_step(damped)
-        # Only the ends that would go too far are damped more: a zone that comes apart need not
-        # hold back the others.
+        # Only the ends that would go too far are damped more, so that a zone that separates does
+        # not slow down the others.
         far = np.abs(step) > np.where(step > 0.0, outward, inward)
         if far.any():
             damped[far] *= 2.0

@@ -1,21 +1,22 @@
-"""The gradient flow: ends that are driven outward advance, ends driven inward recede, to the
-nearest equilibrium under a held control.
+"""The gradient flow of the ends of zones to the nearest equilibrium under a fixed control.
 
-Under a held load on a half-plane, an end that advances only adds to the drive of the others,
-dr_j/ds_i >= 0: what it pulls down comes nearer to them. Ends that are all driven outward then
-advance together, without turning back, to the least equilibrium that holds them. Ends that are
-all driven inward recede to the greatest equilibrium inside. A slowly changed control leads to the
-same ones (cooperative systems: M. W. Hirsch, SIAM J. Math. Anal. 13, 1982, 167).
+Ends that are driven outward advance, ends that are driven inward recede.
 
-Under a held approach, and on a layer, an end that advances may hold back others. The same steps
-are taken and the same certificate is asked for, but the branch is not proved to be the least.
+Under a fixed load on a half-plane, an end i that advances only raises the residuals of the others,
+dr_j/ds_i >= 0: the surfaces come closer there. Ends that are all driven outward then advance
+together, without turning back, to the least equilibrium that contains them. Ends that are all
+driven inward recede to the greatest equilibrium inside. A slowly changed control leads to the same
+equilibria (cooperative systems: M. W. Hirsch, SIAM J. Math. Anal. 13, 1982, 167).
+
+Under a fixed approach, and on a layer, an end that advances may lower the residuals of others. The
+steps and the certificate are the same, but the equilibrium is not proved to be the least.
 
 The steps are Newton's,
 
     -J ds = r,   J = dr/ds,
 
-with every end bounded by its limits. Where J has growing motions, mu D - J takes the place of -J,
-D diagonal and mu above their growth.
+with every end bounded by its limits. Where J has positive eigenvalues, mu D - J replaces -J: D is a
+diagonal damping and mu exceeds the largest growth rate.
 """
 
 from dataclasses import dataclass
@@ -32,45 +33,47 @@ from sie import Array, Mask
 
 @dataclass(frozen=True)
 class FlowOptions:
-    """Steps of ends that advance or recede under a held control.
+    """Options of the steps of ends that advance or recede under a fixed control.
 
-    Drives are in units of the law's own: |K*|, or the reach. Lengths are over the interval.
+    Drives are residuals in units of |K*|, or of the reach. Lengths are relative to the width of the
+    interval of the end.
     """
 
-    # Longest step back of an end that the others relieve.
+    # Longest step of an end against the direction of the flow.
     max_back: float = 0.02
     resting_drive: float = 1e-4
-    # How far past an equilibrium a step may end, over the drive at its start and in all; a further
-    # limit where an end would run on from there.
+    # Largest opposite residual after a step past an equilibrium: relative to the one before, and
+    # absolute. The third limit holds where the end would then run away.
     overshoot: float = 0.1
     max_drive_back: float = 0.05
     runaway_overshoot: float = 1e-3
-    # Part of the chord to an equilibrium that a step which overshoots it takes.
+    # After an overshoot, the step is this fraction of the secant step to the equilibrium.
     chord_part: float = 0.8
-    # Share of the largest motion from which on an end belongs to a growing motion.
+    # An end whose share of a growing motion, relative to the largest, is above this runs away.
     runaway_share: float = 0.3
-    # A gap below this part of its zones whose ends are driven by more than the next number has
-    # closed; a zone below the third number, with such ends, is lost.
+    # A gap narrower than this fraction of its zones has closed if both its ends are driven by more
+    # than `hard_drive`. A zone with such ends is lost below the fraction `lost_zone` of its width.
     closed_gap: float = 1e-2
     hard_drive: float = 0.5
     lost_zone: float = 0.02
-    # The predictor is used for at least so many zones, if some end is driven by more than
+    # The predictor is used for at least this many zones, if the residual of some end exceeds
     # `overshoot`.
     predictor_zones: int = 12
     predictor_tries: int = 4
 
 
 FLOW = FlowOptions()
-# Places inside a step at which the cubic of the drive is tested.
+# Places inside a step at which the cubic that interpolates the residual is tested.
 _INNER_PLACES = np.linspace(0.05, 0.95, 10)
 
 
 def advanced(
     curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step
 ) -> State:
-    """The least equilibrium that holds these intervals, whose ends are all driven outward.
+    """The least equilibrium that contains these intervals, whose ends are all driven outward.
 
-    Raises `Closed` if there is none. rest: Newton's step, over the widths, of ends at rest.
+    Raises `Closed` if there is none. rest: largest Newton step, relative to the widths, of ends at
+    rest.
     """
     found = _flow(curve, table, value, 1.0, rest)
     assert found is not None
@@ -80,7 +83,7 @@ def advanced(
 def receded(curve: Curve, table: Array, value: float) -> State | None:
     """The greatest equilibrium inside these intervals, whose ends are all driven inward.
 
-    None if all have come apart.
+    None if all zones are lost.
     """
     return _flow(curve, table, value, -1.0)
 
@@ -112,7 +115,7 @@ def _flow(
         if move == 0.0:
             break
         if sign < 0:
-            # A zone that the others relieve on the way narrows anew from there.
+            # A zone counts as lost by its width where its ends were driven inward least.
             relieved = here.residual > residual
             widths, residual = (
                 np.where(relieved, here.widths, widths),
@@ -126,8 +129,8 @@ def _flow(
 def at_rest(here: State, move: float, rest: float = TOLERANCES.resting_step) -> bool:
     """Whether ends are at rest after a step.
 
-    move: largest part of a width moved. rest: largest Newton step of ends at rest. A step may be
-    short only because another end reached its corner: then Newton's next step is longer.
+    move: largest move relative to the widths. rest: largest Newton step of ends at rest. A step may
+    be short only because another end reached its corner: then Newton's next step is longer.
     """
     driven = float(np.abs(here.residual).max())
     if here.growth < 0.0 and driven <= FLOW.hard_drive:
@@ -139,9 +142,9 @@ def at_rest(here: State, move: float, rest: float = TOLERANCES.resting_step) -> 
 
 
 def _predictor(curve: Curve, here: State, sign: float) -> Predictor | None:
-    """The predictor of the drives on the way.
+    """The predictor of the residuals along the next step.
 
-    None where zones are few, or where Newton's step is better.
+    None for few zones, sharp corners or small residuals, where Newton's step is better.
     """
     if (
         len(here.table) < FLOW.predictor_zones
@@ -167,15 +170,16 @@ def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor
 
 
 def _step(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, largest move over the widths)."""
+    """(next state, largest move of an end relative to the width of its zone)."""
     limit, back = limits(curve, here, sign)
     runaway: Mask | None = running_away(here)
     if np.any(runaway) and float(np.abs(here.residual).max()) <= FLOW.resting_drive:
-        # Next to a turning point ends leave by the growing motion, not each as far as it may.
+        # Near a turning point ends follow the growing motion; moved to their limits each, they
+        # would leave it.
         runaway = None
     for _ in range(LIMITS.max_bisections):
         step = bounded_step(here, sign, limit, back, runaway)
-        # Ends at rest are accurate only if the residual of those driven hard is small.
+        # The accuracy is relative to the largest residual; ends at rest need it in absolute terms.
         ahead = curve.at(
             here.moved(step),
             here.value,
@@ -184,8 +188,8 @@ def _step(curve: Curve, here: State, sign: float) -> tuple[State, float]:
         over = overshoots(here, ahead, step, sign)
         if not over.any():
             return ahead, float(np.abs(step / here.widths).max())
-        # An end that has passed an equilibrium goes back to about there. All others move less,
-        # too, in case that does not help.
+        # The step of an end that has passed an equilibrium is shortened to nearly reach it. All
+        # other steps are shortened a little, since those ends may have caused the overshoot.
         before, after = here.whole.residual, ahead.whole.residual
         part = np.divide(
             FLOW.chord_part * before,
@@ -199,10 +203,10 @@ def _step(curve: Curve, here: State, sign: float) -> tuple[State, float]:
 
 
 def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
-    """How far ends may move onward, and back, in a step (2n,)."""
+    """Longest steps of the ends (in the direction of the flow, against it), each (2n,)."""
     inward, outward = inward_and_outward(curve, here)
     if here.corners is not None:
-        # An end rests at a sharp corner; a pinned end needs no step.
+        # An end goes at most to its sharp corner; the step of a pinned end is not limited.
         adjacent = np.maximum(curve.to_corners(here.table), TOLERANCES.resting_step * here.widths)
         outward = np.where(here.pinned, outward, np.minimum(outward, adjacent))
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
@@ -210,14 +214,14 @@ def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
 
 
 def inward_and_outward(curve: Curve, here: State, detailed: bool = True) -> tuple[Array, Array]:
-    """How far ends may move inward and outward in a step, corners apart (2n,).
+    """Longest steps of the ends (inward, outward), each (2n,), without regard to corners.
 
-    detailed: no farther than the smallest feature of the profile.
+    detailed: whether they are also limited to the smallest feature of the profile.
     """
     known = curve.problem.detail if detailed else np.inf
     gaps = curve.gaps(here.table)
     room = TOLERANCES.max_into_gap * np.concatenate((np.roll(gaps, 1), gaps))
-    # An end may reach the border, and then raises the error that says so.
+    # An end may pass the border of the known profile: `Curve.at` then raises OutOfRange.
     lo, hi = curve.problem.borders
     room[0], room[-1] = (
         min(room[0], 1.1 * (here.table[0, 0] - lo)),
@@ -252,17 +256,17 @@ def closing(curve: Curve, here: State, predicted: Predictor | None = None) -> Ar
 def lost_zones(here: State, widths: Array, residual: Array) -> Mask:
     """Mask of the zones past the point of no return.
 
-    They have shrunk below a part of their width at their smallest drive, and the force that
-    shrinks them grows.
+    They are much narrower than where their ends were driven inward least, and that drive grows.
+    widths, residual: at the states where the ends were driven inward least (2n,).
     """
     driven = here.residual < np.minimum(-FLOW.hard_drive, 1.5 * residual)
     return np.logical_and(*np.split(driven & (here.widths < FLOW.lost_zone * widths), 2))
 
 
 def running_away(here: State) -> Mask:
-    """Mask of the ends without which no motion of the others grows (2n,).
+    """Mask of the ends that run away (2n,): with them fixed, the others are stable.
 
-    They belong to gaps that snap shut, or to zones that come apart.
+    They belong to gaps that snap shut, or to zones that separate.
     """
     away = np.zeros(len(here.residual), dtype=bool)
     if here.growth < -TOLERANCES.neutral:
@@ -281,7 +285,7 @@ def running_away(here: State) -> Mask:
 def bounded_step(
     here: State, sign: float, limit: Array, most_back: Array, runaway: Mask | None = None
 ) -> Array:
-    """Bound-constrained Newton step; shifted by mu D if J is indefinite.
+    """Bound-constrained Newton step; J is shifted by the damping mu D if it is indefinite.
 
     runaway: ends that move as far as their limits, while the others follow by Newton's step.
     """
@@ -290,7 +294,7 @@ def bounded_step(
         return _damped_step(here, sign, limit)
     away = np.zeros(len(residual), dtype=bool) if runaway is None else runaway
     free, released = ~away, np.zeros(len(residual), dtype=bool)
-    # An end a little beyond its equilibrium goes back, so that it does not run on.
+    # An end that runs away may be just past an equilibrium: it is then moved back.
     step = sign * np.where(sign * residual > -FLOW.resting_drive, limit, -most_back)
     while True:
         step[free] = np.linalg.solve(
@@ -303,7 +307,7 @@ def bounded_step(
         step[far], step[back] = sign * limit[far], -sign * most_back[back]
         free &= ~(far | back)
         if not (far | back).any():
-            # An end need not stay at its bound if others, bounded too, no longer drive it there.
+            # An end at its bound is released if, after the others were bounded, it is driven back.
             driven = np.sign(step) * (residual + rates @ step)
             late = ~(free | away | released) & (driven < 0.0)
             if not late.any():
@@ -312,10 +316,11 @@ def bounded_step(
 
 
 def _damped_step(here: State, sign: float, limit: Array) -> Array:
-    """Solution of (mu D - J) ds = r; mu is above the fastest growth and as small as the limits
-    allow.
+    """Solution ds of (mu D - J) ds = r, the damped Newton step.
+
+    mu exceeds the largest growth rate and is as small as the limits allow.
     """
-    # An end that has gone too far waits for the others.
+    # An end that is driven back does not move, until the others have caught up.
     free = sign * here.residual > -FLOW.resting_drive
     weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
     growth = max(here.growth_of(np.flatnonzero(free)), -above)
@@ -331,7 +336,7 @@ def _damped_step(here: State, sign: float, limit: Array) -> Array:
 def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
     """Mask of the ends that have passed an equilibrium in a step.
 
-    They are driven the other way at its end or, by the cubic of the drive, on the way.
+    Their residual has the opposite sign at the end of the step or, by cubic interpolation, inside.
     """
     first, last = here.whole, ahead.whole
     before, after = sign * first.residual, sign * last.residual
@@ -339,16 +344,16 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
         -FLOW.overshoot * np.minimum(np.abs(before), 1.0) - FLOW.resting_drive,
         1.1 * before - FLOW.resting_drive,
     )
-    # Near a stable equilibrium an end that has gone a little too far comes back.
+    # Short steps are exempt: near a stable equilibrium a small overshoot corrects itself.
     far = (
         (np.abs(step) > FLOW.max_back * here.widths)
         | (here.growth < 0.0 <= ahead.growth)
         | (after < -FLOW.max_drive_back)
     )
-    # Where motions grow for most of the way, it would run on, or be put back forever.
+    # If the end of the step is more unstable than its start was stable, the end would run away.
     if 0.0 < -here.growth <= ahead.growth:
         allowed = np.where(before > 0.0, -FLOW.runaway_overshoot, allowed)
-    # A pinned end was at rest.
+    # A pinned end was at rest, so that it has passed no equilibrium.
     far &= ~first.pinned
     over = (after < allowed) & far
     if float(np.abs(step / here.widths).max()) < FLOW.max_back:

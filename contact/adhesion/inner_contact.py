@@ -1,8 +1,9 @@
 """The contact under a tension on given intervals: frictionless contact of the deformed profile.
 
-The ends of the zones are moved by Newton steps 2 K/A within the intervals. At an end of an interval
-the deformed profile has a logarithmic slope, and near it K varies as the square root of the
-distance. A zone is cut where q is negative; a new zone begins where the surfaces overlap.
+The ends of the zones are moved by Newton steps 2 K/A within the intervals, with the edge intensity
+K and the edge slope A of the pressure q. At an end of an interval the deformed profile has a
+logarithmic slope, and near it K varies as the square root of the distance. A zone is cut where q is
+negative; a new zone begins where the surfaces overlap.
 """
 
 from __future__ import annotations
@@ -27,27 +28,28 @@ from sie import Array, Index, Mask, record
 
 # The tolerance of a density solved to round-off.
 TIGHT = 1e-14
-# Fractions of a sample interval at which a function is refined about a minimum.
+# Fractions of the distance between samples at which minima are resolved.
 _REFINED = np.linspace(0.0, 1.0, 17)[1:-1]
-# Borders of the sampled parts beyond the zones of an isolated body, over the span of the zones.
+# Distances that divide the samples outside the zones of an isolated body, in spans of the zones.
 _OUTER_PARTS = np.array([0.25, 1.0, 4.0, 16.0, 64.0])
 
 
 @dataclass(frozen=True)
 class InnerContactOptions:
-    """Newton's method for zones inside intervals of tension, and the correction of signs."""
+    """Options of Newton's method for zones in intervals of tension, and of sign corrections."""
 
-    # Part of the distance to the end of its interval that a step leaves.
+    # Fraction of the distance to the end of the interval that a step leaves.
     left_of_room: float = 0.25
     # If a step overshoots and leaves more than this part of the residual, the secant is used.
     max_overshoot: float = 0.3
-    # Zones (or gaps) that have shrunk to this part of their width (or of their zones) vanish.
+    # Zones below this fraction of their first width vanish, and gaps below it of their zones close.
     vanished_below: float = 1e-3
-    # Width of a new zone over that of the overlap of the surfaces.
+    # Width of a new zone relative to that of the overlap of the surfaces.
     new_zone_width: float = 0.5
-    # Distance up to which the gap of an isolated body is sampled, over the span of its zones.
+    # Distance up to which the gap of an isolated body is sampled, relative to the span of its
+    # zones.
     far: float = 1e3
-    # Refinements of samples about extrema.
+    # Number of refinements of samples about extrema.
     refinements: int = 3
     # Largest number of samples of q on a zone, unless the profile varies faster.
     sign_samples: int = 128
@@ -72,9 +74,9 @@ class EndsCovered(NoState):
 class Tolerances:
     """Tolerances of a contact under tension.
 
-    density: of the density; ends: of the last Newton step over the strips of tension next to the
-    ends; last: a smaller step than this is followed by one more step without a check, since
-    Newton's method squares it.
+    density: of the density. ends: of the last Newton step, relative to the strips of tension next
+    to the ends. last: after a smaller step than this, one more is taken without a check, since
+    Newton's method squares the error.
     """
 
     density: float = TIGHT
@@ -83,7 +85,7 @@ class Tolerances:
 
     @classmethod
     def intermediate(cls, density: float) -> Tolerances:
-        """Tolerances for a state that is not an answer: its ends may be rough."""
+        """Tolerances for an intermediate state, whose ends may be rough."""
         return cls(density, 1e-5, 1e-3)
 
 
@@ -94,10 +96,10 @@ def contact_under(
     formal: bool,
     tolerances: Tolerances,
 ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
-    """The fields of q under a tension, and the sampled gap between the zones.
+    """(fields of the contact pressure q under a tension, sampled gap between the zones).
 
-    control: that of q as a function of the problem; zones: a first guess; formal: whether the
-    number of zones is kept and the signs are not checked (the gap is then None).
+    control: the control of the contact as a function of the problem; zones: a first guess; formal:
+    whether the number of zones is kept and the signs are not checked (the gap is then None).
     """
     load = control(pulled).load
     if load is not None and not load > 0.0:
@@ -127,10 +129,10 @@ def _with_ends(
     tolerances: Tolerances,
     plain: bool,
 ) -> tuple[TractionLoaded, sie.AnyState]:
-    """The zones found from a first guess, and their state.
+    """(problem for the zones found from a first guess, their state).
 
     Plain Newton steps are tried first if `plain` is set. If they fail, the engine's search is used:
-    it accounts for the interaction of ends beside narrow gaps. It does not know sharp corners.
+    it accounts for the interaction of ends across narrow gaps, but does not support sharp corners.
     """
     cornered = pulled.corners != (-np.inf, np.inf)
     if plain or cornered:
@@ -158,7 +160,7 @@ def _settled(
     zones: Array,
     tolerances: Tolerances,
 ) -> tuple[TractionLoaded, sie.State]:
-    """Newton's method for the ends of the zones; returns the problem for these zones and its state.
+    """(problem for the zones, its state) after Newton's method for their ends.
 
     The number of zones may only fall.
     """
@@ -231,7 +233,7 @@ def _steps(
     around: tuple[Array, Mask],
     corners: tuple[Mask, Mask],
 ) -> tuple[Array, Array]:
-    """The intensities K (2, n) and the outward Newton steps of the ends.
+    """(edge intensities K, outward Newton steps) of the ends, each (2, n).
 
     before: zones and K of the previous step; around: distance to the next obstacle, and whether
     that is a zone (`_room`); corners: ends at sharp corners, and those that stay there (`_held`).
@@ -265,9 +267,9 @@ def _moved(pulled: TractionLoaded, zones: Array, moved: Array, reaches: Mask) ->
 
 
 def edge_slopes(pulled: TractionLoaded, state: sie.AnyState) -> Array:
-    """The edge slopes A of p + s at the ends (2, Z).
+    """The edge slopes A at the ends (2, Z) of p + s, the pressure plus the tension.
 
-    In a zone pinned at a corner, q has a smaller slope at the other end than p + s.
+    If a zone is pinned at a corner, the slope of q at its other end is smaller than that of p + s.
     """
     slope, zones = np.array(state.density.edge_slopes), state.density.zones
     more = 2 * pulled.pulling.stress / np.pi / np.sqrt(2 * zones.half)
@@ -279,7 +281,7 @@ def edge_slopes(pulled: TractionLoaded, state: sie.AnyState) -> Array:
 def _pinned(pulled: TractionLoaded, zones: Array, k: Array) -> tuple[Mask, Mask]:
     """Masks (2, n) of the ends at sharp corners, and of those that stay there.
 
-    An end stays if its K is compressive, up to round-off.
+    An end stays if its edge intensity K is compressive, up to round-off.
     """
     pinned = (zones == np.array(pulled.corners)).T
     return pinned, pinned & (k >= -TOLERANCES.rough * np.abs(k).max())
@@ -308,8 +310,8 @@ def _reaches(
 ) -> Mask:
     """Mask (2, n) of the ends that move to the sharp corner next to them.
 
-    They do if K exceeds the intensity of a strip of tension up to the corner, 2 s/pi times the
-    square root of its width.
+    They do if their edge intensity K exceeds that of a strip of tension s up to the corner, 2 s/pi
+    times the square root of its width.
     """
     lo, hi = pulled.corners
     if not np.isfinite(lo) or len(zones) == 0:
@@ -381,7 +383,7 @@ def _own(pulled: TractionLoaded, zones: Array) -> Array:
 
 
 def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
-    """Zones whose gap has closed, united; `first` (their first widths) follows."""
+    """(zones, united where a gap has closed; `first`, their first widths, united likewise)."""
     gap = zones[1:, 0] - zones[:-1, 1]
     width = np.diff(zones, axis=1)[:, 0]
     meets = (
@@ -466,7 +468,7 @@ def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
 def _refined(
     fields: ZoneFields, zone: int, place: Array, q: Array, least: float
 ) -> tuple[Array, Array]:
-    """Samples of q on a zone, refined about minima that may lie below `least`."""
+    """(places, pressure q there) on a zone, refined about minima that may lie below `least`."""
     density, zones = fields.density, fields.density.zones
     for _ in range(_OPTIONS.refinements):
         inner = np.flatnonzero((q >= least) & (reaches(-q) > 0.0))
@@ -489,7 +491,7 @@ def _by_zone(values: Array, counts: Index) -> list[Array]:
 
 
 def signs_hold(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> bool:
-    """Whether q is positive on all zones and the surfaces do not overlap within the tension."""
+    """Whether q is positive on all zones and no surfaces overlap in the intervals."""
     return _corrected(fields, gap_samples) is None
 
 
@@ -502,7 +504,8 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
     density, (x, gap) = fields.density, gap_samples
     zones, out, changed = density.zones, [], False
     varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
-    # Near the ends q varies fast because of the tension, but does not change its sign.
+    # Near the ends the tension makes q vary fast, but its sign does not change there: the samples
+    # need not resolve it.
     wanted = np.maximum(_OPTIONS.sign_samples, 8 * zones.half / varies).astype(np.intp)
     counts = np.minimum(density.sampling, wanted)
     at = [(np.arange(n) + 0.5) * np.pi / n for n in counts]
@@ -523,7 +526,7 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
     rounding = fields.gap_rounding + 2 * float(np.abs(fields.formal_gap(zones.middle)).max())
     free, tension = ~density.locate(x)[2], fields.problem.pulling
     if len(tension.table):
-        # An overlap outside the intervals is left to the growth of the intervals.
+        # An overlap outside the intervals makes the intervals grow; no zone begins there.
         free &= tension.holds(x)
     for s, e in runs_of((gap < -rounding) & free):
         lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]

@@ -7,7 +7,7 @@ from contact.errors import OutOfRange
 from contact.formulation.tables import ascending, begun_from, joined_where, located, runs_of, united
 from sie import Array, Index, Mask, wrapped
 
-# Sample points of a part of an interval: at least, and at most (which bounds the memory).
+# Least and largest number of sample points between two ends; the latter bounds the memory.
 _MIN_POINTS = 24
 _MAX_POINTS = 20000
 
@@ -19,7 +19,7 @@ def sample_points(a: float, b: float, spacing: float) -> Array:
 
 
 def within(x: Array, a: float, b: float, period: float | None) -> tuple[Index, Array]:
-    """(indices of the points in (a, b) from left to right, their positions there)."""
+    """(indices of the points in (a, b) from left to right, their positions in (a, b))."""
     place = wrapped(x, a, period)
     inner = np.flatnonzero((place > a) & (place < b))
     inner = inner[np.argsort(place[inner])]
@@ -127,7 +127,7 @@ def united_about(table: Array, zones: Array, period: float | None) -> Array:
     """The intervals widened to contain zones whose ends may lie slightly outside."""
     rows = np.concatenate((table, begun_from(zones, float(table[0, 0]), period)))
     if period is not None:
-        # A zone that begins just before the first interval is shifted to it.
+        # A zone that begins just before the first interval is moved back by a period to join it.
         late = (rows[:, 1] >= table[0, 0] + period) & (rows[:, 0] > table[-1, 1])
         rows[late] -= period
     return united(rows)
