@@ -98,8 +98,8 @@ __all__ = [
     "wrapped",
 ]
 
-# Modules are loaded when a name of theirs is first used: a program that needs a zone does not load
-# the search for ends. The imports above list the same names for readers and type checkers.
+# A module is loaded when one of its names is first used. So a program that needs only `Zones` does
+# not load the search for ends. The imports above list the same names for readers and type checkers.
 _HOMES = {
     "sie.basis.data": "Array Complex Index Kept Mask nearest_image record wrapped",
     "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",

@@ -16,15 +16,17 @@ from sie.states.state import LOOKS, THETA, State
 
 @dataclass(frozen=True)
 class ReasonOptions:
-    """Sizes from which a measured cause is named as the reason."""
+    """Limits above which a measured cause is named as the reason."""
 
-    # A cause is named if it is at least this part of the tolerance; the number of modes multiplies
-    # it. An iteration is named if its error is at least this part of the rest, and a cause of this
-    # size is the reason whatever the side conditions do.
+    # A cause is named if it is at least this fraction of the tolerance: it is measured for one
+    # mode, and the number of modes multiplies it. An iteration is named if its error is at least
+    # this fraction of the other errors. A cause above this value excludes the side conditions as
+    # reason.
     min_part: float = 0.01
-    # A residual below this many units of round-off of its terms is their round-off.
+    # A residual smaller than this many round-offs of its terms is explained by round-off.
     rounding_units: float = 1e3
-    # Side conditions nearly depend on each other if they magnify the residual by more than this.
+    # If the effect of the residual on the density is more than this many times the residual, the
+    # side conditions nearly depend on each other.
     max_magnification: float = 1e4
 
 
@@ -32,14 +34,14 @@ OPTIONS = ReasonOptions()
 
 
 def of_search(search: Free) -> str:
-    """The reason why a search for ends stopped before they converged."""
+    """The reason, in words, why a search for ends stopped before the ends converged."""
     which = [f"zone {i}" for i in search.lost] + [f"the gap after zone {i}" for i in search.met]
     more = f" and {len(which) - 4} more" if len(which) > 4 else ""
     return search.reason + (f" ({', '.join(which[:4])}{more}, counted from 0)" if which else "")
 
 
 def of_error(state: AnyState, search: Free | None, tol: float) -> str:
-    """The largest part of the stated error, in words."""
+    """The reason, in words, for the largest part of a solution's stated error."""
     if search is not None:
         zone = int(search.rounding.max(axis=1).argmax())
         open_ = float(search.rounding[zone].max())
@@ -71,7 +73,7 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
 
 
 def _parts(state: AnyState) -> tuple[float, float, float]:
-    """Parts of the density's relative error: iteration, round-off of the rows, and the rest."""
+    """Relative errors of the density: (iteration, round-off of the rows, all the rest)."""
     size = max(state.size, 1e-300)
     iteration = float(state.linear_error.max(initial=0.0)) / size
     if isinstance(state, SlitState):
@@ -84,9 +86,9 @@ def _parts(state: AnyState) -> tuple[float, float, float]:
 class _Worst:
     """The zone with the largest residual, and measurements there.
 
-    state: of the zones without slits; zone: number among these; where: its name; residual, place:
-    the largest residual times sqrt(1 - t^2), and its place; terms: size of the terms that cancel in
-    it.
+    state: state of the zones without slits, or of the wide zones; zone: index of the zone in it;
+    where: name of the zone in messages. residual: the largest residual, times sqrt(1 - t^2); place:
+    its place x; terms: size of the terms whose sum is the residual.
     """
 
     state: State
@@ -117,7 +119,7 @@ class _Worst:
         )
         sizes = whole.system.field_sizes
         if sizes is not None:
-            # Sums over nodes may cancel; one of them is as large as the kernel allows.
+            # The terms of sums over quadrature nodes may cancel; this is a bound of their size.
             terms += float(sizes.max() * np.abs(whole.unknowns).sum())
         return cls(
             whole,
@@ -130,19 +132,19 @@ class _Worst:
 
 
 def whole_zone(state: AnyState, piece: int) -> int:
-    """Number of the zone without slits that contains a zone."""
+    """Index of the wide zone that contains a zone; the zone itself if there are no slits."""
     return int(state.wide_of(np.array([piece]))[1][0])
 
 
 def _causes(worst: _Worst) -> dict[str, float]:
-    """Measured error of the modes of the worst zone, by cause."""
+    """Measured errors on the worst zone, relative, with their causes as keys."""
     state, zone = worst.state, worst.zone
     zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
     fall = float(modes.decay(zones, equation.kernel)[zone])
-    # Round-off beyond that of every number.
+    # Round-off of places in excess of a few units of `EPS`, which every number has.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
-    # Coefficients that decayed as far as they should are no cause, and neither are modes not yet
-    # tried.
+    # The right side is a cause only if its coefficients stopped decaying or their number is at its
+    # limit, and the fields only if the number of modes is at its limit or more modes do not help.
     unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.OPTIONS.max_nodes
     grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
     return {
@@ -160,7 +162,7 @@ def _is_noisy(worst: _Worst) -> bool:
 
 
 def _of_resolution(worst: _Worst, tol: float) -> str:
-    """The largest of these causes, in words."""
+    """The largest cause from `_causes`, in words; else round-off or the residual."""
     state, m, causes = worst.state, int(worst.state.system.layout.m[worst.zone]), _causes(worst)
     neighbour, rounded, noisy = causes["neighbour"], causes["places"], _is_noisy(worst)
     cause = max(causes, key=lambda name: causes[name])
@@ -203,7 +205,7 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
 
 
 def _of_user(state: State) -> str:
-    """The functions of the user for which modes grow, in words."""
+    """The user's functions for which the number of modes grows, in words."""
     of_columns = any(column.resolution.modes is None for column in state.equation.columns)
     if not state.equation.kernel.grows:
         return "a column"
@@ -211,7 +213,7 @@ def _of_user(state: State) -> str:
 
 
 def _of_right_side(worst: _Worst) -> str:
-    """The decay of the right side's coefficients on a zone, and its likely reason."""
+    """Text on the decay of the right side's coefficients on a zone, with its likely reason."""
     state, zone = worst.state, worst.zone
     n, last = int(state.kept[zone]), float(state.truncation[zone])
     falls = "no longer fall" if bool(state._stopped[zone]) else "have not fallen further"
@@ -225,6 +227,6 @@ def _of_right_side(worst: _Worst) -> str:
 
 
 def _less_jumps(state: State, zone: int) -> str:
-    """The number of declared jumps on a zone, in words; empty if there are none."""
+    """Text with the number of declared jumps on a zone; empty if there are none."""
     count = int(np.count_nonzero(state.system.jumps.zone == zone))
     return f" less its {count} declared jumps" if count else ""

@@ -1,6 +1,4 @@
-"""One call for fixed and free ends: density, zones and one stated error, or the reason for a
-failure.
-"""
+"""`solve`: one call for fixed and free ends, with a stated error or the reason for a failure."""
 
 import math
 from collections.abc import Iterator
@@ -22,10 +20,10 @@ from sie.states.solve import SingularSystem
 
 @dataclass(frozen=True)
 class SolveOptions:
-    """Tolerances of the parts of a solution."""
+    """Tolerances of the coefficients and of the ends."""
 
-    # Tolerances over that of the solution: of the coefficients (the first), and of the ends, tried
-    # in turn until the error is met.
+    # Tolerances relative to that of the solution. Those of the ends are tried in turn until the
+    # stated error is small enough. The first is also the tolerance of the coefficients.
     parts: tuple[float, ...] = (0.1, 1e-3, 1e-5)
 
 
@@ -39,20 +37,20 @@ class Solution:
     Parameters
     ----------
     density : Density or SlitDensity
-        The wanted function; call it at points of the line, see `Density`.
+        The unknown function phi; call it at points of the line, see `Density`.
     zones : Zones
         The n zones, with the converged free ends; `zones.table` is the (n, 2) array of ends.
     error : float
-        Relative bound of (i) the density's error at equal normalised position in its zone, times
-        sqrt(1 - t^2), over the density's largest coefficient, and (ii) each free end's error over
-        its zone's width. Infinite if the ends have not converged.
+        Bound of two relative errors: (i) the density's error times sqrt(1 - t^2), at equal
+        normalised position t in its zone, divided by the density's largest coefficient; (ii) each
+        free end's error divided by its zone's width. Infinite if the ends have not converged.
     errors : ndarray
-        The same bound for each zone (n,), over the zone's own largest coefficient. A zone with a
-        small density next to others with a large one has fewer digits than `error` says.
+        The same bound for each zone (n,), but relative to the zone's own largest coefficient. If
+        other zones have a much larger density, it is larger than `error`.
     value : float or None
         Value of the condition of unknown value, if there is one.
     state : State
-        The last solved state: levels, responses to further right sides, and the parts of the error.
+        The last solved state: levels, responses to changed side conditions, and parts of the error.
     search : Free or None
         The search for the ends, step by step; None if all ends were fixed.
 
@@ -80,12 +78,12 @@ class Solution:
 
     @property
     def levels(self) -> Array:
-        """Mean over each solved zone (n,) of the potential less the primitive of the right side."""
+        """Mean of the potential minus the right side's primitive over each solved zone (n,)."""
         return self.state.levels
 
 
 class NotConverged(ArithmeticError):
-    """No solution to the wanted tolerance.
+    """Raised if there is no solution to the wanted tolerance.
 
     Parameters
     ----------
@@ -130,7 +128,7 @@ def solve(
     tol : float
         Tolerance of the stated error, 0 < tol < 1.
     value : float
-        First guess for the value of a condition of unknown value.
+        First guess for the value of the side condition whose value is unknown, if there is one.
     signs : (float, float)
         Signs of the wanted density close to free left and free right ends. They distinguish outward
         from inward far from the solution.
@@ -163,7 +161,7 @@ def solve(
     [[-0.25, 0.25]]
     """
     _check_input(equation, zones, tol, value, signs, max_steps)
-    # The values of a user's functions are checked here; numpy need not warn of them.
+    # The values of a user's functions are checked, so that warnings of NumPy are superfluous.
     with np.errstate(all="ignore"):
         return _solve(equation, zones, tol, value, signs, max_steps)
 
@@ -176,6 +174,7 @@ def _solve(
     signs: tuple[float, float],
     max_steps: int,
 ) -> Solution:
+    """`solve` for checked input."""
     moving = any(end.moves for end in (*zones.left, *zones.right))
     try:
         found = _best(
@@ -244,11 +243,11 @@ def _best(solutions: Iterator[Solution], tol: float) -> Solution:
 
 
 def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
-    """Solutions on zones with fixed ends; the second with all modes that round-off allows."""
+    """Solutions on zones with fixed ends: to the tolerance, then as exact as round-off allows."""
     for decay in (max(OPTIONS.parts[0] * tol, EPS), EPS):
         yield _with_errors(solve_zones(equation, zones, decay))
         if _unresolvable(equation, zones, tol):
-            break  # there are no more modes
+            break  # the first solution has the largest number of modes already
 
 
 def _free(
@@ -259,7 +258,7 @@ def _free(
     signs: tuple[float, float],
     max_steps: int,
 ) -> Iterator[Solution]:
-    """Solutions with free ends, with ever smaller tolerances of the ends."""
+    """Solutions with free ends, for smaller and smaller tolerances of the ends."""
     options, start = NewtonOptions(max_steps=max_steps, signs=signs), WarmStart(value=value)
     for part in OPTIONS.parts:
         free = find_ends(equation, zones, max(part * tol, EPS), options, start)
@@ -270,7 +269,7 @@ def _free(
 
 
 def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
-    """The solution with its stated errors; search: for its ends, if any are free."""
+    """The solution with its stated errors; search: the search for its ends if any are free."""
     zones, value = state.density.zones, None if search is None else search.value
     if search is not None and not search.converged:
         unknown = np.full(len(zones), math.inf)
@@ -288,7 +287,8 @@ def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
     moved = moved + _jump_rounding(state)
     sizes = np.where(state.zone_sizes > 0.0, state.zone_sizes, math.inf)
     of_density = float(moved.max()) / max(state.size, 1e-300) + state.density_error
-    # Four roundings of a value: of its coefficients, of the root and of both ends.
+    # The evaluation of the density at a place adds four round-offs: of its coefficients, of the
+    # square root, and of the distances from both ends.
     evaluation = 4 * EPS
     error = max(float(of_ends.max()), of_density) + evaluation
     errors = np.maximum(of_ends, moved / sizes + state.zone_errors) + evaluation
@@ -296,7 +296,10 @@ def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
 
 
 def _jump_rounding(state: AnyState) -> Array:
-    """Round-off in each zone's density (n,) from the jumps, whose parts may exceed their sum."""
+    """Round-off in each zone's density (n,) that comes from the closed forms of jumps.
+
+    The terms of single jumps may be much larger than their sum.
+    """
     jumps, out = state.density.jumps, np.zeros(len(state.whole.density.zones))
     np.maximum.at(out, jumps.zone, 2 * EPS * np.abs(jumps.height) * jumps.sine)
     return out[state.wide_of(np.arange(len(state.density.zones)))[1]]
@@ -312,6 +315,6 @@ def _reason(found: Solution, tol: float) -> str:
 
 
 def _unresolvable(equation: Equation, zones: Zones, tol: float) -> bool:
-    """Whether a zone is so close to another one that the most modes cannot resolve it."""
+    """Whether a zone is so close to another one that even the most modes do not resolve it."""
     fallen = modes.decay(zones, equation.kernel) * modes.COUPLED_SIZES[-1]
     return float(fallen.min()) < -math.log(OPTIONS.parts[0] * tol)

@@ -14,7 +14,7 @@ from sie.basis.zones import Zones
 
 
 class DensityBase(Kept):
-    """Base of densities that are known by zone and by distances from the zone's ends.
+    """Base of densities that can be evaluated by zone and distances from the zone's ends.
 
     A subclass is a data class with a field `bounded_ends`.
     """
@@ -34,14 +34,14 @@ class DensityBase(Kept):
     def with_bounded_ends(self) -> Self:
         """The same density without round-off traces of 1/sqrt(d) at free ends.
 
-        An end with the error delta leaves K = A delta / 2. At equal normalised position the rest of
-        the density has an error of delta over the width, but K / sqrt(d) would grow without bound.
+        An error delta of an end causes the intensity K = A delta / 2, where A is the coefficient of
+        sqrt(d). At equal normalised position, the error of the rest of the density is about delta
+        divided by the width. The part K / sqrt(d) would grow without bound near the end.
         """
         return replace(self, bounded_ends=True)  # type: ignore[type-var]
 
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by zone index and distances from the zone's ends over its half
-        width.
+        """Density at points given by zone index and distances from the zone's ends in half widths.
 
         left + right = 2; no digit is lost close to the ends.
         """
@@ -53,15 +53,16 @@ class DensityBase(Kept):
         return self.at(zone, 1 + t, 1 - t)
 
     def by_angle(self, zone: ArrayLike, angle: Array) -> tuple[Array, Array]:
-        """(density, derivative by the angle) at angles of zones, t = cos(angle), by central
-        differences.
+        """(density, derivative by the angle) at angles of zones, t = cos(angle).
+
+        The derivative is a central difference.
         """
         return by_angle(lambda left, right: self.at(zone, left, right), angle)
 
     def change_sizes(self, zone: Any, angle: Array) -> tuple[Array, Array, Array]:
-        """Sizes at angles of zones of the density, and of its changes by motions of both ends.
+        """Absolute values at angles of zones: (density, change by left end, change by right end).
 
-        See `Density.sensitivity` for the changes.
+        The changes are those by motions of the ends, see `Density.sensitivity`.
         """
         (value, slope), half = self.by_angle(zone, angle), np.tan(0.5 * angle)
         at_left, at_right = (
@@ -70,9 +71,9 @@ class DensityBase(Kept):
         return np.abs(value), np.abs((slope + at_left) * half), np.abs((slope - at_right) / half)
 
     def largest_changes(self, zones: Index, angles: list[Array]) -> Array:
-        """Largest of the `change_sizes` in each zone, shape (3, Z); zero in zones not given.
+        """Largest of each of the three `change_sizes` on every zone, shape (3, Z).
 
-        angles: the angles of each given zone.
+        zones: the zones to evaluate, the others have zero; angles: the angles of each of these.
         """
         zone, out = np.repeat(zones, [len(one) for one in angles]), np.zeros((3, len(self.zones)))
         for largest, size in zip(out, self.change_sizes(zone, np.concatenate(angles)), strict=True):
@@ -80,7 +81,7 @@ class DensityBase(Kept):
         return out
 
     def locate(self, x: ArrayLike) -> tuple[Array, Index, Mask]:
-        """(x moved by periods, index of its zone, whether it is inside that zone).
+        """(x moved by whole periods, index of its zone, whether it is inside that zone).
 
         x is moved to lie right of the first zone's left end; the zone is the last one that starts
         before x.
@@ -91,9 +92,9 @@ class DensityBase(Kept):
         return place, i, np.asarray((place >= zones.a[i]) & (place <= zones.b[i]))
 
     def into_period(self, x: Array) -> Array:
-        """x moved by periods to within half a period of the zones' middle.
+        """x moved by whole periods to within half a period of the middle of all zones.
 
-        The kernel's poles are the nearest ones there.
+        For these places the kernel's poles are the nearest images.
         """
         return nearest_image(x, 0.5 * (self.zones.a[0] + self.zones.b[-1]), self.kernel.period)
 
@@ -142,6 +143,9 @@ class DensityBase(Kept):
         return self._in_plane(z, "derivative")
 
     def _in_plane(self, z: ArrayLike, what: What) -> NDArray[Any]:
+        """Transform, its derivative or potential at complex z (any shape); NaN where z is not
+        finite.
+        """
         points = np.asarray(z, dtype=complex)
         out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
         out[finite] = self.plane(points[finite], what)

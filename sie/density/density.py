@@ -1,4 +1,4 @@
-"""The solution: a density on zones that can be evaluated anywhere, on the zones and off them."""
+"""The density on zones without slits, which can be evaluated on the zones and off them."""
 
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -17,11 +17,11 @@ from sie.trees.far import reaches
 
 @dataclass(frozen=True, eq=False)
 class Density(Series):
-    """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + closed forms of the jumps, -1 < t < 1 on each
-    zone.
+    """The density phi(x): on each zone a Chebyshev series plus closed forms of the jumps.
 
-    Called at points of the line it gives phi, and zero off the zones. `transform`, `potential` and
-    `transform_slope` also take complex points.
+    The series is sum_j c_j T_j(t) / sqrt(1 - t^2), -1 < t < 1. Calling the object gives phi at
+    points of the line, zero off the zones. `transform`, `potential` and `transform_slope` also take
+    complex points.
 
     Attributes
     ----------
@@ -30,13 +30,13 @@ class Density(Series):
     kernel : Kernel
         The kernel of transform and potential.
     coefficients : ndarray
-        c of the smooth part (Z, n + 1).
+        Coefficients c_j of the series on each zone (Z, n + 1).
     jumps : ForcingJumps
         The jumps within the zones.
     amplitudes : ndarray
         Amplitudes of the equation's columns (k,).
     bounded_ends : bool
-        See `with_bounded_ends`.
+        Whether round-off traces of 1/sqrt(d) at free ends are removed, see `with_bounded_ends`.
     edges : tuple or None
         (alpha, beta) of `singular`, if they differ from those of the coefficients.
 
@@ -67,8 +67,9 @@ class Density(Series):
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x lies in a slit, integral of the slack from the slit's left end to x); here no
-        slits.
+        """(whether x lies in a slit, integral of the slack from the slit's left end to x).
+
+        This density has no slits: false and zero everywhere.
         """
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
@@ -79,7 +80,7 @@ class Density(Series):
         return Plane(self)
 
     def _on_line(self, x: Array, potential: bool) -> Array:
-        """Transform or potential of all zones at real x, by blocks of points or by fast sums."""
+        """Transform or potential of all zones at real x, summed directly or by a tree."""
         flat = self.into_period(x).ravel()
         regular = self.kernel.regular_potential if potential else self.kernel.regular
         zone, shift = (
@@ -91,7 +92,7 @@ class Density(Series):
         )
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
-            # The far sums of such a kernel include its regular part.
+            # With a `sure` kernel, the far sums of the tree include the regular part.
             regular = None if self.kernel.sure else regular
         else:
             every = partial(from_zones, self, zone=zone, shift=shift, potential=potential)
@@ -104,7 +105,7 @@ class Density(Series):
 
     @cached_property
     def treecode(self) -> Treecode | None:
-        """Fast sums for many points; None if the kernel does not allow them."""
+        """Fast sums over zones for many points; None if the kernel does not allow them."""
         return Treecode(self) if reaches(self.kernel, self.zones) else None
 
     @property

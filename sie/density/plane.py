@@ -1,5 +1,4 @@
-r"""A density at complex points: transform, its derivative, and potential, off the line and on its
-sides.
+r"""The transform of a density, its derivative, and the potential at complex points.
 
     F(z) = (1/pi) int phi K(z - xi) dxi,      F'(z),
     W(z) = (1/pi) int phi Lambda(z - xi) dxi,   W' = F.
@@ -8,13 +7,15 @@ F is analytic off the zones. On their upper side it is the transform on the line
 Plemelj, Monatsh. Math. Phys. 19, 1908, 205-210). Everything is computed in the closed upper half
 plane; phi is real, so that the lower half plane has the conjugate values.
 
-Zones and images use rho (see `sie.basis.interval`). A jump at s = cos(phi), with A, B = 1 - rho
-e^(+-i phi) (see `sie.jumps`), has
+The series on zones are summed by powers of rho (see `sie.basis.interval`). The closed forms of a
+jump at s = cos(phi) (see `sie.jumps`) contain A = 1 - rho e^(i phi) and B = 1 - rho e^(-i phi),
+with
 
     B = 2 e^(-i phi/2) (cos(phi/2) m + i sin(phi/2) p) / (p + m),     A B = 2 rho (zeta - s),
     sum (2/j) rho^j sin(j phi) = -i log(B / A),      log(1 - 2 rho cos(phi) + rho^2) = log(A B).
 
-Many zones are summed by a tree (`sie.trees`): a node with small |rho| is its first moments.
+Many zones are summed by a tree (`sie.trees`): the field of a node at points with a small |rho|
+follows from its first moments.
 """
 
 from functools import cached_property
@@ -43,12 +44,13 @@ from sie.jumps.spline import OPTIONS as SPLINES
 from sie.trees.far import Nested
 from sie.trees.tree import SEPARATION, TERMS, Tree
 
-# Below this |rho| a node of the tree is its first TERMS moments.
+# At points with a smaller |rho|, the field of a node of the tree follows from its first TERMS
+# moments.
 _FAR = float(np.exp(-decay_rate(SEPARATION)))
 
 
 class Plane:
-    """A density at complex points."""
+    """The fields of a density at complex points: transform, its derivative, and potential."""
 
     def __init__(self, density: Series) -> None:
         self.density = density
@@ -76,11 +78,11 @@ class Plane:
             out = out - 1j * self.total * turns
         return np.where(z.imag < 0, np.conj(out), out)
 
-    # Poles of the kernel.
+    # Fields through the poles of the kernel.
     def poles(self, x: Array, y: Array, what: What) -> Complex:
-        """Sum over the poles of the kernel at x + i y, by the tree.
+        """Field at x + i y through the poles of the kernel, summed by the tree.
 
-        Each point goes down from the root until a node is far, or is one zone.
+        For each point, nodes are split from the root down until they are far or are a single zone.
         """
         tree, datum = self.nested.tree, self.density.kernel.datum
         lo, hi, half = tree.lo, tree.hi, tree.half
@@ -113,7 +115,7 @@ class Plane:
         return out
 
     def of_zones(self, x: Array, y: Array, zone: Index, what: What) -> Complex:
-        """Values of single zones, pair by pair."""
+        """Field of one zone at each point x + i y, for pairs of a point and a zone."""
         density = self.density
         zones, w = density.zones, density.zones.half[zone]
         seen = InPlane.of(zones.beyond_a(x, zone) / w, -zones.before_b(x, zone) / w, y / w)
@@ -134,7 +136,7 @@ class Plane:
         return value
 
     def _jumps(self, zone: int, seen: InPlane, what: What) -> Complex:
-        """Values of the jumps of one zone."""
+        """Field of the jumps in one zone at the given points."""
         w, datum, jumps = (
             float(self.density.zones.half[zone]),
             self.density.kernel.datum,
@@ -179,10 +181,12 @@ class Plane:
 
     @cached_property
     def _of_jumps(self) -> Array:
+        """First T coefficients of the jumps on each zone, for points far from it."""
         return self.density.jumps.t_coefficients(self.density.zones, int(JUMPS.far_terms[0]))
 
-    # Regular part of the kernel.
+    # Fields through the regular part of the kernel.
     def _regular(self, z: Complex, what: What) -> Complex | None:
+        """Field at z through the kernel's regular part; None if there is none."""
         kernel = self.density.kernel
         if kernel.regular is None:
             return None
@@ -204,9 +208,10 @@ class Plane:
 
     @cached_property
     def _central_nodes(self) -> list[tuple[Array, Array]]:
-        """Nodes over all zones together, with weights of the same moments.
+        """Quadrature nodes on the interval of all zones, with weights for the density.
 
-        They are enough for a function that is smooth over a period.
+        The weights reproduce its first moments, which is enough if the regular part is smooth over
+        a period.
         """
         tree, half = self.nested.tree, self.nested.tree.half[0]
         xi = 0.5 * (tree.lo[0] + tree.hi[0]) + half * chebyshev.gauss(TERMS)
@@ -214,8 +219,9 @@ class Plane:
 
 
 def _check_analytic(regular: Regular, z: Complex, places: Array) -> None:
-    """Raise ValueError unless a user's regular part is analytic: its differences along and across x
-    agree.
+    """Raise ValueError unless a user's regular part is analytic at some of the points z.
+
+    It is analytic if the difference quotients along the real and the imaginary direction agree.
     """
     for at in z[:: max(1, len(z) // 3)][:3]:
         xi, h = places[:1], 1e-4 * (1 + abs(at))
@@ -229,11 +235,12 @@ def _check_analytic(regular: Regular, z: Complex, places: Array) -> None:
             )
 
 
-# Jumps.
+# Closed forms of jumps.
 def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Complex:
-    """Values of jumps k of a zone at points close to it.
+    """Field of some jumps of a zone, at points close to the zone.
 
-    The derivative is multiplied by w; the potential is over w and without c_0 log(w).
+    k: indices of the jumps. The derivative is multiplied by the half width w. The potential is
+    divided by w and lacks the term c_0 log(w), where c_0 is the jumps' coefficient of T_0 / X.
     """
     if len(k) == 0:
         return np.zeros(seen.left.shape, dtype=complex)

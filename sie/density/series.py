@@ -1,8 +1,7 @@
-"""A density zone by zone: coefficients and jumps, its values on its zones, and its fields on the
-line.
+"""A density as series on its zones: coefficients and jumps, values, and fields on the line.
 
-`sie.basis.interval` has the closed forms of a zone and of its images. The regular part of the
-kernel is integrated by quadrature.
+`sie.basis.interval` has the closed forms for a zone and its images. The regular part of the kernel
+is integrated by quadrature.
 """
 
 from collections.abc import Callable
@@ -27,15 +26,15 @@ from sie.trees.skeleton import Skeleton
 
 @dataclass(frozen=True)
 class DensityOptions:
-    """Where the error of a density is asked for, and when it is summed fast."""
+    """Places at which the response of a density to motions of the ends is evaluated."""
 
-    # Distance from a singular end or a kink, over the half width, within which no error of the
-    # density is stated: there it is infinite.
+    # Distance from a singular end or a kink, relative to the half width, within which no error of
+    # the density is stated: the error grows without bound there.
     end_distance: float = 0.01
-    # Angles of a zone that resolve its density, at least.
+    # Least number of angles at which the density of a zone is sampled.
     min_samples: int = 24
-    # Angles of a zone at which its response to motions of the ends is evaluated, and its largest
-    # kinks next to which it is.
+    # Largest number of angles of a zone at which its response to motions of the ends is evaluated,
+    # and largest number of kinks next to which it is also evaluated.
     max_angles: int = 256
     max_kinks: int = 32
 
@@ -45,8 +44,9 @@ OPTIONS = DensityOptions()
 
 @dataclass(frozen=True, eq=False)
 class Series(DensityBase):
-    """sum_j c_j T_j(t) / sqrt(1 - t^2) + closed forms of the jumps, on each zone; see
-    `sie.Density`.
+    """Density sum_j c_j T_j(t) / sqrt(1 - t^2) plus closed forms of the jumps, on each zone.
+
+    `sie.Density` explains the fields.
     """
 
     zones: Zones
@@ -57,7 +57,7 @@ class Series(DensityBase):
     bounded_ends: bool = False
     edges: tuple[Array, Array] | None = None
 
-    # Values for each zone.
+    # Values on each zone.
     @cached_property
     def singular(self) -> tuple[Array, Array]:
         """(alpha, beta) of the unbounded part (alpha + beta t) / sqrt(1 - t^2)."""
@@ -70,14 +70,17 @@ class Series(DensityBase):
 
     @cached_property
     def bounded(self) -> tuple[Array, Array, Array]:
-        """(alpha, beta, u) of `chebyshev.bounded_part`."""
+        """(alpha, beta, u): the series equals (alpha + beta t) / X + X sum u_k U_k.
+
+        X = sqrt(1 - t^2).
+        """
         return *self.singular, chebyshev.bounded_part(self.coefficients)[2]
 
     @cached_property
     def sampling(self) -> Index:
         """Number of equidistant angles that resolve the density on each zone (Z,).
 
-        Twice the number of modes, and four for every jump.
+        It is twice the number of modes, plus four for every jump.
         """
         modes = np.count_nonzero(self.coefficients, axis=1)
         jumps = np.zeros(len(self.zones), dtype=np.intp)
@@ -85,7 +88,7 @@ class Series(DensityBase):
         return np.clip(2 * modes + 4 * jumps, OPTIONS.min_samples, BLOCKS.cache_pairs)
 
     def first(self, count: int) -> Array:
-        """First coefficients of the whole density, jumps included (Z, count)."""
+        """First T coefficients of the density on each zone, jumps included (Z, count)."""
         out = widened(self.coefficients[:, :count], count)
         return out + self.jumps.t_coefficients(self.zones, count) if len(self.jumps) else out
 
@@ -125,16 +128,15 @@ class Series(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """Largest density of each zone, and its largest change by a motion of its left and right
-        end.
+        """(largest density, largest change by the left end, by the right end), arrays (Z,).
 
-        Three arrays (Z,). Changes are at equal normalised position, per motion over width.
-        Unbounded values at singular ends and kinks count up to `DensityOptions.end_distance` from
-        there.
+        Changes are those at equal normalised position by a motion of an end, divided by the motion
+        relative to the zone's width. Values closer to singular ends and kinks than
+        `DensityOptions.end_distance` do not count, because they are unbounded.
 
-        To first order a motion of an end leaves a bounded density unchanged at fixed places, except
-        for K / sqrt(d), which the density at the new ends does not have. At equal t = cos(theta), a
-        motion of the right end by eps widths gives
+        To first order, a motion of an end leaves a bounded density unchanged at fixed places. Only
+        a part K / sqrt(d) appears, which the density at the new ends does not have. At equal t =
+        cos(theta), a motion of the right end by eps widths changes the density by
 
             eps (1 + t) phi'(t) + K's part = -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)).
         """
@@ -162,17 +164,17 @@ class Series(DensityBase):
                 for i, theta in zip(bent.tolist(), even, strict=True)
             ]
             out[1:] += bounded.largest_changes(bent, near_kinks)[1:]
-        # A zone with one fixed end spreads its load over another width when the other end moves.
+        # The singular part (alpha + beta t) / sqrt(1 - t^2) changes as well: with one fixed end,
+        # the load spreads over another width when the other end moves.
         alpha, beta = self.singular
         out[1:] += (np.abs(alpha) + np.abs(beta)) / interval.root_weight(
             OPTIONS.end_distance, 2 - OPTIONS.end_distance
         )
         return out[0], out[1], out[2]
 
-    # Evaluation.
+    # Density and its integral at given places.
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by zone index and distances from the zone's ends over its half
-        width.
+        """Density at points given by zone index and distances from the zone's ends in half widths.
 
         left + right = 2; no digit is lost close to the ends.
         """
@@ -199,7 +201,7 @@ class Series(DensityBase):
         return np.asarray(w * out)
 
     def integral(self, x: ArrayLike) -> Array:
-        """Integral of the density from the left end of its zone to x, zero off the zones."""
+        """Integral of the density from the left end of the zone of x to x; zero off the zones."""
         x, i, inside = self.locate(x)
         out = np.zeros(x.shape)
         z, w = i[inside], self.zones.half[i[inside]]
@@ -207,16 +209,17 @@ class Series(DensityBase):
         out[inside] = self.integral_at(z, interval.theta(left, right))
         return out
 
-    # Input of the sums over zones.
+    # Tables from which the sums over zones are computed.
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
-        """Nodes and weighted density for the regular part of the kernel."""
+        """(nodes, weights times density) for the regular part of the kernel, see `quadrature`."""
         return quadrature(self.zones, self.kernel, self.coefficients, self.jumps)
 
     @cached_property
     def panel_moments(self) -> tuple[Panels | Skeleton, Array] | None:
-        """The panels of the regular part and the moments of this density on them; None without
-        panels.
+        """(panels of the kernel's regular part, moments of the density on them), or None.
+
+        It is None if the regular part is not computed by panels.
         """
         panels = panels_over(self.kernel, self.zones)
         return (
@@ -230,7 +233,10 @@ class Series(DensityBase):
 
     @cached_property
     def potential_coefficients(self) -> Array:
-        """Coefficients c_0, c_1, c_2 / 2, ... for potentials, except `sharp_potential`."""
+        """Coefficients c_0, c_1, c_2 / 2, c_3 / 3, ... from which potentials are computed.
+
+        They lack the jumps that `ForcingJumps.sharp_potential` gives in closed form.
+        """
         c, high = self.coefficients, self.jumps.high_coefficients(self.zones)
         table = widened(c, high.shape[1]) + widened(high, c.shape[1])
         table[:, 1:] /= np.arange(1, table.shape[1])
@@ -238,7 +244,7 @@ class Series(DensityBase):
 
     @cached_property
     def sharp_totals(self) -> Array:
-        """c_0 of the jumps that `ForcingJumps.sharp_potential` covers, for each zone."""
+        """Coefficient c_0 on each zone of the jumps that `ForcingJumps.sharp_potential` covers."""
         high = self.jumps.high_coefficients(self.zones)[:, :1]
         return np.asarray(self.jumps.t_coefficients(self.zones, 1)[:, 0] - high.sum(axis=1))
 
@@ -249,10 +255,11 @@ def even_angles(count: int) -> Array:
 
 
 def angles_at_kinks(left: Array, height: Array, theta: Array) -> Array:
-    """The given angles, and the angles on both sides of the largest kinks.
+    """The angles theta of a zone, and the angles on both sides of its largest kinks.
 
-    left, height: of all kinks of a zone, by distances from the left end over w. Angles closer to a
-    kink than `end_distance`, or than a quarter of the mean distance of kinks, are left out.
+    left, height: distances of all kinks from the zone's left end, divided by its half width, and
+    their heights. Angles too close to a kink are left out. The limit is `end_distance`, or an
+    eighth of the mean distance between kinks if that is smaller.
     """
     if len(left) == 0:
         return theta
@@ -270,9 +277,9 @@ def angles_at_kinks(left: Array, height: Array, theta: Array) -> Array:
 def from_zones(
     density: Series, x: Array, zone: Index, shift: Array | float, potential: bool
 ) -> Array:
-    """Fields at points, by the poles of the kernel, of zones moved by `shift`.
+    """Fields of zones, moved by `shift`, through the pole of the kernel, at points x.
 
-    Pair by pair, all arrays (n,); or every zone at every point, with x (n, 1).
+    The result is pair by pair if all arrays are (n,). With x (n, 1) it has a column for each zone.
     """
     zones, w, jumps = density.zones, density.zones.half[zone], density.jumps
     seen = interval.OnLine.of(
@@ -315,9 +322,9 @@ def from_zones(
 
 
 def regular_at(density: Series, x: Array, regular: Regular) -> Array:
-    """The regular part of the kernel, or of its potential, at points x.
+    """Field through the kernel's regular part, or potential through that of Lambda, at points x.
 
-    Through panels if there are any, else by Gauss-Chebyshev quadrature on every zone.
+    It is summed by panels if the kernel has any, else by Gauss-Chebyshev quadrature on every zone.
     """
     if density.panel_moments is not None:
         panels, moments = density.panel_moments
@@ -342,7 +349,10 @@ def by_quadrature(
     regular: Callable[..., NDArray[Any]],
     pairs: int = BLOCKS.cache_pairs,
 ) -> NDArray[Any]:
-    """Sums over nodes with weights at real or complex points, at most `pairs` pairs at once."""
+    """sum_j regular(x, xi_j) weight_j at real or complex x, at most `pairs` pairs at once.
+
+    parts: pairs (nodes xi, weights).
+    """
     out = np.zeros(x.shape, dtype=x.dtype)
     for xi, weights in parts:
         block = max(1, pairs // weights.size)
@@ -354,7 +364,7 @@ def by_quadrature(
 def moments_of(
     panels: Panels | Skeleton, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps
 ) -> Array:
-    """Moments of the panels of a density, see `quadrature`."""
+    """Moments of a density on the panels; `table` is as in `quadrature`."""
     nodes, weights = (
         np.concatenate(parts)
         for parts in zip(*quadrature(zones, kernel, table, jumps), strict=True)
@@ -365,10 +375,10 @@ def moments_of(
 def quadrature(
     zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps
 ) -> list[tuple[Array, Array]]:
-    """(nodes, weights times density) for the regular part, one pair for zones with equal node
-    counts.
+    """List of (nodes, weights times density) for integrals with the kernel's regular part.
 
-    table: T coefficients (zones, n + 1).
+    There is one pair for all zones with the same number of nodes. table: T coefficients (zones, n +
+    1) of the density without jumps.
     """
     m, panels = table.shape[1] - 1, panels_over(kernel, zones)
     sizes = (

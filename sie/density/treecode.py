@@ -1,8 +1,8 @@
 """Transform and potential of a density with many zones at many points, by a tree.
 
-The line is cut into cells: the zones, and pieces of the gaps between them. All that is far from a
-cell is one Chebyshev series on it, from one fast sum. A point adds the fields of the few near zones
-in closed form.
+The line is cut into cells: the zones, and parts of the gaps between them. On each cell, the field
+of all distant zones is one Chebyshev series, computed once by a fast sum. At a point, this series
+is evaluated and the fields of the few near zones are added in closed form.
 """
 
 import weakref
@@ -22,15 +22,17 @@ from sie.trees.tree import TERMS, Tree
 
 
 class Treecode:
-    """The series of a density on all cells, at points within the central period."""
+    """Transform and potential of a density, from a series on each cell of the central period."""
 
     def __init__(self, density: Series) -> None:
-        # A proxy, because the density holds this object: a cycle would delay the release of both.
+        # A weak reference, because the density refers to this object: a reference cycle would delay
+        # the release of both.
         self.density: Series = weakref.proxy(density)  # type: ignore[assignment]
         zones, period = density.zones, density.kernel.period
         first, last = float(zones.a[0]), float(zones.b[-1])
         middle = 0.5 * (first + last)
-        # Beyond a span on either side all zones are far, and cells there would be useless.
+        # Without a period, cells end at one total width of the zones on either side. Farther away
+        # all zones are distant, and the moments of all of them suffice.
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
@@ -46,28 +48,33 @@ class Treecode:
 
     @cached_property
     def potential_series(self) -> Array:
-        """Series of the potential: the primitive of the transform, with the given value at each
-        middle.
+        """Series of the potential on each cell.
+
+        It is the primitive of the transform's series that has the known value at the middle.
         """
         out = chebint(self.series, axis=1) * self.half[:, None]
         out[:, 0] += self.value
         return np.asarray(out)
 
     def transform(self, x: Array) -> Array:
+        """Transform at real x (n,) within the central period."""
         return self._summed(x, self.series, False)
 
     def potential(self, x: Array) -> Array:
+        """Potential at real x (n,) within the central period."""
         return self._summed(x, self.potential_series, True)
 
     def _summed(self, x: Array, series: Array, potential: bool) -> Array:
+        """Field at x: the series of its cell plus the closed forms of the near zones."""
         out = np.empty(len(x))
         order = np.argsort(x, kind="stable")
         cell = np.searchsorted(self.ends, x[order], side="right") - 1
-        # Half a period from the middle points are outside by rounding only.
+        # With a period, points can be outside the cells by round-off only.
         outside = ((cell < 0) | (x[order] > self.ends[-1])) & (self.density.kernel.period is None)
         beyond = order[outside]
         if len(beyond):
-            # Points outside see the moments of all zones, but zones one by one close to an image.
+            # Outside the cells the tree is used: mostly the moments of all zones at once, but
+            # single zones close to an image.
             plane: Plane = self.density.plane  # type: ignore[assignment]
             out[beyond] = plane.poles(
                 x[beyond], np.zeros(len(beyond)), "potential" if potential else "transform"
@@ -93,9 +100,9 @@ class Treecode:
 
 
 def _cells(zones: Zones, lo: float, hi: float) -> Array:
-    """Ends of the cells: the zones, and pieces of the gaps that double in length away from a zone.
+    """Ends of the cells: the zones, and parts of the gaps that double in length away from a zone.
 
-    This way few zones are near to any piece.
+    This way few zones are near any cell.
     """
     before = np.diff(
         np.concatenate(([2 * lo - zones.a[0]], zones.b[:-1], zones.a)).reshape(2, -1), axis=0

@@ -1,9 +1,9 @@
-"""Checks of a user's functions at a few points, once, before anything is solved with them.
+"""Checks of a user's functions at a few points, made once before an equation is solved.
 
 Values must be real and of the right shape. A primitive must rise by the integral of its function,
-and the potential of a regular part likewise. On symmetric zones the right side must be odd. Claims
-about a function are compared with it: that a regular kernel depends on x - xi only, that a weight
-is a polynomial, that a column has few modes.
+and so must the potential of a regular part. On symmetric zones the right side must be odd. Claims
+about a function are tested: that a regular kernel depends on x - xi only, that a weight is a
+polynomial, that a column has few modes.
 """
 
 from collections.abc import Callable
@@ -24,19 +24,21 @@ from sie.equation.forcing import Forcing
 
 @dataclass(frozen=True)
 class CheckOptions:
-    """Where a user's functions are checked, and how much they may disagree."""
+    """Places at which a user's functions are checked, and the tolerances of the checks."""
 
     # Normalised positions of the check points on each of at most three zones.
     places: tuple[float, ...] = (-0.7, 0.1, 0.6)
-    # Half lengths of the intervals over which a primitive must rise by the integral of its
-    # function, over the half width. The second is for features that five values on the first miss.
+    # Half lengths, relative to the zone's half width, of the intervals over which a primitive must
+    # rise by the integral of its function. The second one is for functions that vary so fast that
+    # five values on the first interval do not show it.
     steps: tuple[float, ...] = (1e-3, 2e-5)
-    # Disagreement of a rise and the function, over the largest value: above round-off of all steps.
+    # Largest difference between the slope of a primitive and its function, relative to the largest
+    # value of the function. It is above the round-off of both steps.
     max_slope_error: float = 1e-4
-    # Part beyond a claimed degree, number of modes or lag: round-off of the function, with a wide
-    # margin.
+    # Largest relative deviation from a claimed degree, number of modes or dependence on the lag:
+    # the round-off of the function with a wide margin.
     max_claim_error: float = 1e-9
-    # Coefficients beyond the claimed ones that are checked.
+    # Number of coefficients beyond the claimed ones that are checked to be zero.
     extra_coefficients: int = 8
 
 
@@ -82,20 +84,20 @@ def check_functions(equation: Equation, zones: Zones) -> None:
 
 
 def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool]]:
-    """Ways (potentials needed, symmetric) in which a part has passed its checks."""
+    """The pairs (potentials are needed, zones are symmetric) for which a part has been checked."""
     found: set[tuple[bool, bool]] = part.__dict__.setdefault("_checked", set())
     return found
 
 
 def _places(zones: Zones) -> tuple[Array, Array]:
-    """(check points, half widths of their zones)."""
+    """(points for the checks, half width of the zone of each point)."""
     some = _some(zones)
     x = zones.middle[some, None] + zones.half[some, None] * _T
     return x.ravel(), np.repeat(zones.half[some], len(_T))
 
 
 def _some(zones: Zones) -> list[int]:
-    """The first, a middle and the last one of the solved zones."""
+    """Indices of the first, a middle and the last one of the solved zones."""
     return sorted(
         {int(zones.solved[0]), int(zones.solved[len(zones.solved) // 2]), int(zones.solved[-1])}
     )
@@ -114,6 +116,7 @@ def _called(name: str, function: Callable[..., Any], *places: Array) -> Any:
 
 
 def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array:
+    """The values that a user's function returned, checked to be real and of the right shape."""
     values = np.asarray(returned)
     if values.dtype.kind == "c":
         raise ValueError(
@@ -137,6 +140,7 @@ def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array
 def _check_forcing(
     name: str, forcing: Forcing, x: Array, half: Array, levels: bool, symmetric: bool
 ) -> None:
+    """Raise ValueError for a wrong value or primitive of a right side or a column."""
     for part, function in (("value", forcing.value), ("primitive", forcing.primitive)):
         if not (callable(function) or (part == "primitive" and function is None)):
             raise ValueError(
@@ -165,6 +169,7 @@ def _check_forcing(
 
 
 def _check_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetric: bool) -> None:
+    """Raise ValueError for a wrong value or potential of the kernel's regular part."""
     regular, potential = kernel.regular, kernel.regular_potential
     assert regular is not None
     xi = x[::-1]
@@ -243,7 +248,7 @@ def _check_modes(name: str, forcing: Forcing, zones: Zones) -> None:
 
 
 def _of_places(x: Array, length: float, values: Array) -> float:
-    """Round-off of places x, as a change of values that vary over this length."""
+    """Change of values by the round-off of the places x, if they vary over this length."""
     return float(8 * np.spacing(np.abs(x).max()) / max(length, 1e-300) * np.ptp(values))
 
 
@@ -251,7 +256,7 @@ def _check_lag(kernel: Kernel, x: Array, half: Array) -> None:
     """Raise ValueError for a regular part that claims to depend on x - xi only, but does not."""
     if not kernel.of_lag or kernel.regular is None:
         return
-    # Both places move by the same part of the narrowest checked zone, and stay within their zones.
+    # x and xi are shifted by the same distance. It is so short that both stay within their zones.
     places = x.reshape(-1, len(_T))[:, :2].ravel()
     target, source = np.repeat(places, len(places)), np.tile(places, len(places))
     shift = (_T[2] - _T[1]) * half.min()
@@ -280,6 +285,7 @@ def _check_lag(kernel: Kernel, x: Array, half: Array) -> None:
 
 
 def _check_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
+    """Raise ValueError unless the values at the mirrored places are minus the values at x."""
     size = np.abs(here).max(initial=0.0)
     difference = np.abs(here + there).reshape(len(x), -1).max(axis=1)
     worst = int(np.argmax(difference))
@@ -302,8 +308,9 @@ def _check_rise(
 ) -> None:
     """Raise ValueError for a primitive whose slope is not the function.
 
-    By the mean value theorem the primitive rises over a short interval by its length times a value
-    of the function there. If the difference is as large over a shorter interval, it is round-off.
+    By the mean value theorem, the primitive rises over a short interval by the interval's length
+    times a value of the function there. If the discrepancy of the rise does not become smaller on a
+    shorter interval, it is round-off and no error.
     """
     wrong, longer, missing = np.ones(len(x), dtype=bool), np.zeros(len(x)), np.zeros(len(x))
     for step in OPTIONS.steps:
@@ -313,14 +320,14 @@ def _check_rise(
             ends = primitive(x[:, None] + h[:, None] * np.array([-1.0, 1.0]))
             rise = np.diff(ends)[:, 0] / (2 * h)
             low, high, size = g.min(axis=1), g.max(axis=1), np.abs(g).max(initial=0.0)
-            # For a primitive far from zero, the rise over a short interval may be mere round-off.
+            # If the primitive has large values, its rise over a short interval may be round-off.
             slack = (
                 (high - low)
                 + OPTIONS.max_slope_error * size
                 + SUM_ROUNDING * np.abs(ends).max(axis=1) / (2 * h)
             )
-            # Places that are rounded to a large part of their zone are skipped, and values that are
-            # not finite.
+            # Values that are not finite are skipped. So are zones so narrow that the round-off of
+            # places makes the interval too long for them.
             missed = 2 * h * np.maximum(low - slack - rise, rise - high - slack)
             wrong &= (missed > 0.0) & (missing >= 0.5 * np.sqrt(longer / h) * missed)
             wrong &= (h < 0.1 * half) & np.isfinite(g).all(axis=1)

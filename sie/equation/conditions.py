@@ -1,8 +1,9 @@
-"""Side conditions: linear statements about the density, one class each.
+"""Side conditions: linear equations for the density, one class each.
 
-A condition makes rows over the unknown coefficients from a `Rows` object, the assembled system,
-which knows the total, potential, weighted integral and edge intensity of each zone. A new condition
-is one class with `count` and `rows`.
+A condition returns rows, that is linear equations for the unknown coefficients. It builds them from
+the quantities that a `Rows` object, the assembled system, provides: total, potential, weighted
+integral and intensities at the ends of each zone. A new condition is one class with `count` and
+`rows`.
 """
 
 from collections.abc import Callable
@@ -24,7 +25,7 @@ Linear = tuple[Array, Array]
 class Rows(Protocol):
     """Quantities of the assembled system that a condition may use, for the solved zones in order.
 
-    (matrix, constants) stands for the quantities matrix @ unknowns + constants.
+    Each method returns (matrix, constants): the quantities are matrix @ unknowns + constants.
 
     Examples
     --------
@@ -53,9 +54,9 @@ class Rows(Protocol):
         """Integral of the density over each zone."""
 
     def levels(self) -> Linear:
-        """Mean over each zone of the potential less the primitive of the right side.
+        """Level of each zone: mean of the potential minus the primitive of the right side.
 
-        The weight is 1 / sqrt(1 - t^2).
+        The weight of the mean is 1 / sqrt(1 - t^2).
         """
 
     def level_steps(self) -> Linear:
@@ -66,7 +67,7 @@ class Rows(Protocol):
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         """Integral of weight times density over each zone.
 
-        degree: of a weight that is a polynomial on each zone.
+        degree: degree of the weight if it is a polynomial on each zone, else None.
         """
 
     def intensities(self) -> tuple[Linear, Linear]:
@@ -84,11 +85,12 @@ class Rows(Protocol):
 
 
 class Condition:
-    """Base of side conditions: a linear statement about the density and the unknown amplitudes.
+    """Base of side conditions: linear equations for the density and the unknown amplitudes.
 
-    A user's condition has `rows(system)`, (matrix, constants, values) of shapes (count, unknowns),
-    (count,), (count,) with matrix @ unknowns + constants = values. It has `count(zones)`, too, if
-    its number of rows is not one. `Rows` lists what `system` provides.
+    A user's condition has a method `rows(system)`. It returns (matrix, constants, values) of the
+    shapes (count, unknowns), (count,), (count,), which stand for matrix @ unknowns + constants =
+    values. A condition with another number of rows than one also has a method `count(zones)`.
+    `Rows` lists the methods of `system`.
 
     Attributes
     ----------
@@ -129,7 +131,7 @@ class Condition:
 
 
 def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, Array]:
-    """The rows of a condition over `size` unknowns, with their shapes checked."""
+    """(matrix, constants, values) of a condition for `size` unknowns, with checked shapes."""
     given = condition.rows(system)
     if not isinstance(given, tuple) or len(given) != 3:
         raise ValueError(
@@ -158,7 +160,7 @@ def of_levels(condition: Condition, zones: Zones) -> Array:
 
 
 def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
-    """Whether a condition contains potentials, declared or found by a trial."""
+    """Whether a condition contains potentials: it says so, or its rows respond to trial levels."""
     if condition.levels or type(condition).rows in _SILENT:
         return condition.levels
     level = np.random.default_rng(0).uniform(0.5, 1.5, (len(zones.solved), 1))
@@ -168,10 +170,10 @@ def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
 
 @record
 class ByZone:
-    """A condition on every solved zone by itself, or on every two neighbours.
+    """Coefficients of a condition that acts on every solved zone, or every two neighbours, alone.
 
-    It is found from the response of its rows to levels and to densities c_0 / sqrt(1 - t^2). Row i
-    is
+    `by_zone` finds them from the response of its rows to levels and to densities c_0 / sqrt(1 -
+    t^2). Row i of the condition is
 
         levels_i level_i + first_i c_0i = value_i,
         or, if `differences`, levels_i (level_(i+1) - level_i) = value_i.
@@ -189,10 +191,10 @@ class ByZone:
 
 @record
 class Trial(Rows):
-    """Quantities of a trial density c_0 / sqrt(1 - t^2) on every solved zone, with independent
-    levels.
+    """Quantities of a trial density c_0 / sqrt(1 - t^2) on every solved zone.
 
-    first, level: matrices (solved zones, unknowns) from the unknowns to c_0 and to the levels.
+    Its levels do not depend on the density. first, level: matrices (solved zones, unknowns) from
+    the unknowns to c_0 and to the levels.
     """
 
     zones: Zones
@@ -201,7 +203,7 @@ class Trial(Rows):
 
     @property
     def _scaled(self) -> Array:
-        """`first` times pi w."""
+        """Matrix of the integrals over the zones: `first` times pi and the half width."""
         return np.asarray(np.pi * self.zones.half[self.zones.solved][:, None] * self.first)
 
     def totals(self) -> Linear:
@@ -232,14 +234,14 @@ class Trial(Rows):
 
 
 def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
-    """The coefficients with which a condition acts on each zone by itself; None if it does not.
+    """The coefficients with which a condition acts on each zone alone; None if it does not.
 
-    Its response to values that are equal on all zones, or rise evenly, gives the coefficients. Its
-    response to random values shows whether it contains anything else.
+    The response of its rows to trial values that are equal on all zones, or rise evenly, gives the
+    coefficients. The response to random values shows whether the condition contains anything else.
     """
     solved, count = zones.solved, condition.count(zones)
     n = len(solved)
-    # With two zones, a single row of a user's own may be anything.
+    # With two zones, the single row of a user's condition need not be a difference.
     differences = count == n - 1 and (
         n > 2 or (condition.levels and type(condition).rows in BUILT_IN)
     )
@@ -270,14 +272,14 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
 
 
 def summed(system: Rows, of_zones: Linear, value: float) -> tuple[Array, Array, Array]:
-    """One row: a quantity of every solved zone, summed over all zones."""
+    """(matrix, constants, values) of one row: the sum over all zones of a quantity is `value`."""
     weight = system.multiplicity()
     return (weight @ of_zones[0])[None], np.array([weight @ of_zones[1]]), np.array([value])
 
 
 @dataclass(frozen=True)
 class Total(Condition):
-    """The integral of the density over all zones.
+    """The integral of the density over all zones has a given value.
 
     Parameters
     ----------
@@ -308,10 +310,10 @@ class Total(Condition):
 
 @dataclass(frozen=True)
 class Weighted(Condition):
-    """The integral of weight(x) times the density over all zones: a moment, a mean, or any
-    functional.
+    """The integral of weight(x) times the density over all zones has a given value.
 
-    On symmetric zones only the even part of the weight counts.
+    It can be a moment, a mean, or any other linear functional with a smooth weight. On symmetric
+    zones only the even part of the weight counts.
 
     Parameters
     ----------
@@ -320,7 +322,7 @@ class Weighted(Condition):
     value : float
         The prescribed integral.
     degree : int or None
-        The degree of a polynomial weight, which then needs few coefficients.
+        The degree, if the weight is a polynomial: then few coefficients are needed.
 
     Examples
     --------
@@ -350,11 +352,12 @@ class Weighted(Condition):
         )
 
     def _even(self, x: Array) -> Array:
+        """The even part of the weight."""
         return np.asarray(0.5 * (self.weight(x) + self.weight(-x)))
 
 
 def moment(value: float, about: float = 0.0) -> Weighted:
-    """The condition on the integral of (x - about) phi.
+    """The condition that the integral of (x - about) times the density has a given value.
 
     Parameters
     ----------
@@ -386,9 +389,10 @@ def moment(value: float, about: float = 0.0) -> Weighted:
 
 @dataclass(frozen=True)
 class ZoneMoments(Condition):
-    """The sum of the first moments of the density about the middle of each zone.
+    """The sum over zones of the density's first moment about the zone's middle has a given value.
 
-    If every total is zero, it is minus the integral of the opening.
+    If the total of every zone is zero, the sum is minus the integral of the opening, which is the
+    primitive of the density.
 
     Parameters
     ----------
@@ -424,7 +428,7 @@ class ZoneMoments(Condition):
 
 @dataclass(frozen=True)
 class ZoneTotals(Condition):
-    """The integral of the density over each zone.
+    """The integral of the density over each zone has a given value.
 
     Parameters
     ----------
@@ -463,9 +467,9 @@ class ZoneTotals(Condition):
 
 @dataclass(frozen=True)
 class EqualPotential(Condition):
-    """The potential less the primitive of the right side is the same on all zones, and unknown.
+    """The potential minus the primitive of the right side is the same on all zones, and unknown.
 
-    This is one condition for each zone but one. The right side needs its primitive.
+    These are n - 1 conditions for n zones. The right side needs its primitive.
 
     Examples
     --------
@@ -494,7 +498,7 @@ class EqualPotential(Condition):
 
 @dataclass(frozen=True)
 class Level(Condition):
-    """The potential less the primitive of the right side has a given value on every zone.
+    """The potential minus the primitive of the right side has a given value on every zone.
 
     The right side needs its primitive.
 
@@ -578,19 +582,24 @@ class Amplitude(Condition):
 
 _SILENT = (Total.rows, Weighted.rows, ZoneMoments.rows, ZoneTotals.rows, Amplitude.rows)
 BUILT_IN = (*_SILENT, EqualPotential.rows, Level.rows)
-"""Rows that remain valid when zones merge or vanish. A user's rows may rely on the given zones."""
+"""`rows` of conditions that remain valid when zones merge or vanish.
+
+A user's `rows` may rely on the given zones.
+"""
 
 
 class EndCondition(Protocol):
-    """A condition on the zone ends alone."""
+    """A condition on the ends of the zones alone, not on the density."""
 
     def residual(self, zones: Zones) -> tuple[float, Array, Array]:
-        """(residual, its derivatives by the outward motion of a, and of b)."""
+        """(residual, derivatives by outward motions of left ends (n,), and of right ends (n,))."""
 
 
 @dataclass(frozen=True)
 class TotalWidth:
-    """The sum of the zones' widths. It needs one condition of unknown value.
+    """The sum of the zones' widths has a given value.
+
+    An equation with it needs one side condition of unknown value, such as `Total(None)`.
 
     Parameters
     ----------

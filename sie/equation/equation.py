@@ -2,9 +2,9 @@
 
     (1/pi) PV int_zones phi(xi) K(x, xi) dxi = g(x) + sum_k lambda_k C_k(x)    on the zones,
 
-with side conditions on phi and on the unknown amplitudes lambda_k. Unknowns are counted against
-conditions before anything is solved: the index of each zone, one for each free end, and one for
-each unknown amplitude.
+with side conditions on the density phi and on the unknown amplitudes lambda_k. Before anything is
+solved, the number of unknowns is compared with the number of conditions. It is the sum of the
+indices of all zones, of one for each free end, and of one for each unknown amplitude.
 """
 
 from collections import Counter
@@ -45,7 +45,7 @@ def _forcing(name: str, given: Any) -> Forcing:
 
 
 def _check_kernel(kernel: Any) -> None:
-    """Raise ValueError for anything that is no kernel with a pole."""
+    """Raise ValueError unless the argument is a kernel with a pole."""
     if isinstance(kernel, Kernel):
         return
     if kernel in MAKERS:
@@ -62,8 +62,7 @@ def _check_kernel(kernel: Any) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Equation(Kept):
-    """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the
-    ends.
+    """A singular integral equation with its side conditions and conditions on the ends.
 
     Parameters
     ----------
@@ -74,7 +73,8 @@ class Equation(Kept):
         The right side g; a function of x stands for `Forcing` of it.
     conditions : tuple of Condition
         Side conditions: one for each zone with two singular or two free ends, one less for each
-        fixed bounded end, one more for each column. A single condition needs no tuple.
+        fixed bounded end, one more for each column. A single condition may be given without a
+        tuple.
     columns : tuple of Forcing or callable
         Functions of the right side with unknown amplitudes.
     end_conditions : tuple
@@ -142,22 +142,25 @@ class Equation(Kept):
 
     @property
     def grows(self) -> bool:
-        """Whether coupled modes must grow until they resolve all columns and a user's regular
-        kernel.
+        """Whether the number of modes must grow until columns and the regular kernel are resolved.
+
+        This is so for a column of unknown number of modes, and for a user's regular kernel.
         """
         return any(column.resolution.modes is None for column in self.columns) or self.kernel.grows
 
     @property
     def open_condition(self) -> int | None:
-        """Index of the condition of unknown value, which a condition on the ends determines; or
-        None.
+        """Index of the side condition of unknown value; None if there is none.
+
+        A condition on the ends determines its value.
         """
         return next((k for k, condition in enumerate(self.conditions) if condition.open), None)
 
     def check_count(self, zones: Zones) -> None:
-        """Raise CountError unless unknowns and conditions balance.
+        """Raise CountError unless there are as many conditions as unknowns.
 
-        Raise ValueError if the zones do not fit between the images of a periodic kernel.
+        Raise ValueError if the zones reach over a period or more, up to the image of the first
+        zone.
         """
         images = [shift for shift in self.kernel.poles if shift > 0]
         if images and not zones.b[-1] - zones.a[0] < min(images):
@@ -167,7 +170,7 @@ class Equation(Kept):
             )
         first = int(zones.solved[0])
         ends = [*zones.left[first:], *zones.right[first:]]
-        # Many ends share few kinds.
+        # Ends share a few `End` objects, so that counting these is faster than a sum over ends.
         kinds = {id(end): end for end in ends}
         surplus = sum(
             count * kinds[one].surplus for one, count in Counter(map(id, ends)).items()
@@ -175,7 +178,7 @@ class Equation(Kept):
         if zones.central:
             surplus += (
                 1 - zones.left[first].surplus
-            )  # odd modes vanish, which halves the count of a zone
+            )  # by symmetry, only the right end of the zone about the centre counts
         opened = sum(condition.open for condition in self.conditions)
         unknowns = surplus + len(self.columns) + opened
         given = sum(condition.count(zones) for condition in self.conditions) + len(

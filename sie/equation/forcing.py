@@ -21,7 +21,7 @@ Function = Callable[[Array], Array]
 
 
 def _for_each(name: str, count: int, values: Any) -> Array:
-    """Numbers (count,), one for each jump: as many as jumps, or one for all."""
+    """Checked numbers (count,), one for each jump; a single given number is used for all."""
     table = inputs.numbers(name, values)
     if len(table) == 1 and count > 1 and np.ndim(values) == 0:
         return np.full(count, table[0])
@@ -34,7 +34,7 @@ def _for_each(name: str, count: int, values: Any) -> Array:
 
 
 def _orders(name: str, count: int, values: Any) -> Index:
-    """Orders of jumps (count,)."""
+    """Checked orders of jumps (count,); a single given order is used for all."""
     if np.ndim(values) == 0 and values == 0:
         return np.zeros(count, dtype=np.intp)
     if (
@@ -54,7 +54,7 @@ def _orders(name: str, count: int, values: Any) -> Index:
 
 
 def _interval(name: str, values: Any) -> tuple[float, float]:
-    """(lo, hi) with lo < hi; both may be infinite."""
+    """The value as an interval (lo, hi) with lo < hi; both may be infinite."""
     table = inputs.table_of(name, values)
     if table.shape != (2,) or not table[0] < table[1]:
         raise ValueError(
@@ -75,18 +75,20 @@ class Jumps(Kept):
     at : array_like
         Positions s of jumps (k,).
     heights : array_like
-        g^(q)(s+) - g^(q)(s-), or the same of the density: (k,), or one for all.
+        Heights g^(q)(s+) - g^(q)(s-), or those of the density's derivatives: (k,), or one for all.
     orders : array_like
         Orders q (0, 1 or 2) of the derivatives that jump: (k,), or one for all.
     of_density : bool
-        Whether the wanted density jumps, and not g. Then g has (J/pi) (x - s)^q ln|x - s| / q!. For
-        q = 0 this is (J/pi) Lambda(x, s), Lambda the kernel's potential, and is left out of
-        `Forcing.value`. It holds for `algebraic` too: g has the transform of these powers.
+        Whether the wanted density jumps, and not g. A jump J of the density gives g a term (J/pi)
+        (x
+        - s)^q ln|x - s| / q!. For q = 0 this term is (J/pi) Lambda(x, s), where Lambda is the
+        kernel's potential, and `Forcing.value` must not contain it. The flag holds for `algebraic`
+        too: then g contains the transform of the powers.
     spline : callable or None
         A quadratic spline with the jumps of order 2, if it is known and is not all of g. With
         hundreds of jumps its values keep digits that a sum over the jumps loses.
     algebraic : AlgebraicPoints or None
-        Points beside which g, or the wanted density, is a power of the distance.
+        Points near which g, or the wanted density, is a power of the distance.
     singular_at : array_like
         Singular points of g between the zones (k,). The number of nodes starts from the distances
         to them, and narrow gaps are not treated as slits.
@@ -125,7 +127,7 @@ class Jumps(Kept):
 
     @cached_property
     def of_order_zero(self) -> tuple[Array, Array]:
-        """Positions and heights of the jumps of order 0."""
+        """(positions, heights) of the jumps of order 0."""
         which = np.asarray(self.orders) == 0
         return self.at[which], self.heights[which]
 
@@ -141,12 +143,12 @@ NO_JUMPS = Jumps()
 
 @dataclass(frozen=True)
 class Resolution:
-    """How finely a right side or a column must be resolved, and how exact its values are.
+    """Resolution that a right side or a column needs, and the accuracy of its values.
 
     Parameters
     ----------
     modes : int or None
-        Number of modes of a column (1: a constant). None: the engine grows them until they suffice.
+        Number of modes of a column (1: a constant). None: it grows until the column is resolved.
     length : float or None
         Smallest length over which a smooth g varies. With many zones, differences of the primitive
         are then integrated from g, which keeps digits that the primitive loses.
@@ -154,8 +156,8 @@ class Resolution:
         Standard deviation of the noise of `Forcing.value`, in its unit. Coefficients need not fall
         below it.
     rounded_place : callable or None
-        The place at which `Forcing.value` evaluates x after rounding; None: x itself. Narrow zones
-        far from the origin need it.
+        Function from x to the place at which `Forcing.value` really evaluates, after its own
+        round-off; None: x itself. Narrow zones far from the origin need it.
     exact_places : bool
         Whether `Forcing.value` uses every digit of x. Then ends of zones keep more digits than a
         floating-point position has.
@@ -194,7 +196,7 @@ UNRESOLVED = Resolution()
 
 @dataclass(frozen=True, eq=False)
 class Forcing(Kept):
-    """A known function of the right side.
+    """The right side g, or another known function on the right side.
 
     Parameters
     ----------
@@ -254,7 +256,7 @@ class Forcing(Kept):
         return found
 
     def sampled(self, start: Array, away: Array, slope: Function) -> Array:
-        """g at start + away, to more digits than the sum of both has.
+        """g at start + away, accurate even where this sum is rounded.
 
         g is evaluated at the rounded sum; slope(values), the derivative of g there, corrects for
         the rounding of the place.
@@ -267,12 +269,12 @@ class Forcing(Kept):
 
     @property
     def kinks(self) -> tuple[Array, Array]:
-        """Positions and heights of the jumps of g itself."""
+        """(positions, heights) of the jumps of g itself, not of its derivatives."""
         return NO_JUMPS.of_order_zero if self.jumps.of_density else self.jumps.of_order_zero
 
     @property
     def logarithms(self) -> tuple[Array, Array]:
-        """Positions and heights of the jumps of the wanted density itself."""
+        """(positions, heights) of the wanted density's own jumps; there g has a logarithm."""
         return self.jumps.of_order_zero if self.jumps.of_density else NO_JUMPS.of_order_zero
 
     @property
@@ -287,8 +289,9 @@ class Forcing(Kept):
 
     @property
     def cornered(self) -> bool:
-        """Whether g or the wanted density itself jumps: then distances of ends from the jumps
-        matter.
+        """Whether g or the wanted density itself jumps, not only a derivative.
+
+        Then the distances of ends from the jumps matter.
         """
         return len(self.jumps.of_order_zero[0]) > 0
 
