@@ -66,8 +66,8 @@ if TYPE_CHECKING:
     from contact.sweeps.solve_many import solve_many
     from contact.sweeps.sweep.run import sweep
 
-# Modules that a single solve does not need are imported at first use. The imports above state the
-# same for readers and type checkers.
+# Names of modules that a single solve does not need; they are imported at first use. The imports
+# above state the same for readers and type checkers.
 _HOMES = {
     "contact.explorer.explore": "explore",
     "contact.model.scene_file": "load_scene",

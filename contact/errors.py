@@ -2,7 +2,7 @@
 
 Bad input is a SceneError with the field, the value and what is allowed. A run that misses its
 tolerance is a NotConverged with the best state. A load or an approach without a contact is
-OutOfRange. Where the model hardly holds but the scene is solved, there is a ModelWarning.
+OutOfRange. Where the model is doubtful but the scene is solved, there is a ModelWarning.
 """
 
 import warnings
@@ -27,9 +27,9 @@ class ContactError(Exception):
     amplitude = -1.0 is refused: it must be a finite number > 0
     """
 
-    # A longer message loses its middle: this is about five lines on a terminal.
+    # Longer messages are shortened in the middle; this is about five lines on a terminal.
     longest: ClassVar[int] = 400
-    longest_value: ClassVar[int] = 80  # of a value within a message
+    longest_value: ClassVar[int] = 80  # longest text of a value within a message
 
     def __str__(self) -> str:
         """The message, shortened to `longest` characters."""
@@ -72,14 +72,14 @@ class SceneError(ContactError, ValueError):
 
     @classmethod
     def of(cls, field: str, value: Any, allowed: str) -> "SceneError":
-        """The usual message: the field, its value, what is allowed."""
+        """An error with the usual message: the field, its value, what is allowed."""
         return cls(
             f"{field} = {shown(value)} is refused: it must be {allowed}", field, value, allowed
         )
 
     @classmethod
     def unknown(cls, what: str, name: Any, known: Iterable[str]) -> "SceneError":
-        """An unknown name, with the nearest known one."""
+        """An error for an unknown name; its message suggests the nearest known one."""
         names = sorted(known)
         near = get_close_matches(name, names, n=1) if isinstance(name, str) else []
         hint = f" (did you mean {near[0]!r}?)" if near else ""
@@ -122,7 +122,7 @@ class NotConverged(ContactError):
 
 
 class OutOfRange(ContactError):
-    """No contact answers the control, such as a load beyond full contact.
+    """No contact has the given value of the control, for example a load that is too large.
 
     Examples
     --------
@@ -148,7 +148,7 @@ class MissingExtra(ContactError, ImportError):
 
 
 class ModelWarning(UserWarning):
-    """The model hardly holds, or the numbers of a file are not those of a surface.
+    """The model is doubtful here, or the numbers of a file are not those of a surface.
 
     Examples
     --------
@@ -171,7 +171,7 @@ def warn(messages: Iterable[str], stacklevel: int = 3) -> None:
 
 @contextmanager
 def unwarned() -> Iterator[None]:
-    """Context without ModelWarnings, for intermediate solutions."""
+    """Context in which ModelWarnings are suppressed, for intermediate solutions."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ModelWarning)
         yield
@@ -185,7 +185,7 @@ def shown(value: Any) -> str:
     if isinstance(value, np.ndarray):
         text = np.array2string(value, separator=", ", threshold=8, edgeitems=3)
     else:
-        # Numbers of numpy appear as plain ones, in lists as well.
+        # With this option numpy's numbers print as plain ones, also inside lists.
         with np.printoptions(legacy="1.25"):
             text = repr(value)
     return _cut(" ".join(text.split()), ContactError.longest_value)

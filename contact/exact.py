@@ -1,3 +1,3 @@
-"""Exact solutions, by the name they are known under: see contact.reference.exact."""
+"""Exact solutions, named as in the literature: see contact.reference.exact."""
 
 from contact.reference.exact import *  # noqa: F403

@@ -37,13 +37,14 @@ def require(name: str) -> Any:
         with uncollected():
             return importlib.import_module(name)
     except ImportError as error:
-        # Rooms of this package exist; what is missing is a package that they import.
+        # Modules of this package exist, so that the missing package is one that they import.
         package = (error.name if name.startswith("contact.") and error.name else name).partition(
             "."
         )[0]
         extra = EXTRAS.get(package)
         remedy = installing(extra) if extra else f"pip install {package}"
-        # A submodule of an installed package may fail for other reasons, so the cause is kept.
+        # Importing a submodule of an installed package may fail for other reasons, so the error is
+        # shown.
         raise MissingExtra(
             f"{name} is needed here and cannot be imported ({error}): {remedy}", name=package
         ) from error
@@ -63,7 +64,7 @@ def entry_points(group: str) -> Iterable[Any]:
 
 
 def version() -> str:
-    """Installed version of this package; for a source folder that is not installed, a note."""
+    """Installed version of this package, or a note if the source folder is not installed."""
     metadata = require("importlib.metadata")
     try:
         installed: str = metadata.version("sie-contact")

@@ -19,7 +19,7 @@ _started = False
 def is_command() -> bool:
     """Whether this process is the command `contact` or `python -m contact`."""
     name = os.path.basename(sys.argv[0]) if sys.argv else ""
-    if name == "-m":  # `python -m` has not replaced it by the module's file yet
+    if name == "-m":  # `python -m` has not yet replaced argv[0] by the module's file
         given = sys.orig_argv
         return any(pair == ("-m", "contact") for pair in zip(given[1:], given[2:], strict=False))
     return name.removesuffix(".exe").removesuffix("-script.py") == "contact"

@@ -1,6 +1,7 @@
-"""State of the whole process: memory kept by malloc, and the number of BLAS threads.
+"""Settings of the whole process: memory kept by malloc, and the number of BLAS threads.
 
-Both are changed while at least one thread asks for it, and set back when the last one is done.
+A setting is changed while at least one thread asks for it. It is restored when the last one has
+finished.
 """
 
 import ctypes
@@ -18,17 +19,18 @@ from contact.extras import require
 class _Mallopt(IntEnum):
     """Parameters of mallopt, numbered as in <malloc.h>."""
 
-    TRIM_THRESHOLD = -1  # free bytes at the top of the heap that go back to the system
+    # free bytes at the top of the heap above which they are returned to the system
+    TRIM_THRESHOLD = -1
     MMAP_MAX = -4  # largest number of blocks that are mapped one by one
 
 
-# Values that glibc reaches by itself in a process of large arrays.
+# Values that glibc's own adaptation reaches in a process with large arrays.
 _GLIBC_DEFAULTS = {_Mallopt.TRIM_THRESHOLD: 1 << 26, _Mallopt.MMAP_MAX: 1 << 16}
 _KEEP_ALL = {_Mallopt.TRIM_THRESHOLD: -1, _Mallopt.MMAP_MAX: 0}
 
 
 class SharedState:
-    """A state of the process: entered by its first user, left by its last, in any thread.
+    """A setting of the process: made by its first user, undone by its last, in any thread.
 
     `leave` is called with what `enter` returned.
     """
@@ -58,7 +60,7 @@ def keep_freed_memory(wanted: bool = True) -> Iterator[None]:
 
     By default glibc maps every array above 32 MB and unmaps it when it is freed. The system then
     clears its pages again at first use, which takes longer than most operations on such an array.
-    Other C libraries are left alone.
+    With other C libraries nothing is changed.
     """
     if not wanted or _libc() is None:
         yield
@@ -107,7 +109,8 @@ def _limit_to_one_thread() -> Any:
     return _blas_libraries("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas")
 
 
-# Context in which BLAS runs on one thread. For matrices of some hundred rows its threads wait for
-# each other as long as they work. A rough trace of 200 zones takes the same time with one thread
-# and with two on a quiet machine, and on a busy one a third of the time with one thread.
+# Context in which BLAS runs on one thread. For matrices of some hundred rows the threads of BLAS
+# spend as much time waiting for each other as computing. A rough trace of 200 zones takes the same
+# time with one thread and with two on a quiet machine, and on a busy one a third of the time with
+# one thread.
 one_blas_thread = SharedState(_limit_to_one_thread, lambda limits: limits.restore_original_limits())

@@ -37,10 +37,12 @@ from contact.verify.error import SolvedGaps
 
 @dataclass(frozen=True)
 class SolverOptions:
-    """Sizes from which a scene changes the process: number of shortest lengths in a period."""
+    """Numbers of shortest lengths in a period at which settings of the process are changed."""
 
-    one_blas_thread: int = 2**6  # its matrices are small, and threads of BLAS would wait
-    keep_memory: int = 2**17  # its arrays are large, and the system would clear them again
+    # above this number BLAS runs on one thread, as its threads would wait for each other
+    one_blas_thread: int = 2**6
+    # above this number freed memory is kept: otherwise the system clears its pages again
+    keep_memory: int = 2**17
 
 
 _OPTIONS = SolverOptions()
@@ -130,7 +132,7 @@ def tolerance(tol: object) -> float:
 
 
 def _of(scene: Scene) -> tuple[object, ...]:
-    """Everything in a scene except its control and its modulus."""
+    """The fields of a scene except its control and its modulus."""
     return scene.profile, scene.interaction, scene.substrate, scene.law
 
 
@@ -141,9 +143,9 @@ def solved_along(
     cache: SceneCache,
     previous: tuple[CurvePoint, ...],
 ) -> Solution:
-    """One scene on a curve of values of its control.
+    """The solution of one scene on a curve of values of its control.
 
-    cache: what it shares with the other scenes. previous: the last solutions on the curve.
+    cache: results shared with the other scenes. previous: the last solutions on the curve.
     """
     near = previous[-1].solution if previous else None
     if scene.control_object.held(scene) is None:
@@ -160,14 +162,14 @@ def solved_along(
 
 
 def context_of(scene: Scene, tol: float) -> SolveContext:
-    """The context of a scene, for contacts that are followed (`solved_at`)."""
+    """The context of a scene, for contacts that are reached along a branch (see `solved_at`)."""
     return SolveContext.of(scene, tol, _solved)
 
 
 def solved_at(context: SolveContext, found: Outcome, message: str) -> Solution:
     """The solution of a contact that was reached by following its branch.
 
-    message: how it was reached, for the plan.
+    message: how it was reached, noted in the plan.
     """
 
     def lost(_: SolveContext) -> Outcome:
@@ -225,7 +227,7 @@ def _found(context: SolveContext) -> Outcome:
 
 
 def _features(scene: Scene) -> float:
-    """Number of shortest lengths of a shape in its period, or where it is known."""
+    """Number of shortest lengths of a shape in its period, or in the part that is known."""
     profile = scene.profile
     known = profile.known
     return (

@@ -1,1 +1,1 @@
-"""The solution with its plan, as numbers, files, tables and figures."""
+"""The solution and its plan, and their output as numbers, files, tables and figures."""

@@ -1,4 +1,4 @@
-"""Solutions from what a search has found: zones in metres, stated error, entries of the plan."""
+"""A `Solution` from the result of a search: zones in metres, stated error, entries of the plan."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def zone_solution(
     branch: str | None = None,
     find_pull_off: Callable[[ZoneFields], PullOff] | None = None,
 ) -> Solution:
-    """The solution of zones; raises NotConverged with it if its error exceeds the tolerance.
+    """The solution from zones; raises NotConverged with it if its error exceeds the tolerance.
 
     branch, find_pull_off: see `Solution`.
     """
@@ -78,7 +78,7 @@ def zone_solution(
 
 
 def gap_solution(scene: Scene, found: SolvedGaps, plan: Plan, tol: float) -> Solution:
-    """The solution of a nearly full contact from its gaps.
+    """The solution of a nearly full contact whose unknowns were the gaps.
 
     Raises NotConverged with the solution if its error exceeds the tolerance.
     """
@@ -121,7 +121,8 @@ def full_contact_solution(
     )
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
-    # Rounding of the closed form over the peak pressure, or over the mean if the peak is infinite.
+    # Rounding of the closed form, divided by the peak pressure, or by the mean if the peak is
+    # infinite.
     peak = (
         max(abs(fields.max_pressure), abs(least))
         if math.isfinite(fields.max_pressure)
@@ -140,7 +141,7 @@ def full_contact_solution(
 
 
 def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
-    """Surfaces that do not touch, at an approach [m], or at none."""
+    """The solution for surfaces that do not touch. approach: given approach [m], or None."""
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces are apart"
     gap, holds = (None, True) if approach is None else (-approach, approach <= 0.0)
@@ -169,15 +170,15 @@ def _full_contact_note(scene: Scene, least: float, unresolved: int) -> str:
         return "full contact: the pressure is nowhere negative"
     if scene.law.tension:
         return "full contact, under tension in places: nowhere above what the surfaces pull with"
-    # A flaw of half width c under a tension s has K = s sqrt(c/2), and releases the work of
-    # adhesion w = (pi/E*) K^2.
+    # The closed surfaces separate at a flaw, an open part of half width c, if K = s sqrt(c/2) under
+    # the tension s reaches the intensity of the law, where w = (pi/E*) K^2 is the work of adhesion.
     flaw = 2 * (scene.law.intensity(scene.E_star) / least) ** 2
     message = "full contact, under tension in places: what is closed stays closed"
     return f"{message}; a flaw there of half width {quantity(flaw, 'm', 3)} would open"
 
 
 def period_problem(scene: Scene) -> Problem:
-    """The scene as a problem scaled by its period."""
+    """The scaled problem of a scene, with the period as the unit of length."""
     profile = scene.profile
     units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
     return Problem(profile, scene.interaction, scene.substrate, scene.law, units, lowest(profile))
@@ -197,7 +198,8 @@ def in_cell(scene: Scene, table: Array) -> Array:
 def profile_fault(scene: Scene, zones: Array | None = None) -> str:
     """The first fault of a user's profile, in words; empty if there is none.
 
-    zones: of the contact [m]: where corners are searched for, and a shape without ends examined.
+    zones: zones of the contact [m]. Corners are searched for in them, and a shape on the whole line
+    is checked around them.
     """
     if corner := undeclared_corner(scene, zones):
         return f"; {corner}"
@@ -217,7 +219,7 @@ def profile_fault(scene: Scene, zones: Array | None = None) -> str:
 
 
 def undeclared_corner(scene: Scene, zones: Array | None) -> str:
-    """A corner in zones [m] that a user's profile of one body does not declare, in words."""
+    """Message on an undeclared corner of a user's profile in the zones [m]; empty if there is none."""
     profile = scene.profile
     if zones is None or len(profile.bodies) > 1 or is_of_package(profile):
         return ""

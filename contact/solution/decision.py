@@ -1,11 +1,11 @@
-"""One choice between ways to a solution, with the number that decided it."""
+"""`Decision`: one choice between methods, with the number on which it was based."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Decision:
-    """One choice between ways to a solution.
+    """One choice between methods, with its reason.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Solutions as data: dictionaries, JSON, CSV tables of zones and fields, and netCDF.
 
-All values are in SI units. JSON has no infinity: what a scene does not define (None) and what is
-infinite, such as the peak pressure at a sharp corner, are null. An existing file is overwritten
-only on request.
+All values are in SI units. JSON has no infinity. Therefore quantities that a scene does not define
+(None), and infinite ones such as the peak pressure at a sharp corner, are null. An existing file is
+overwritten only on request.
 """
 
 import csv
@@ -46,8 +46,8 @@ UNITS = {
     "error": "1",
 }
 
-# HDF5 keeps the attributes of an object in a header of 64 KiB. Longer arrays are given by their
-# shape.
+# HDF5 stores the attributes of an object in a header of 64 KiB. Arrays with more elements than this
+# are therefore replaced by their shape.
 _LONGEST_ARRAY = 64
 
 _FIELDS = {
@@ -62,7 +62,7 @@ def to_dict(solution: Solution) -> dict[str, Any]:
     """Zones and numbers of the solution in the types of JSON."""
     values = {
         **{name: getattr(solution, name) for name in UNITS if name != "rotational_stiffness"},
-        # It takes one more solution, and matters only to scenes with a tilt or a moment.
+        # The rotational stiffness needs one more solve, and matters only with a tilt or a moment.
         "rotational_stiffness": solution.rotational_stiffness if solution.scene.turning else None,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
@@ -81,7 +81,7 @@ def to_json(solution: Solution) -> str:
 
 
 def plain(value: Any) -> Any:
-    """A value in the types of JSON; numpy becomes Python, and a number that is not finite None."""
+    """A value in the types of JSON: numpy types become Python types, non-finite numbers None."""
     if isinstance(value, (np.ndarray, np.generic)):
         return plain(value.tolist())
     if value is None or isinstance(value, (bool, str, int)):
@@ -96,7 +96,7 @@ def plain(value: Any) -> Any:
 
 
 def zone_table(solution: Solution) -> list[tuple[float, ...]]:
-    """One row for each zone, from left to right: ZONE_COLUMNS in ZONE_UNITS."""
+    """Rows for the zones from left to right, with the columns ZONE_COLUMNS in ZONE_UNITS."""
     loads, widths = np.asarray(solution.zone_loads), np.asarray(solution.zone_widths)
     return list(
         map(
@@ -128,7 +128,7 @@ def to_csv(solution: Solution) -> str:
 def fields_to_csv(solution: Solution) -> str:
     """Fields as CSV: FIELD_COLUMNS [m, Pa, m, m, m], with a header line, in full precision.
 
-    Positions are closer near the ends of zones.
+    The spacing of the positions is smaller near the ends of zones.
     """
     fields = _fields(solution)
     return csv_of(FIELD_COLUMNS, np.column_stack([fields[name] for name in FIELD_COLUMNS]).tolist())
@@ -196,7 +196,7 @@ def _fields(solution: Solution) -> dict[str, Any]:
 def to_xarray(solution: Solution) -> Any:
     """An xarray.Dataset of zones, their loads and peaks, the fields, and the scene.
 
-    Positions of the fields are closer near the ends of zones.
+    The spacing of the fields' positions is smaller near the ends of zones.
     """
     fields = _fields(solution)
     attributes = {

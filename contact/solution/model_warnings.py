@@ -1,9 +1,9 @@
 """Warnings where a scene or a solution is outside the model: slopes, pressures, moduli, traces.
 
-The bodies are half-planes, and strains are small and elastic. Slopes and pressures over E* have no
-unit and are judged in any system of units. Lengths are judged in files, whose numbers have a unit,
-and where the modulus can only be in pascals. The modulus is judged where lengths can only be in
-metres.
+The model assumes half-planes and small elastic strains. Slopes, and pressures divided by E*, have
+no unit, so that they are checked in any system of units. Lengths are checked in files, whose
+numbers have a unit, and where the modulus can only be in pascals. The modulus is checked where
+lengths can only be in metres.
 """
 
 import math
@@ -26,8 +26,8 @@ from sie import Array
 class ModelLimits:
     """Values beyond which the model is doubtful, or a number is probably in another unit."""
 
-    steepest: float = 0.3  # surfaces that are steeper are not nearly plane
-    highest: float = 0.1  # pressure over E*: strains are large above it
+    steepest: float = 0.3  # slope; steeper surfaces are not nearly plane
+    highest: float = 0.1  # pressure divided by E*; above this strains are large
     softest: float = 1e3  # [Pa]: gels
     stiffest: float = 2e12  # [Pa]: diamond on diamond
     in_pascals: float = 1e7  # [Pa]: diamond has 1.2e6 MPa, so that a larger number is in pascals
@@ -35,8 +35,8 @@ class ModelLimits:
     longest: float = 1.0  # [m]: machine parts
     shallowest: float = 1e-11  # [m]: less than an atom
     unscaled: float = 1e-2  # [m]: longer bodies of a tiny modulus are in units of their own
-    period_places: int = 1024  # samples in full contact
-    zone_places: int = 8  # samples of each zone
+    period_places: int = 1024  # number of samples over a period in full contact
+    zone_places: int = 8  # number of samples on each zone
 
 
 _LIMITS = ModelLimits()
@@ -68,7 +68,7 @@ def _length_warnings(scene: Scene) -> tuple[str, ...]:
             f"{message} on E_star = {quantity(scene.E_star, 'Pa')} is not that of a surface: all "
             "lengths of a scene are in metres",
         )
-    # The height varies by at most half of the integral of the slope's modulus.
+    # The height varies by at most half of the integral of |f'| over the period.
     depth = 0.5 * profile.slope_sizes[1] * length
     if 0.0 < depth < _LIMITS.shallowest:
         return (

@@ -1,6 +1,7 @@
-"""The plan of a solve: each part used or left out, and each choice made, with the reason.
+"""The plan of a solve: its parts, used or left out, and its choices, each with the reason.
 
-A part has its size and its time. A choice is a `Decision`, under the question that it answers.
+A part has its size and its time. A choice is a `Decision`, stored under the question that it
+answers.
 """
 
 import time
@@ -31,7 +32,7 @@ class Part:
 
 @dataclass
 class Plan:
-    """What a solve runs, and why.
+    """The parts that a solve runs and the choices that it makes, each with the reason.
 
     `plan["zone ends"]` is one part: name, used, reason, detail, seconds.
     `plan.decisions["unknowns"]` is one choice: way, because, measured, threshold.
@@ -39,11 +40,11 @@ class Plan:
     Parameters
     ----------
     parts : list
-        What may run, used or left out, each with the reason.
+        All parts that may run, used or left out, each with the reason.
     counts : dict
         Solves, modes and kernel evaluations.
     tried : list of str
-        Ways that did not lead to the solution, each with the reason.
+        Strategies that did not lead to the solution, each with the reason.
     seconds : float or None
         Time of the whole solve; None if it has not run.
     decisions : dict
@@ -83,7 +84,7 @@ class Plan:
         measured: float | None = None,
         threshold: float | None = None,
     ) -> None:
-        """Keep the answer to a question; a later answer replaces an earlier one."""
+        """Store the answer to a question as a `Decision`; it replaces an earlier answer."""
         self.decisions[question] = Decision(way, because, measured, threshold)
 
     @contextmanager
@@ -101,7 +102,7 @@ class Plan:
                 self._within[-1] += took
 
     def share(self, part: Part) -> float | None:
-        """Share of the whole time that a part took; None if it has no time of its own."""
+        """Fraction of the total time that a part took; None if its time was not measured."""
         return None if part.seconds is None or not self.seconds else part.seconds / self.seconds
 
     def to_dict(self) -> dict[str, Any]:
@@ -217,7 +218,7 @@ def _part(name: str, used: bool, why: str, why_not: str) -> Part:
 
 
 def _inverse(scene: Scene) -> Part:
-    """The part that solves full contact, and nearly full contact by its gaps."""
+    """The plan's part that solves full contact, and nearly full contact by its gaps."""
     operator, name = (
         scene.operator,
         scene.interaction.name if scene.operator.is_own else scene.substrate.name,
@@ -235,7 +236,7 @@ def _inverse(scene: Scene) -> Part:
 
 
 def _branch(scene: Scene) -> Part:
-    """The part that follows one of several equilibria."""
+    """The plan's part that follows one of several equilibria."""
     if not scene.law.equilibria.several:
         return Part(
             "branch",
@@ -250,7 +251,7 @@ def _branch(scene: Scene) -> Part:
 
 
 def _symmetry(scene: Scene) -> Part:
-    """The part that solves one half of a symmetric contact."""
+    """The plan's part that solves one half of a symmetric contact."""
     if scene.turned:
         return Part("symmetry", False, "the body is turned")
     return _part(
@@ -259,7 +260,7 @@ def _symmetry(scene: Scene) -> Part:
 
 
 def _tilt(scene: Scene) -> Part:
-    """The part that turns the body: by a given tilt, or by one that is an unknown."""
+    """The plan's part that turns the body, by a given tilt or by an unknown one."""
     if not scene.turned:
         return Part(
             "tilt",

@@ -44,12 +44,14 @@ _CLOSE = "#3d7a4a"
 
 @dataclass(frozen=True)
 class FigureOptions:
-    """What can be read on a printed figure of full width, and how finely it is drawn."""
+    """Sizes below which details cannot be read on a printed figure, and number of points drawn."""
 
     max_zones: int = 8  # with more, a second column shows the surroundings of the highest pressure
-    min_zone_width: float = 0.06  # over the width shown; narrower zones get the second column too
-    min_mean_pressure: float = 0.03  # over the peak: a lower line of the mean is left out
-    points: int = 6000  # a few on each column of pixels
+    # relative to the width shown; narrower zones need the second column too
+    min_zone_width: float = 0.06
+    # relative to the peak; the line of a smaller mean pressure is left out
+    min_mean_pressure: float = 0.03
+    points: int = 6000  # number of points of a curve: a few on each column of pixels
 
 
 _OPTIONS = FigureOptions()
@@ -122,7 +124,8 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     low, high = float(heights.min()), float(heights.max())
     reach = high - low or max(abs(high), 1e-12)
     up, letter = prefix(max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach)
-    # A sharp-cornered body is infinitely high outside its support; its sides leave the panel.
+    # The height of a body is infinite outside its sharp corners; there it is drawn beyond the
+    # panel.
     outline, surface = np.where(seen, body, high + reach), np.where(below, surface, low - reach)
     ceiling = high + (0.22 if seen.all() else 0.6) * reach
     floor = low - (0.24 if below.all() else 0.6) * reach
@@ -130,12 +133,12 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     axes.fill_between(x * along, floor * up, surface * up, color=_SURFACE, alpha=0.10, linewidth=0)
     axes.plot(x * along, outline * up, color=_BODY, linewidth=1.2, label="profile")
     axes.plot(x * along, surface * up, color=_SURFACE, linewidth=1.4, label="deformed surface")
-    # With NaN between the zones a single line shows them all.
+    # Values of NaN between the zones let one line object draw all of them.
     touching = np.where(on_zones(x, zones), surface, np.nan)
     weight = 2.6 if len(zones) <= _OPTIONS.max_zones else 1.8
     axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
     axes.set(ylim=(floor * up, ceiling * up), ylabel=f"height [{letter}m]")
-    # The label stands over a place in contact, where there is body whatever its outline.
+    # The label is placed above a point in contact: whatever the outline, the body covers it there.
     middle = float(zones[len(zones) // 2].mean()) if len(zones) else float(0.5 * (x[0] + x[-1]))
     where = float(np.clip((middle - x[0]) / (x[-1] - x[0]), 0.06, 0.94))
     for place, height, side, style in (
@@ -183,7 +186,8 @@ def _draw_pressure(axes: Any, solution: Solution, x: Array, zones: Array, along:
             va="top",
             fontsize=9,
         )
-    # Unbounded tension next to adhesive zones is cut off as far below zero as the peak is above.
+    # The tension at the ends of adhesive zones is unbounded. It is drawn at most as far below zero
+    # as the peak is above.
     lowest = max(float(np.min(pressure, initial=0.0)), -top)
     axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"pressure [{letter}Pa]")
 
@@ -208,9 +212,9 @@ def _close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] |
 
 
 def _mark_close_up(axes: Any, solution: Solution, lo: float, hi: float) -> None:
-    """Mark on the full width what the second column shows: a pointer above, shading behind.
+    """Mark in the first column the interval of the second: a pointer above, shading around it.
 
-    The interval itself is left free: it may be no wider than the line of the peak in it.
+    The interval itself is not shaded, as it may be no wider than the line of the peak in it.
     """
     along, _ = prefix(max(abs(end) for end in window(solution)))
     for whole in axes[:, 0]:

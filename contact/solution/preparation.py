@@ -17,15 +17,17 @@ from sie import Array
 
 @dataclass(frozen=True)
 class ShareOptions:
-    """Accuracy of the share of an interval, and the share from which it is reported."""
+    """Accuracy of the computed shares of the load, and the smallest share that is reported."""
 
-    min_share: float = 0.01  # part of the load: above what a short taper bears at high load
-    places: int = 4096  # over all zones, equally many in each; shares are accurate to about 1e-3
-    max_intervals: int = 3  # named in one message; the others are counted
+    min_share: float = 0.01  # fraction of the load: more than a short taper carries at high load
+    # samples over all zones, equally many in each; shares are accurate to about 1e-3
+    places: int = 4096
+    # intervals listed in one message; of the others only the number is given
+    max_intervals: int = 3
 
 
 class Borne(NamedTuple):
-    """Share of the load in intervals of one kind; `highest`: whether the peak is among them."""
+    """Share of the load in intervals of one kind. highest: whether the peak lies in one of them."""
 
     place: str
     kind: Any
@@ -37,7 +39,7 @@ class Borne(NamedTuple):
 def preparation_warnings(
     solution: Solution, options: ShareOptions = ShareOptions()
 ) -> tuple[str, ...]:
-    """One sentence for each kind of interval that bears load or the highest pressure."""
+    """One sentence for each kind of interval that carries load or the highest pressure."""
     reported = (
         borne
         for borne in shares(solution, options)
@@ -57,7 +59,7 @@ def shares(solution: Solution, options: ShareOptions = ShareOptions()) -> list[B
         return []
     peak, found = int(np.argmax(pressure)), []
     for place, intervals in bodies.items():
-        # Each body has its own cell and counts positions in it.
+        # Each body has its own period and its own positions.
         own = np.asarray(profile.bodies[place].wrap(profile.facing(at)[place]))
         for kind in dict.fromkeys(interval.kind for interval in intervals):
             of_kind = [interval for interval in intervals if interval.kind is kind]
@@ -89,7 +91,7 @@ def _sentence(borne: Borne, options: ShareOptions) -> str:
 
 
 def _places_in_contact(solution: Solution, options: ShareOptions) -> tuple[Array, Array, Array]:
-    """Places in contact, the modulus of the load around each, and the pressure there."""
+    """Places in contact, the modulus of the load that each represents, and the pressure there."""
     profile, zones = solution.scene.profile, np.asarray(solution.zones)
     if not len(zones):
         if profile.period is None or not solution.load > 0.0:  # the surfaces are apart

@@ -15,7 +15,8 @@ from sie import Array, record
 class PullOff:
     """The last equilibrium before the surfaces separate completely as the control falls.
 
-    load [N/m] (per period where there is one), approach [m] (None without one), zones [m].
+    load: [N/m], per period where there is one. approach: [m], or None if it is undefined. zones:
+    [m].
     """
 
     load: float
@@ -30,8 +31,8 @@ class Energy:
     Parameters
     ----------
     elastic : float
-        (1/2) int p u dx [J/m], per period where there is one; u is the displacement that goes with
-        `Solution.approach`.
+        (1/2) int p u dx [J/m], per period where there is one; u is the displacement approach - f +
+        gap with the approach `Solution.approach`.
     surface : float
         -w times the width in contact, w the law's work of adhesion [J/m]; 0 without adhesion.
 
@@ -62,10 +63,14 @@ class Energy:
 
 @dataclass(frozen=True)
 class PeakOptions:
-    """Samples of one zone for its highest pressure, even in the angle; more changes nothing."""
+    """Numbers of samples, even in the angle, for the highest pressure of a zone.
 
-    samples: int = 48  # of a zone with a smooth profile
-    samples_per_length: int = 12  # added for each shortest length of the profile
+    Larger numbers give the same peaks.
+    """
+
+    samples: int = 48  # samples of a zone of a smooth profile
+    # samples added for each shortest length of the profile in the zone
+    samples_per_length: int = 12
 
 
 def peaks(
@@ -91,7 +96,7 @@ def peaks(
         def over_angle(angle: Array, zone: int = zone) -> Array:
             return pressure_at(np.clip(np.cos(angle), -1.0, 1.0), zone)
 
-        # The pressure of a zone is smooth in the angle.
+        # As a function of the angle the pressure of a zone is smooth.
         found[zone] = maximum(over_angle, np.linspace(0.0, np.pi, count + 1), levels=7)[1]
     return found
 

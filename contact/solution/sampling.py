@@ -1,8 +1,8 @@
 """Positions at which the fields of a solution are sampled for figures and files.
 
-They are even over the scene, with Chebyshev points on each zone in addition. Pressure leaves an end
-as sqrt(d) and the gap as d^(3/2), with d the distance; both are smooth in the angle of these
-points.
+They are evenly spaced over the scene, with Chebyshev points on each zone in addition. At a distance
+d from an end the pressure is proportional to sqrt(d) and the gap to d^(3/2). Both are smooth
+functions of the angle of the Chebyshev points.
 """
 
 from dataclasses import dataclass
@@ -16,22 +16,23 @@ from sie import Array, Mask
 
 @dataclass(frozen=True)
 class PointOptions:
-    """How many positions show the fields of a solution as polylines."""
+    """Numbers of positions that represent the fields of a solution by polylines."""
 
-    even_points: int = 1000  # at least
+    even_points: int = 1000  # smallest number over the scene
     max_points: int = 20_000
-    min_zone_points: int = 9  # on each zone, in addition to the even ones
+    min_zone_points: int = 9  # smallest number on each zone, in addition to the evenly spaced ones
     max_zone_points: int = 97
-    kink_decades: int = 6  # positions next to a kink, where the pressure is logarithmic
+    # positions next to a kink, a decade of distance apart: the pressure is logarithmic
+    kink_decades: int = 6
 
 
 _OPTIONS = PointOptions()
 
 
 def window(solution: Solution) -> tuple[float, float]:
-    """The interval that shows the solution.
+    """The interval [m] that figures and files show.
 
-    It is the period, all of a trace, or the zones and as much again on either side.
+    It is the period, all of a trace, or the zones with as much space again on either side.
     """
     profile, period = solution.scene.profile, solution.scene.period
     if period is not None:
@@ -51,7 +52,7 @@ def window(solution: Solution) -> tuple[float, float]:
 def zones_within(solution: Solution, lo: float, hi: float) -> Array:
     """Zones and their periodic images, cut to [lo, hi].
 
-    All of [lo, hi] in full contact, nothing if the surfaces are apart.
+    In full contact there is one zone, all of [lo, hi]; if the surfaces are apart there is none.
     """
     zones, period = solution.zones, solution.scene.period
     if len(zones) == 0 and not solution.contact_fraction:
@@ -68,10 +69,10 @@ def zones_within(solution: Solution, lo: float, hi: float) -> Array:
 
 
 def positions(solution: Solution, lo: float, hi: float, most: int = _OPTIONS.max_points) -> Array:
-    """Ascending positions from lo to hi between which straight lines show every field.
+    """Ascending positions from lo to hi, close enough to draw every field by straight lines.
 
-    most: number of even positions at most, and about as many on all zones together, but at least a
-    few on each.
+    most: largest number of evenly spaced positions. All zones together get about as many, and each
+    at least a few.
     """
     profile = solution.scene.profile
     even = _OPTIONS.even_points
@@ -111,7 +112,7 @@ def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
     profile = solution.scene.profile
     face = profile.counter_height(x)
     surface = face - np.max(face[np.isfinite(face)], initial=-np.inf) - solution.displacement(x)
-    # The body is rigid in the figure, so that one place fixes its position.
+    # The body is drawn as rigid, so that the height of one point in contact fixes its position.
     own = np.asarray(profile.bodies["profile"].height(x)) - (solution.tilt or 0.0) * x
     zones = zones_within(solution, float(x[0]), float(x[-1]))
     there = np.isfinite(surface) & np.isfinite(own)
@@ -134,8 +135,8 @@ def _next_to_kinks(solution: Solution, zones: Array) -> Array:
 
 
 def peak_position(solution: Solution, x: Array, pressure: Array) -> float:
-    """The middle of the zone with the highest sampled pressure; its place in full contact."""
-    # Equal peaks differ by rounding; the one nearest to the middle is shown.
+    """The middle of the zone with the highest sampled pressure, or its place in full contact."""
+    # Among peaks that differ only by rounding, the one nearest to the middle is taken.
     highest = x[pressure >= (1.0 - 1e-9) * np.max(pressure)]
     peak = float(highest[np.argmin(np.abs(highest - 0.5 * (x[0] + x[-1])))])
     for left, right in zones_within(solution, float(x[0]), float(x[-1])):

@@ -26,7 +26,7 @@ from contact.solution.quantities import Energy, PullOff, peaks
 from contact.verify.certificate import Certificate
 from sie import Array, Index, wrapped
 
-# Modules that are imported when a solution is drawn, written, or asked for its warnings.
+# Names of modules that are imported only when a solution is drawn, written, or asked for warnings.
 _FIGURES = "contact.solution.plotting"
 _FILES = "contact.solution.export"
 _WARNINGS = "contact.solution.model_warnings"
@@ -36,8 +36,8 @@ _WARNINGS = "contact.solution.model_warnings"
 class Solution(sie.Kept):
     """Zones, fields and numbers of a solved scene, SI units; returned by `contact.solve`.
 
-    What `error` means for each number is stated with the number. There p stands for the peak
-    pressure, or for the mean contact pressure where the peak is infinite; see docs/errors.md. A
+    The error of each number is stated with it in terms of `error` and p. Here p is the peak
+    pressure, or the mean contact pressure where the peak is infinite; see docs/errors.md. A
     quantity that the scene does not define is None.
 
     Parameters
@@ -50,17 +50,17 @@ class Solution(sie.Kept):
     fields : Fields
         Pressure, gap and displacement as functions (`contact.fields.Fields`).
     error : float
-        Stated bound of (i) the pressure's error at equal normalised position in corresponding zones
-        over p, and (ii) each end's error over its zone's width.
+        Stated bound of two relative errors: (i) that of the pressure, at equal normalised positions
+        in corresponding zones, divided by p; (ii) that of each end, divided by its zone's width.
     certificate : Certificate
-        What was checked on the whole line, and the values.
+        The checks on the whole line, with the values that were found.
     plan : Plan
-        What ran, what was left out and why, and the times.
+        The parts that ran or were left out, with reasons and times.
     trace : tuple
         The Newton steps.
     branch : str or None
-        Which of several equilibria this is: "advancing", the control was raised to its value, or
-        "receding", it was lowered to it; the plan says from where. None under laws with one
+        Which of several equilibria this is: "advancing" if the control was raised to its value,
+        "receding" if it was lowered to it; the plan states from where. None under laws with one
         equilibrium, and where the zones are given.
     find_pull_off : callable or None
         Computes `pull_off` from the fields, under laws with several equilibria.
@@ -97,7 +97,7 @@ class Solution(sie.Kept):
         error: float,
         builders: Mapping[str, Callable[[], Any]],
     ) -> Self:
-        """A solution that builds certificate and plan at first use, by these functions."""
+        """A solution whose certificate and plan are built at first use, by the given functions."""
         self = cls.__new__(cls)
         self.__dict__.update(
             scene=scene, zones=zones, fields=fields, error=error, trace=(), _builders=builders
@@ -105,7 +105,7 @@ class Solution(sie.Kept):
         return self
 
     def __getattr__(self, name: str) -> Any:
-        # Python calls this only for attributes that are not built yet.
+        # Python calls this method only for attributes that have not been built yet.
         builders = self.__dict__.get("_builders")
         if builders is None or name not in builders:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
@@ -152,12 +152,12 @@ class Solution(sie.Kept):
         return self.fields.gap(real("x", x))
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement into the body [m]; without a datum it counts from the approach."""
+        """Displacement into the body [m]; without a datum it is measured from the approach."""
         return self.fields.displacement(real("x", x))
 
     @cached_property
     def _order(self) -> Index:
-        """Index in the order of `fields` of each zone of `zones`."""
+        """For each zone of `zones`, its index in the order of `fields`."""
         return np.argsort(
             wrapped(self.fields.zone_table[:, 0], self.scene.profile.x0, self.scene.period)
         )
@@ -166,13 +166,14 @@ class Solution(sie.Kept):
     def load(self) -> float:
         """Load [N/m], per period where there is one.
 
-        As given, or else with an error of at most 3 error p times the width in contact.
+        It is exact if it was given. Otherwise its error is at most 3 error p times the width in
+        contact.
         """
         return self.fields.load
 
     @property
     def mean_pressure(self) -> float | None:
-        """Load per period over the period [Pa]; None without a period."""
+        """Load per period divided by the period [Pa]; None without a period."""
         period = self.scene.profile.period
         return None if period is None else self.load / period
 
@@ -186,10 +187,10 @@ class Solution(sie.Kept):
 
     @property
     def zone_remainders(self) -> Array:
-        """Digits that rounding cuts off the ends in `zones` (n, 2) [m], or 0 if they are unknown.
+        """Exact minus rounded ends of `zones` (n, 2) [m]; 0 where they are unknown.
 
-        Zones of very fine roughness are narrow even in units of the last digit of their places.
-        There `error` speaks of the ends zones + zone_remainders.
+        Zones of very fine roughness may be only some units in the last digit of x wide. For them
+        `error` is the error of the ends zones + zone_remainders.
         """
         return np.zeros(self.zones.shape) if self._remainders is None else self._remainders
 
@@ -231,7 +232,7 @@ class Solution(sie.Kept):
 
     @property
     def contact_fraction(self) -> float | None:
-        """Width in contact over the period; None without a period.
+        """Width in contact divided by the period; None without a period.
 
         The relative error is at most 2 error.
         """
@@ -262,8 +263,9 @@ class Solution(sie.Kept):
     def stiffness(self) -> float | None:
         """d load / d approach [N/m^2], at the given moment or else at the given tilt.
 
-        inf in full contact on a half-plane, None without an approach. The error of its inverse is
-        about 4 error / E*, times the width of zones over that of narrower gaps next to them.
+        It is inf in full contact on a half-plane, None without an approach. The error of its
+        inverse is about 4 error / E*, multiplied by the ratio of the width of zones to that of
+        narrower gaps next to them.
         """
         return self.fields.stiffness
 
@@ -271,8 +273,8 @@ class Solution(sie.Kept):
     def pull_off(self) -> PullOff | None:
         """The last equilibrium as the load (or the given approach) falls, under adhesion.
 
-        Parts of the contact may separate before it. None in full contact, which does not open, and
-        for surfaces that are apart.
+        Parts of the contact may separate before it. It is None in full contact, which does not
+        open, and for surfaces that are apart.
         """
         law = self.scene.law
         if not law.equilibria.several or self.scene.held(Quantity.HALF_WIDTH) is not None:
@@ -298,8 +300,8 @@ class Solution(sie.Kept):
     def cohesive(self) -> Array:
         """Intervals [m], (m, 2), in which the gap is below the reach of the law's tension.
 
-        They include the contact inside them. Around it the pressure is minus the tension. (0, 2)
-        under laws without tension outside the contact.
+        They include the contact inside them. Around the contact the pressure is minus the tension.
+        The table is empty under laws without tension outside the contact.
         """
         table, period = self.fields.cohesive, self.scene.period
         return (
@@ -339,7 +341,7 @@ class Solution(sie.Kept):
 
     @cached_property
     def warnings(self) -> list[str]:
-        """Warnings about slopes, pressures, modulus and trace that the model hardly covers.
+        """Warnings about slopes, pressures, modulus and trace for which the model is doubtful.
 
         They are also issued as ModelWarnings.
         """
@@ -397,11 +399,11 @@ class Solution(sie.Kept):
 
 
 def limit_of_approach(solution: Solution, tol: float) -> str:
-    """Why the digits of a given approach do not fix the load to `tol`, in words; else empty.
+    """Message that the digits of a given approach do not fix the load to `tol`; else empty.
 
-    Near full contact the approach is the mean of the profile less a mean gap. That gap goes as the
-    square of the width of narrow gaps over kinks, and as the fourth power of others, so that the
-    load depends on the last digits of the approach.
+    Near full contact the approach is the mean of the profile minus the mean gap. The mean gap is
+    proportional to the square of the width of narrow gaps over kinks, and to the fourth power of
+    the width of other gaps. Therefore the load depends on the last digits of the approach.
     """
     approach, stiffness = solution.scene.held(Quantity.APPROACH), solution.stiffness
     if approach is None or stiffness is None or not np.isfinite(stiffness):

@@ -26,7 +26,7 @@ from sie import Array, Index, Mask, record
 
 
 def _min_samples() -> Array:
-    """The minimum number of points in (0, 1), with every second one in the middle left out."""
+    """The smallest set of sample points in (0, 1), dense at the ends and sparse in the middle."""
     every, second = (
         np.sin(0.5 * np.pi * (np.arange(n) + 0.5) / n) ** 2
         for n in (SAMPLING.min_gap_points, SAMPLING.min_gap_points // 2)
@@ -46,22 +46,23 @@ _MIN_SAMPLES = _min_samples()
 
 @dataclass(frozen=True)
 class Certificate:
-    """What was checked of a solution, and the values.
+    """The checks of a solution, with the values that were found.
 
-    smallest_pressure: of p / sqrt(1 - t^2) over the zones [Pa]. smallest_gap: between the zones
-    [m]. points: number of samples. holds: whether all checks pass. gap_rounding: effect of rounding
-    on the gap [m]. load_balance: relative. level_spread: largest difference of the zones'
-    approaches [m]. undecided: whether a gap or a dip of the pressure is zero within rounding, so
-    that double precision cannot tell whether there is contact. note: what holds or fails, in words.
-    dip: least minimum of p / sqrt(1 - t^2) inside a zone over the largest value there; inf if there
-    is none. moment_balance: relative to the load times the farthest end of a zone; None if no
-    moment is given.
+    smallest_pressure: least value of p / sqrt(1 - t^2) on the zones [Pa]. smallest_gap: least gap
+    between the zones [m]. points: number of samples. holds: whether all checks pass. gap_rounding:
+    effect of rounding on the gap [m]. load_balance: relative error of the load. level_spread:
+    largest difference of the zones' approaches [m]. undecided: whether a gap, or a minimum of the
+    pressure, is zero within rounding, so that double precision cannot decide whether there is
+    contact. note: the checks that hold or fail, in words. dip: least minimum of p / sqrt(1 - t^2)
+    inside a zone, divided by the largest value in that zone; inf if there is none. moment_balance:
+    error of the moment, relative to the load times the farthest end of a zone; None if no moment is
+    given.
 
     intensity: largest relative error of the intensity at an end. stability: least eigenvalue of the
-    second variation of the energy by motions of the ends, over twice the work of adhesion, scaled
-    by the roots of the widths, under the given control. It is positive if the contact is locally
-    stable, and infinite if all ends are fixed at sharp corners. Both are None under laws with one
-    equilibrium.
+    second variation of the energy by motions of the ends under the given control. It is divided by
+    twice the work of adhesion and scaled by the square roots of the zones' widths. It is positive
+    if the contact is locally stable, and infinite if all ends are fixed at sharp corners. Both,
+    intensity and stability, are None under laws with one equilibrium.
 
     negative, overlaps: scaled intervals (n, 2) where a sign is wrong. lowest: scaled places, values
     and half second derivatives of the gap's minima (n, 3), see `minima.lowest`.
@@ -116,7 +117,7 @@ NOT_CHECKED = Certificate(
 
 
 def _allowed_gap(fields: ZoneFields) -> float:
-    """Largest scaled gap on the zones that the error of the density explains, with a margin."""
+    """Largest scaled gap on the zones that the density's error can cause, times a margin."""
     state, zones = fields.state, fields.density.zones
     moved = state.density_error * state.size * float((zones.b - zones.a).sum())
     return (
@@ -129,8 +130,8 @@ class Openings(NamedTuple):
     """The scaled gap between the zones, as it was sampled.
 
     least: smallest gap. overlaps: intervals where it is negative (n, 2). rounding: effect of
-    rounding on it. points: number of samples. lowest: its minima. on_zones: its size on the zones,
-    where it is zero.
+    rounding on it. points: number of samples. lowest: its minima. on_zones: size of the computed
+    gap on the zones, where the exact one is zero.
     """
 
     least: float | None
@@ -142,13 +143,13 @@ class Openings(NamedTuple):
 
 
 def openings(fields: ZoneFields, unresolved_fraction: float = 0.0) -> Openings:
-    """The gap, sampled on the whole line.
+    """The gap between the zones, sampled on the whole line.
 
-    unresolved_fraction: part of the zones whose ends are not settled; they do not count for
+    unresolved_fraction: fraction of the zones whose ends are not converged; they do not count for
     `on_zones`.
     """
     zones = fields.density.zones
-    # The gap is zero there, and what is computed instead measures the error everywhere.
+    # The gap is zero on the zones, so that its computed values there measure the error everywhere.
     places = (zones.middle[:, None] + zones.half[:, None] * chebyshev_nodes(4)).ravel()
     on_zones = float(np.quantile(np.abs(fields.formal_gap(places)), 1.0 - unresolved_fraction))
     return Openings(*_gaps(fields, fields.gap_rounding + 2 * on_zones), on_zones)
@@ -162,10 +163,9 @@ def certify(
 ) -> Certificate:
     """Check a solution on the whole line.
 
-    Where signs fail, `negative` and `overlaps` of the certificate are not empty. control: under
-    which the contact has to be stable if there are several equilibria; the load if None. At a given
-    half width it need not be stable. unresolved_fraction: see
-    `openings`.
+    Where signs fail, `negative` and `overlaps` of the certificate are not empty. control: the
+    control under which the contact has to be stable if there are several equilibria; None: the
+    load. At a given half width it need not be stable. unresolved_fraction: see `openings`.
     """
     law, units = fields.problem.law, fields.problem.units
     signs, (valleys, left_out) = _pressures(fields), _valleys(fields)
@@ -218,14 +218,14 @@ def certify(
 
 
 def _load_balance(fields: ZoneFields, load: float) -> float:
-    """Error of the load, over the load or over what the zones bear."""
+    """Error of the load, divided by the larger of the load and the force on the zones."""
     law, density = fields.problem.law, fields.density
     size = fields.load_size if law.pressure_range.has_tension else fields.problem.borne(density)
     return float(abs(density.total - load) / max(abs(load), size))
 
 
 def _law_fault(fields: ZoneFields, load: float | None) -> str:
-    """What the law itself finds wrong, in words; empty if nothing."""
+    """Description of a violation of the law, such as a too high pressure; empty if there is none."""
     law = fields.problem.law
     highest = law.pressure_range.highest
     if np.isfinite(highest) and fields.max_pressure > highest * (1.0 + TOLERANCES.balance):
@@ -237,9 +237,9 @@ def _law_fault(fields: ZoneFields, load: float | None) -> str:
 
 
 class _Equilibrium(NamedTuple):
-    """Check of one of several equilibria: intensities at the ends, and stability if it is asked.
+    """Result of the check of one of several equilibria: intensities at the ends, and stability.
 
-    fault: what fails, in words. note: what holds.
+    fault: the checks that fail, in words. note: those that hold.
     """
 
     intensity: float
@@ -279,7 +279,7 @@ def unresolved_gaps_note(gaps: int, over: str) -> str:
 def _intensity_error(fields: ZoneFields) -> float:
     """Largest relative error of the intensity that the law asks for at the ends.
 
-    An end that is fixed only needs at least that intensity.
+    At a fixed end the intensity only has to reach at least the law's value.
     """
     wanted, zones = fields.problem.end.intensity, fields.density.zones
     assert wanted
@@ -291,7 +291,7 @@ def _intensity_error(fields: ZoneFields) -> float:
 
 
 def least_eigenvalue(matrix: Array) -> float:
-    """Least eigenvalue of the symmetric part; infinite if nothing moves.
+    """Least eigenvalue of the symmetric part of a matrix; infinite if the matrix is empty.
 
     A second variation is symmetric up to rounding.
     """
@@ -299,7 +299,7 @@ def least_eigenvalue(matrix: Array) -> float:
 
 
 def _moment_balance(fields: ZoneFields) -> float | None:
-    """Error of the moment over load times farthest end; None if no moment is given."""
+    """Error of the moment divided by load times farthest end; None if no moment is given."""
     given = fields.problem.moment
     if given is None:
         return None
@@ -332,7 +332,7 @@ def _pressures(fields: ZoneFields) -> Signs:
 
 
 def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
-    """Intervals around concave kinks with negative pressure, and the number unresolved.
+    """Intervals of negative pressure around concave kinks, and the number of unresolved ones.
 
     At a jump J < 0 of f' the pressure goes to -inf as (E* |J| / 2 pi) ln(distance): there is a gap,
     however narrow. It is unresolved if it is narrower than the nearest sample.
@@ -358,11 +358,13 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
 
 
 def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int, Array]:
-    """Scaled (least gap, overlaps, rounding, points, minima), of all gaps together.
+    """Signs of all gaps together, scaled.
 
-    Only minima that may be below zero are followed. rounding: gaps above -rounding are no overlap,
-    as the levels of a long row of zones drift by rounding. Far from all zones the samples are
-    uneven and a turned body may touch again, so that all minima are followed there.
+    Returns the least gap, the intervals of overlap, the rounding, the number of points, and the
+    minima (see `lowest`). Only minima that may be below zero are located between samples. rounding:
+    a gap above -rounding is no overlap, as rounding adds up in the levels of a long row of zones.
+    Far from all zones the samples are uneven and a turned body may touch again, so that all minima
+    are located there.
     """
     open_ = list(fields.open_intervals())
     intervals, near = [(lo, hi) for lo, hi, _, _ in open_], len(open_)
@@ -403,7 +405,7 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
 
 
 def _closing(gap: Array, place: Index, rounding: float) -> Mask:
-    """Samples between the end of a zone and the first sample with a gap above its rounding.
+    """Mask of samples between the end of a zone and the first sample with a gap above rounding.
 
     Samples are sorted by interval and place. The gap closes as d^(3/2) there, and has the sign of
     the pressure's slope.
@@ -421,7 +423,7 @@ def _finite(gap: Array) -> Array:
 
 
 def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, float]]:
-    """For every run of bad samples in (lo, hi): from the last good sample to the next good one."""
+    """Intervals around each run of failed samples in (lo, hi), up to the next good samples."""
     return [
         (
             float(x[max(s - 1, 0)]) if s else lo,
@@ -436,7 +438,8 @@ def _samples_in(
 ) -> list[Array]:
     """Places of samples in each interval.
 
-    Narrow gaps between zones without convex kinks need the minimum number, and are done together.
+    Narrow gaps between zones without convex kinks need only the smallest number of samples, and are
+    computed together.
     """
     if not intervals:
         return []
@@ -464,10 +467,10 @@ def _samples_in(
 def _samples_between(
     lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool
 ) -> Array:
-    """Places of samples in (lo, hi), even, quadratically closer next to zones.
+    """Places of samples in (lo, hi): evenly spaced, with spacing decreasing towards zones.
 
-    Convex kinks are among them, and the limit of a half-line: the body may touch exactly there. A
-    gap that is short for the profile's resolution has samples left out in its middle.
+    They include convex kinks and the limit of a half-line, as the body may touch exactly there. In
+    a gap that is short compared with the profile's resolution, samples in the middle are left out.
     """
     known = fields.problem.profile.resolution is not None and (
         fields.is_bounded or (left_zone and right_zone)
@@ -498,9 +501,10 @@ def _samples_between(
 class Solved:
     """Intervals that a search has found, with their certificate.
 
-    free: the result of Newton's method. fields: under the load of these intervals. rounds:
-    corrections of the number of intervals. tolerance: of the ends. control_error: possible error of
-    the control, of all intervals or of each end (n, 2), in units of the subclass.
+    free: the result of Newton's method. fields: the fields under the load of these intervals.
+    rounds: number of corrections of the intervals. tolerance: tolerance of the ends. control_error:
+    possible error of the control, for all intervals or for each end (n, 2); the subclass states its
+    units.
     """
 
     free: sie.Free

@@ -1,11 +1,12 @@
-"""The stated error of a solution, and in words what keeps it from being smaller.
+"""The stated error of a solution, and a description of what limits it.
 
-The error bounds (docs/errors.md) the errors of the ends over the width of their zone, and that of
-the pressure at equal normalised position over the peak. Ends are in error by the residual of
-Newton's method, by truncation of the series and by rounding. The pressure of a zone follows its
-ends (`sie.Density.sensitivity`), and is itself in error by truncation.
+It bounds two relative errors (docs/errors.md): that of the ends, divided by the width of their
+zone, and that of the pressure at equal normalised position, divided by the peak. Errors of ends
+come from the residual of Newton's method, from truncation of the series and from rounding. The
+pressure of a zone follows its ends (`sie.Density.sensitivity`), and is itself in error by
+truncation.
 
-A solution by gaps has unknowns in the gaps; its error is that of the contact between them.
+If the gaps are the unknown, the stated error is still that of the contact between them.
 """
 
 from __future__ import annotations
@@ -30,8 +31,8 @@ from sie import Array, record, wrapped
 class SolvedZones(Solved):
     """Zones that passed the certificate.
 
-    control_error: possible error of the control, as errors of the ends over the width of their
-    zones. rounded: whether rounding keeps that from being smaller.
+    control_error: errors of the ends, divided by the width of their zones, that the error of the
+    control may cause. rounded: whether rounding keeps them from being smaller.
     """
 
     fields: ZoneFields
@@ -39,7 +40,7 @@ class SolvedZones(Solved):
 
     @property
     def ends(self) -> Array:
-        """Errors of the ends over the widths of their zones (Z, 2)."""
+        """Errors of the ends divided by the widths of their zones (Z, 2)."""
         return np.asarray(self.free.end_error + self.free.end_truncation + self.control_error)
 
     @cached_property
@@ -62,7 +63,7 @@ class SolvedZones(Solved):
         ) + _error_of_body(self)
         if self.control.approach is None:
             return error
-        # In a stiff contact the rounding of the level is a large error of the load.
+        # In a stiff contact the rounding of the level causes a large error of the load.
         assert fields.stiffness is not None
         rounding = fields.gap_rounding / 16 + 2 * EPS * abs(density.total)
         return error + abs(
@@ -71,15 +72,15 @@ class SolvedZones(Solved):
 
     @property
     def main_cause(self) -> str:
-        """Main cause of the error, in words, if the law adds most of it; else empty."""
+        """Main cause of the error, in words, if it comes from the law; empty otherwise, as here."""
         return ""
 
 
 def _error_of_body(found: SolvedZones) -> float:
     """Error that a body other than a half-plane adds.
 
-    The smooth part of a thin layer's kernel nearly cancels that of the half-plane. The rest is
-    small, and rounding and neglected modes are large next to it.
+    The smooth part of a thin layer's kernel nearly cancels that of the half-plane. The sum is so
+    small that rounding and neglected modes are large relative to it.
     """
     operator = found.fields.problem.operator
     if operator.is_plain or operator.is_own or found.fields.state.density.slit_count:
@@ -92,7 +93,7 @@ def _error_of_body(found: SolvedZones) -> float:
 
 
 def _kernel_rounding(problem: Problem, table: Array) -> float:
-    """Rounding of the half-plane's kernel over the compliance of the body.
+    """Rounding of the half-plane's kernel, divided by the relative compliance of the body.
 
     The compliance is taken at the longest wave of the widest scaled zone (n, 2).
     """
@@ -103,7 +104,10 @@ def _kernel_rounding(problem: Problem, table: Array) -> float:
 
 
 def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
-    """Why the body's kernel does not allow a tolerance in scaled zones (n, 2); empty if it does."""
+    """Reason why the body's kernel limits the error of scaled zones (n, 2) to above a tolerance.
+
+    It is empty if the tolerance can be reached.
+    """
     operator = problem.operator
     if (
         operator.is_plain
@@ -121,7 +125,7 @@ def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
 
 
 def too_thin(problem: Problem, table: Array) -> str:
-    """Why scaled zones (n, 2) are too wide to be solved in seconds on this body; empty if not."""
+    """Message that scaled zones (n, 2) are too wide to be solved in seconds; empty if not."""
     kernel, unit = problem.kernel, problem.units.length
     width = float((table[:, 1] - table[:, 0]).max(initial=0.0))
     if not width > TOLERANCES.max_kernel_lengths * kernel.length:
@@ -141,10 +145,10 @@ def too_thin(problem: Problem, table: Array) -> str:
 
 
 def position_rounding(found: SolvedZones) -> float:
-    """Rounding of the ends as positions x [m], over the width of their zone.
+    """Rounding of the ends as positions x [m], divided by the width of their zone.
 
-    Scaled ends of narrow zones far from x = 0 are known better. It is 0 where the digits that
-    rounding cuts off are stated too (`Solution.zone_remainders`).
+    Scaled ends of narrow zones far from x = 0 are more precise than x. The rounding is 0 where the
+    digits that it cuts off are stated as well (`Solution.zone_remainders`).
     """
     if found.fields.problem.forcing.resolution.exact_places:
         return 0.0
@@ -154,9 +158,10 @@ def position_rounding(found: SolvedZones) -> float:
 
 
 def _kink_rounding(density: sie.AnyDensity) -> float:
-    """Rounding of the logarithms of kinks.
+    """Rounding error of the pressure by the logarithms of kinks.
 
-    They may cancel to a pressure far below the height of the kinks. Next to an end they are small.
+    The logarithms may cancel to a pressure far below the height of the kinks. Next to an end they
+    are small.
     """
     steps = density.jumps
     return 2 * EPS * float((np.abs(steps.height) * steps.sine).max(initial=0.0))
@@ -167,11 +172,11 @@ def _is_singular(density: sie.AnyDensity) -> bool:
 
 
 def reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None) -> float:
-    """The pressure that errors are divided by: its peak, or the mean contact pressure.
+    """The pressure by which errors are divided: its peak, or the mean contact pressure.
 
-    The mean is taken where the peak is infinite. Where free ends pull, it is the largest p sqrt(1 -
-    t^2), and at least the part of the ends. free: kind of the free ends. borne: load of all zones,
-    if it is not the density's total.
+    The mean is taken where the peak is infinite. Where free ends have a singular tension, it is the
+    largest p sqrt(1 - t^2), and at least the part of the ends in it. free: kind of the free ends.
+    borne: load of all zones, if it is not the density's total.
     """
     if free.intensity is not None and free.intensity < 0.0:
         angle = np.arccos(chebyshev_nodes(64))
@@ -196,10 +201,10 @@ def limit(
     end: sie.End = sie.FREE,
     error: float = 0.0,
 ) -> str:
-    """What keeps the ends from being known to `tol`, in words; empty if it is not rounding.
+    """Message on the rounding that keeps the ends from reaching `tol`; empty if it is not rounding.
 
     of: "zone" or "gap". positions: see `position_rounding`. end: kind of the free ends. error:
-    stated error of a contact that was solved by its gaps.
+    stated error of a contact whose unknowns are the gaps.
     """
     if positions > 0.5 * tol:
         return (
@@ -248,22 +253,24 @@ class SolvedGaps(Solved):
 
     @cached_property
     def error(self) -> float:
-        """Error of the pressure over its unit, and of the zones' ends over their width."""
+        """Larger of the errors of the pressure over its unit and of the zones' ends over their
+        width.
+        """
         return self._error(self.fields.relief.error)
 
     @property
     def main_cause(self) -> str:
-        """Cause of the error of R, in words, if it makes most of the error; else empty."""
+        """Cause of the error of the relief R, in words, if it is most of the error; else empty."""
         return self.fields.relief.relief.limit if self._error(0.0) < 0.5 * self.error else ""
 
     def _error(self, of_relief: float) -> float:
-        """The stated error if R has this error.
+        """The stated error for a given error of the relief R.
 
         An error delta of an end of a gap has three effects. It shifts normalised positions in the
-        zone next to it, by delta over its width. It changes the pressure there by delta times its
-        slope; next to a tip the slope is J / pi over the distance. It changes the pressure next to
-        the gap, which varies by its slope on the length of the gap's width, by delta over that
-        width.
+        zone next to the gap, by delta divided by the zone's width. It thereby changes the pressure
+        in the zone, by delta times the slope of the pressure. Next to a tip this slope is J / pi
+        divided by the distance. It changes the pressure close to the gap, which varies on the
+        length of the gap's width, by delta divided by that width.
         """
         # The total of every gap is given, so that there are no slits.
         fields, state, gaps = self.fields, self.fields.state.whole, self.fields.gap_slope.zones
@@ -281,9 +288,9 @@ class SolvedGaps(Solved):
         varies = (profile.resolution or units.length * fields.period) / units.length / (2 * np.pi)
         unit = fields.unit_pressure / units.pressure
         if not unit > 0.0:
-            return np.inf  # no sample lies in zones this narrow
+            return np.inf  # zones so narrow have no sample
         slope = min(fields.steepest / unit, 1 / varies)
-        # Away from a gap the effect falls as the square of width over distance.
+        # Away from a gap the effect decreases as the square of width / distance.
         seen = (
             np.minimum((gaps.b - gaps.a) / (TOLERANCES.unresolved_distance * fields.period), 1.0)
             ** 2
@@ -301,11 +308,11 @@ class SolvedGaps(Solved):
 
     @property
     def _place_error(self) -> Array:
-        """Possible error of the place of each gap whose ends do not determine it, scaled.
+        """Possible error of the place of each narrow gap, scaled.
 
-        On a smooth top of R with curvature k a narrow gap may be anywhere where R is within its
-        rounding r of the top: up to sqrt(2 r / k) away. It is 0 for wider gaps and for gaps over
-        kinks.
+        At a smooth maximum of R with curvature k, a narrow gap may lie anywhere where R is within
+        its rounding r of the maximum: up to sqrt(2 r / k) away. The error is 0 for wider gaps and
+        for gaps over kinks.
         """
         fields, profile = self.fields, self.fields.problem.profile
         gaps, relief = fields.gap_slope.zones, fields.relief
@@ -332,9 +339,9 @@ class SolvedGaps(Solved):
 
     @property
     def _steepest(self) -> Array:
-        """Slope of the pressure in each zone near its strongest tip: J / pi over the distance.
+        """Slope of the pressure in each zone near its sharpest tip: J / pi divided by the distance.
 
-        The distance is the smallest one that the error speaks of.
+        The distance is the smallest one for which the stated error holds.
         """
         fields = self.fields
         zones, convex = fields.zones, fields.relief.heights > 0
@@ -351,5 +358,5 @@ class SolvedGaps(Solved):
 
     @property
     def widening(self) -> Array:
-        """Motion of each end of the gaps (n, 2) for a unit of mean pressure."""
+        """Modulus of the motion of each end of the gaps (n, 2) per unit of mean pressure."""
         return np.asarray(np.abs(moved_ends(self.fields.state)).T)

@@ -1,4 +1,4 @@
-"""Certificate of a nearly full contact that was solved by its gaps.
+"""Certificate of a nearly full contact whose unknowns were the gaps.
 
 It checks that every gap is open, that pressures are positive in every zone, and that there is a gap
 over every concave kink.
@@ -62,9 +62,10 @@ def _openings(fields: GapFields) -> tuple[Signs, Array]:
 
 
 def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:
-    """(least pressure over the sine of the angle, intervals where negative, least dip, points).
+    """Signs of the pressure in the zones, of p / sin(angle) so that it is positive up to the ends.
 
-    The dip is relative to the largest value in its zone.
+    Returns the least value, the intervals where it is negative, the least minimum between samples,
+    and the number of points. The minimum is relative to the largest value in its zone.
     """
     zones = fields.zones
     middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
@@ -109,7 +110,8 @@ class _Samples:
     """Samples of the pressure in all zones.
 
     run: index of the row of even samples. zone: index of the zone. left, right: distances from its
-    ends over its half width. value: pressure over the sine of the angle. rough: rounding of that.
+    ends divided by its half width. value: pressure divided by the sine of the angle. rough:
+    rounding of `value`.
     """
 
     run: Index
@@ -124,9 +126,9 @@ class _Samples:
 
 
 def _sampled(fields: GapFields) -> _Samples:
-    """Samples even in the angle, more closely near the ends.
+    """Samples of the pressure at even angles; inside wide zones at even places instead.
 
-    Inside wide zones they are those that the fields have anyway, wherever the ends are.
+    The even places are those of the samples that the fields compute anyway.
     """
     zones, spacing = fields.zones, fields.relief.spacing
     half = 0.5 * (zones[:, 1] - zones[:, 0])
@@ -143,7 +145,7 @@ def _sampled(fields: GapFields) -> _Samples:
     inner = np.flatnonzero(
         is_wide[inside] & (np.minimum(from_left, from_right) > SAMPLING.edge_lengths * spacing)
     )
-    # Near the ends of wide zones, with some steps of overlap with the inner samples.
+    # Samples near the ends of wide zones overlap with the inner samples by some steps.
     edge_angle = 2 * np.arcsin(
         np.sqrt(0.5 * (SAMPLING.edge_lengths * spacing + 3 * (x[1] - x[0])) / half[wide])
     )
@@ -159,7 +161,7 @@ def _sampled(fields: GapFields) -> _Samples:
     place = np.arange(len(run)) - np.repeat(np.cumsum(lengths) - lengths - first, lengths)
     zone = of_run[run]
     left, right = sides((place + 0.5) * np.pi / counts[zone])
-    # From right to left, in the order of growing angles.
+    # The places run from right to left, in the order of growing angles.
     inner = inner[::-1]
     pressure, zone = (
         np.concatenate((fields.pressure_in(zone, left, right), known[inner])),
@@ -176,7 +178,7 @@ def _sampled(fields: GapFields) -> _Samples:
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
-    """Gaps that concave kinks must have and do not have, and the number of unresolved ones."""
+    """Intervals where a concave kink lacks its gap, and the number of unresolved gaps."""
     relief = fields.relief
     kinks = np.flatnonzero((relief.heights < 0) & ~fields.gap_slope.locate(relief.at)[2])
     if len(kinks) == 0:

@@ -1,6 +1,6 @@
-"""Signs of a function on intervals, by samples and by minima that are followed between them.
+"""Signs of a function on intervals, by samples and by minima located between the samples.
 
-They show a gap inside a zone, or a touch inside a gap, that lies between two samples.
+Such minima show a gap inside a zone, or a contact inside a gap, that lies between two samples.
 """
 
 from __future__ import annotations
@@ -19,13 +19,15 @@ from sie import Array, Index, Mask, record
 class SamplingOptions:
     """Samples by which the signs of pressure and gap are checked on the whole line."""
 
-    zooms: int = 7  # into a minimum; each one narrows its bracket to a quarter at least
+    # number of zooms into a minimum; each one narrows its bracket to a quarter or less
+    zooms: int = 7
     dip_samples: int = 4  # this many negative samples show the width of a dip
     count_digits: int = 3  # binary digits of the number of samples, so that many zones share one
     min_gap_points: int = 48
-    max_gap_points: int = 2**17  # where the profile states its resolution
-    max_guessed_points: int = 4000  # where the resolution is a guess
-    dense_part: float = 0.05  # of a gap at either end, sampled closely: a touch is likely there
+    max_gap_points: int = 2**17  # largest number if the profile states its resolution
+    max_guessed_points: int = 4000  # largest number if the resolution is a guess
+    # part of a gap at either end that is sampled closely: contact is likely there
+    dense_part: float = 0.05
     points_per_length: int = (
         64  # of a zone of nearly full contact; a shortest length of the profile
     )
@@ -38,11 +40,11 @@ SAMPLING = SamplingOptions()
 
 @record
 class Dips:
-    """Minima of a function that were followed between samples.
+    """Minima of a function that were located between samples.
 
     negative: (zone, angle from, angle to) of every minimum below its rounding. least: smallest
-    value above it. relative: smallest value over its zone's scale, inf if there is none. lowest:
-    smallest negative value.
+    value above rounding. relative: smallest value divided by its zone's scale; inf if there is
+    none. lowest: smallest negative value.
     """
 
     negative: list[tuple[int, float, float]]
@@ -54,8 +56,8 @@ class Dips:
 def may_be_negative(before: Array, here: Array, after: Array) -> Mask:
     """Whether a minimum at three even samples may lie below zero between them.
 
-    The parabola through them falls below the middle one by an eighth of their second difference at
-    most.
+    The parabola through the samples falls below the middle one by at most an eighth of their second
+    difference.
     """
     with np.errstate(invalid="ignore"):
         bend = before - 2 * here + after
@@ -70,10 +72,10 @@ def follow(
     scale: Array,
     rounding: Array,
 ) -> Dips:
-    """Follow minima of p / sqrt(1 - t^2), t = cos(angle), one in each bracket of angles (lo, hi).
+    """Locate the minimum of p / sqrt(1 - t^2), t = cos(angle), in each bracket of angles (lo, hi).
 
-    over_root: values at zones (n, 1) and angles (n, k). zone, scale, rounding: of each bracket
-    (n,).
+    over_root: returns the values at zones (n, 1) and angles (n, k). zone, scale, rounding: index of
+    the zone, scale and rounding of the values for each bracket (n,).
     """
     negative: list[tuple[int, float, float]] = []
     least = relative = lowest = np.inf
@@ -106,7 +108,7 @@ def follow(
 def lowest(x: Array, value: Array, at: Index) -> Array:
     """Places, values and half second derivatives (n, 3) of minima at the samples `at`.
 
-    They are those of the parabolas through each sample and its neighbours.
+    They are taken from the parabolas through each sample and its neighbours.
     """
     before, after = x[at] - x[at - 1], x[at + 1] - x[at]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -123,9 +125,9 @@ def lowest(x: Array, value: Array, at: Index) -> Array:
 class Signs:
     """Signs of a function on intervals.
 
-    negative: intervals where it is negative, ascending (n, 2). least: the smallest value; of a
-    value within its rounding, the modulus. dip: least minimum between samples over its interval's
-    scale, inf if there is none. points: number of samples.
+    negative: intervals where it is negative, ascending (n, 2). least: the smallest value; a value
+    within its rounding counts with its modulus. dip: least minimum between samples, divided by its
+    interval's scale; inf if there is none. points: number of samples.
     """
 
     negative: list[tuple[float, float]]
@@ -142,9 +144,9 @@ def signs_on(
 ) -> Signs:
     """Signs of a function on intervals.
 
-    counts: number of samples of each interval, at even angles. sampled: for intervals (k,) and
-    angles (n,), the values (k, n), their rounding and their scale (k,). over: see `over_root` of
-    `follow`.
+    counts: number of samples of each interval, at even angles. sampled: a function of intervals
+    (k,) and angles (n,) that returns the values (k, n), their rounding and their scale (k,). over:
+    see `over_root` of `follow`.
     """
     negative: list[tuple[float, float]] = []
     least, points = np.inf, 0
@@ -164,8 +166,8 @@ def signs_on(
         theta = (np.arange(n) + 0.5) * np.pi / n
         value, rounding, scale = sampled(group, theta)
         points += value.size
-        # Next to ends, and to other intervals, a value is small of higher order. There a negative
-        # value within rounding is no failure.
+        # Close to ends and to other intervals the values tend to zero. There a negative value
+        # within rounding is no failure.
         least = min(
             least, float(np.where(np.abs(value) <= rounding[:, None], np.abs(value), value).min())
         )
