@@ -1,3 +1,1 @@
-"""An equation and a first guess in, intervals whose ends meet their conditions out: Newton on the
-ends.
-"""
+"""Newton's method for the ends of the zones, from an equation and a first guess of the zones."""

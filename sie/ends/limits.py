@@ -1,4 +1,4 @@
-"""Limits of free ends: an interval that they do not leave, and the domain of the right side."""
+"""Limits of free ends: an interval that they must not leave, and the domain of the right side."""
 
 from dataclasses import replace
 
@@ -13,10 +13,10 @@ from sie.slits.system import AnyDensity
 
 @record
 class DomainLimit:
-    """What a step asks for beyond the domain of the right side.
+    """Whether a step would move ends out of the domain of the right side.
 
-    reached: whether an end that would pass the border is already as close to it as it may come;
-    reason: which ends would pass it, in words, or empty.
+    reached: whether an end that would leave it is already as close to the border as it may come;
+    reason: which ends would leave it, in words, or empty.
     """
 
     reached: bool
@@ -26,7 +26,7 @@ class DomainLimit:
 def domain_limit(
     zones: Zones, equation: Equation, delta: Array, options: NewtonOptions
 ) -> DomainLimit:
-    """Compare outward steps (2, Z) with the distances from the border of the domain."""
+    """The domain limit of outward steps `delta` (2, Z) of the ends."""
     names, is_close = [], False
     distances, last = border_distances(zones, equation), len(zones) - 1
     for side, zone, name in ((0, 0, "left end of zone 0"), (1, last, f"right end of zone {last}")):
@@ -47,7 +47,7 @@ def domain_limit(
 
 
 def border_distances(zones: Zones, equation: Equation) -> Array:
-    """Distances (2, Z) of the outermost ends from the border of the domain; infinite of others."""
+    """Distances (2, Z) of the two outermost ends from the border of the domain, else infinite."""
     distances = np.full((2, len(zones)), np.inf)
     low, high = equation.within
     distances[0, 0], distances[1, -1] = zones.a[0] - low, high - zones.b[-1]
@@ -55,7 +55,7 @@ def border_distances(zones: Zones, equation: Equation) -> Array:
 
 
 def pinned_at_limits(zones: Zones, limits: tuple[float, float]) -> Zones:
-    """The zones with ends beyond a limit put on it, as fixed singular ends."""
+    """The zones, with ends beyond a limit moved back to it and fixed there as singular ends."""
     low, high = zones.a[0] <= limits[0], zones.b[-1] >= limits[1]
     if not (low or high):
         return zones
@@ -69,9 +69,9 @@ def pinned_at_limits(zones: Zones, limits: tuple[float, float]) -> Zones:
 
 
 def released(zones: Zones, density: AnyDensity, options: NewtonOptions) -> tuple[Zones, bool]:
-    """The zones with ends free again that are pulled off their limit, and whether there are any.
+    """(zones with some ends released from their limits, whether any end was released).
 
-    An end is pulled off where its intensity is below the prescribed one of a free end.
+    An end is released if its intensity is below the one prescribed for a free end.
     """
     limits, end = options.limits, options.released_end
     if not np.isfinite(limits).any():

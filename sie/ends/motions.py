@@ -1,7 +1,7 @@
 """Effect of motions of free ends on edge intensities and levels, by singular densities.
 
-Where the end of a zone moves outward by s, the density K / sqrt(d) + A sqrt(d) next to it changes
-at fixed places by
+At distance d from an end the density is K / sqrt(d) + A sqrt(d), with the intensity K and the edge
+slope A. If the end moves outward by s, the density at fixed positions changes by
 
     d phi/ds = -(K/2) d^(-3/2) + (dK/ds + A/2) d^(-1/2) + ...,
 
@@ -12,19 +12,21 @@ end,
 
 has no transform on the zone, no total, and the potential -w there. Outside it has the transform and
 the potential of the coefficients c_l = -2 l (finite parts: (1/pi) int T_l S dt = -l, from rho^l /
-sqrt(z^2 - 1) at z -> 1). So the rows, applied to these, give the effect of S on the other zones,
-and one solve with the factors gives the response.
+sqrt(z^2 - 1) at z -> 1). So the rows, applied to these coefficients, give the effect of S on the
+other zones, and one solve with the LU factors gives the response.
 
-A motion d of the right end of a zone of half width w adds s S, s = -K d / (sqrt(2) w^(3/2)). This
-is the coefficients -2 l s to all other zones, the level -w s, and a part of both K of its own zone.
+A motion d of the right end of a zone of half width w adds s S with s = -K d / (sqrt(2) w^(3/2)).
+This acts on all other zones like the coefficients -2 l s. It changes the level of its own zone by
+-w s, and contributes to the intensities at both ends of its own zone.
 
-Very many ends with prescribed intensities have no matrix of these rates. The unknowns y of the
-response and the motions d of all ends are found together, from
+For very many ends with prescribed intensities the matrix of these rates would be too large. The
+unknowns y of the response and the motions d of all ends are found together, from
 
     rows (y + singular densities of d) = 0,      K(y) + own K of d = change,
 
-by GMRES with one fast sum a step. The preconditioner is that of the equation for y, and for d the
-effect of a motion on its own zone. So the number of steps does not grow with that of the zones.
+by GMRES with one fast sum in each step. The preconditioner of y is that of the equation. That of d
+inverts the effect of a motion on its own zone. So the number of steps does not grow with the number
+of zones.
 """
 
 from dataclasses import dataclass
@@ -46,11 +48,11 @@ from sie.trees.krylov import gmres
 
 @record
 class Moved:
-    """Effect of motions of ends, besides the response of the equation.
+    """Direct effect of motions of ends, without the response of the equation.
 
-    coefficients: of the singular densities, as other zones see them (unknowns, ...); own_level:
-    change of their zones' own levels (Z, ...); own: change of the intensities at both ends of their
-    zones (2, Z, ...).
+    coefficients: those that act on other zones like the singular densities (unknowns, ...);
+    own_level: change of the level of the same zone (Z, ...); own: change of the intensities at both
+    ends of the same zone (2, Z, ...).
     """
 
     coefficients: Array
@@ -84,7 +86,7 @@ class Moved:
 
 
 class FreeEnds:
-    """The ends of a state that move, (side, zone) each; of mirrored pairs the right one."""
+    """The free ends of a state, (side, zone) each; the right end stands for a mirrored pair."""
 
     def __init__(self, state: State) -> None:
         zones = state.density.zones
@@ -116,18 +118,19 @@ class FreeEnds:
 class MotionOptions:
     """Options of the motions of ends."""
 
-    # Steps of Arnoldi's method for the growth rate: between two checks, and at most. It has
-    # converged when it changes by less than `growth_change` of itself.
+    # Arnoldi's method for the growth rate: steps between two checks, and largest number of steps.
+    # The rate has converged when its relative change between checks is below `growth_change`.
     arnoldi_check: int = 8
     max_arnoldi: int = 64
     growth_change: float = 0.02
-    # Relative tolerance of motions: what is left of a Newton step is for the next one. `response`
-    # is the tolerance of responses for the growth rate.
+    # Relative tolerance of the motions in a Newton step; the next step corrects the rest.
     step: float = 1e-6
+    # Relative tolerance of responses for the growth rate.
     response: float = 1e-4
-    # If the residual stays above this part, some motion leaves the intensities unchanged.
+    # If the relative residual of GMRES stays above this, some motion leaves the intensities
+    # unchanged.
     max_residual: float = 1e-3
-    # From this condition number on, the inverse of the rates is rounding.
+    # Above this condition number the inverse of the rates is round-off.
     max_condition: float = 1e14
     # Beyond this number of unknowns a matrix costs more than one iterative solution for each end.
     max_matrix_unknowns: int = 8000
@@ -137,7 +140,7 @@ OPTIONS = MotionOptions()
 
 
 class IteratedMotions(FreeEnds):
-    """Motions at a state that was found by iteration."""
+    """Relations between motions of ends and intensities, for a state found by iteration."""
 
     def __init__(self, state: State, solver: Iterative) -> None:
         super().__init__(state)
@@ -146,15 +149,16 @@ class IteratedMotions(FreeEnds):
         self.width = self.zones.half[self.zone]
 
     def _applied(self, folded: Array, d: Array) -> tuple[Array, Array]:
-        """(rows of the equation and its conditions, K at the ends) for a response and motions of
-        the ends.
+        """(rows of the equation and its conditions, intensities K at the free ends).
+
+        folded: unknowns of the response; d: motions of the free ends.
         """
         system: IterativeSystem = self.system
         moved = Moved.of(self.state, self.spread(d))
         y = system.symmetry.unfold(folded)
         rows, plain = system.applied(y + moved.coefficients)
-        # The rows hold the effect of coefficients on their own zone, which singular densities do
-        # not have.
+        # The rows include the effect of coefficients on their own zone. Singular densities have no
+        # such effect, so it is removed.
         rows = rows + moved.coefficients[system.diagonal]
         edges = (
             np.array(system.intensities_of(system.layout.padded(y)))
@@ -168,7 +172,7 @@ class IteratedMotions(FreeEnds):
 
     @cached_property
     def _local(self) -> Array:
-        """Inverse of the effect of motions on K at both ends of their own zone (Z, 2, 2)."""
+        """Inverse of the effect of motions on the intensities of their own zone (Z, 2, 2)."""
         out = np.zeros((len(self.zones), 2, 2))
         for side in (0, 1):
             d = np.zeros((2, len(self.zones)))
@@ -181,27 +185,30 @@ class IteratedMotions(FreeEnds):
             out[held, side, side] = 1.0
         central = int(self.zones.solved[0]) if self.zones.central else -1
         if central >= 0:
-            # Both ends of the zone at the centre are one unknown.
+            # Both ends of the zone at the centre of symmetry are one unknown.
             out[central] = np.diag([1.0, out[central, 1].sum()])
         size = np.abs(out).max(axis=(1, 2), keepdims=True)
         weak = np.abs(np.linalg.det(out / size)) < 1e-3
-        # A zone alone may shift or grow without a change of K: the larger effect counts then.
+        # A single zone may shift or grow without a change of K. Then the matrix is replaced by a
+        # multiple of the identity of the size of its largest entry.
         out[weak] = np.eye(2) * size[weak]
         return np.asarray(np.linalg.inv(out))
 
     def _by_zone(self, k: Array) -> Array:
-        """Motions of the ends that change K by these values, each zone by itself."""
+        """Motions of the free ends that change the intensities by k, if zones did not interact."""
         return self.of(np.einsum("zab,bz->az", self._local, self.spread(k)))
 
     def local(self, k: Array) -> Array:
-        """Bound of the errors of the ends (2, Z) by errors k of the intensities, each zone by
-        itself.
+        """Bound of the errors of the ends (2, Z) by errors k of the intensities (2, Z).
+
+        The interaction of zones is neglected.
         """
         return np.asarray(np.einsum("zab,bz->az", np.abs(self._local), k))
 
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
-        """(changes of K at `ends`, of the levels of the solved zones) by motions; conditions are
-        held.
+        """(changes of the intensities at the free ends, changes of the levels) by motions d.
+
+        The levels are those of the solved zones. The values of the side conditions do not change.
         """
         rows, own = self._applied(np.zeros(self.solver.size), d)
         folded = self.solver(-rows, None, tolerance)
@@ -223,7 +230,7 @@ class IteratedMotions(FreeEnds):
         return [self.system.symmetry.unfold(one) for one in folded]
 
     def meeting(self, change: Array, tolerance: float = OPTIONS.step) -> Array:
-        """Motions of the ends (E,) that change K by these values; nan where none are found."""
+        """Motions of the free ends (E,) that change the intensities by `change`, or nan."""
         count = self.solver.size
 
         def precondition(rows: Array, k: Array) -> Array:
@@ -248,10 +255,9 @@ class IteratedMotions(FreeEnds):
         return np.asarray(found.x[count:] * self.width)
 
     def amplification(self) -> float:
-        """Ratio of the motions of all ends to those of each zone by itself, for random changes of
-        K.
+        """Ratio of the motions for random changes of K to those without interaction of zones.
 
-        It is infinite if some motion leaves K unchanged.
+        It is infinite if some motion leaves the intensities K unchanged.
         """
         size = np.abs(np.linalg.inv(self._local)).max(axis=(1, 2))[self.zone] * self.width
         found = (
@@ -265,7 +271,7 @@ class IteratedMotions(FreeEnds):
     def growth(
         self, signs: Array, normal: Array | None = None, by_value: Array | None = None
     ) -> float:
-        """Largest real part of the eigenvalues of the driving force by the motions; see `newton`.
+        """Largest real part of the eigenvalues of d(driving force)/d(motions); see `newton.Free`.
 
         It is found by Arnoldi's method (W. E. Arnoldi, Quart. Appl. Math. 9, 1951, 17-29).
         """
@@ -295,7 +301,8 @@ class IteratedMotions(FreeEnds):
                 h[: k + 1, k] += part
                 w = along(w - part @ np.array(basis))
             h[k + 1, k] = norm(w)
-            # The rest is the error of the responses: the Krylov space is closed.
+            # If the new vector is as small as the error of the responses, the Krylov space is
+            # complete.
             whole = k + 1 == most or h[k + 1, k] <= 10 * OPTIONS.response * size
             if whole or (k + 1) % OPTIONS.arnoldi_check == 0:
                 found = float(np.linalg.eigvals(h[: k + 1, : k + 1]).real.max())
@@ -308,22 +315,24 @@ class IteratedMotions(FreeEnds):
 
 @dataclass(frozen=True, eq=False)
 class EndRates:
-    """Derivatives by the outward motions of the free ends, (side, zone) each, side 0 left and 1
-    right; of a mirrored pair the one on the right stands for both. The values of the side
-    conditions are held.
+    """Derivatives of intensities and levels by the outward motions of the free ends.
+
+    The values of the side conditions do not change. The right end of a mirrored pair stands for
+    both ends.
 
     Attributes
     ----------
     ends : list of (int, int)
-        Which ends these are.
+        The free ends, (side, zone) each, with side 0 for left and 1 for right.
     intensities : (E, E) array
-        Of K at each by the motion of each.
+        Derivative of the intensity K at each end (rows) by the motion of each end (columns).
     levels : (Z, E) array
-        Of the levels of the solved zones; none where no condition speaks of levels.
+        Derivatives of the levels of the solved zones; empty if no condition involves levels.
 
     Examples
     --------
-    A punch under a held total, K = P/(pi sqrt(2 w)), is half as much wider as one end moves.
+    A punch with a given total P has K = P/(pi sqrt(2 w)). If one end moves, its half width w grows
+    by half of the motion.
 
     >>> import numpy as np
     >>> import sie
@@ -341,7 +350,7 @@ class EndRates:
 
 
 def end_rates(state: State) -> EndRates:
-    """The rates at a state with singular ends allowed where they are free.
+    """The derivatives `EndRates` at a state whose density may be singular at free ends.
 
     Parameters
     ----------
@@ -354,7 +363,8 @@ def end_rates(state: State) -> EndRates:
 
     Examples
     --------
-    A crack that is opened evenly, K = sqrt(w/2), takes up half as much as one end moves.
+    A crack under uniform traction has K = sqrt(w/2). If one end moves, w grows by half of the
+    motion.
 
     >>> import numpy as np
     >>> import sie
@@ -371,7 +381,7 @@ def end_rates(state: State) -> EndRates:
 def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
     """(rates, unknowns of the responses to the motion of each free end (unknowns, E)).
 
-    The responses are empty where they are found by iteration.
+    The responses are empty if they are found by iteration.
     """
     system, zones, layout = state.system, state.density.zones, state.system.layout
     free, solved, levels = FreeEnds(state), zones.solved, np.zeros((len(zones.solved), 0))
@@ -388,7 +398,8 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
     singular, own_level, own = moved.coefficients, moved.own_level, moved.own
     matrix = rows_of(state)
     right = matrix @ singular[state.symmetry.keep]
-    # The rows hold the effect of coefficients on their own zone, which S does not have.
+    # The rows include the effect of coefficients on their own zone. The singular density S has no
+    # such effect, so it is removed.
     right[: state.conditions_from] += singular[system.diagonal]
     right[state.conditions_from :] += state.level_rows @ own_level[solved]
     held = [own[side, solved[p]] for side, places in enumerate(zones.fixed_bounded) for p in places]
@@ -410,35 +421,34 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
 
 
 def end_motions(state: State, change: Array) -> tuple[Array, Array]:
-    """The motions of the free ends by which the intensities change as wanted, the values of the
-    side conditions held.
+    """The motions of the free ends that change the intensities by given amounts.
 
-    Of very many ends, where the rates of each by each would be too many, they are found by
-    iteration.
+    The values of the side conditions do not change. For very many ends the motions are found by
+    iteration, since the matrix of all rates would be too large.
 
     Parameters
     ----------
     state : State
         A solution on zones with free ends.
     change : (2, Z) array
-        Wanted of K at the left and right ends; only that at free ends counts.
+        Wanted change of the intensity K at the left and right ends. Only free ends count.
 
     Returns
     -------
     motions : (2, Z) array
-        Outward.
+        Outward motions of the left and right ends.
     levels : (Z,) array
-        What they do to the levels of the solved zones; none where no condition speaks of levels.
+        Changes of the levels of the solved zones; empty if no condition involves levels.
 
     Raises
     ------
     SingularSystem
-        If some motion leaves all intensities as they are.
+        If some motion leaves all intensities unchanged.
 
     Examples
     --------
-    An adhering contact under a held load, whose K at both ends is to change by 0.01: as the rates
-    have it.
+    An adhering contact under a given load, whose K at both ends is to change by 0.01. The rates
+    confirm the motions.
 
     >>> import numpy as np
     >>> import sie
@@ -462,7 +472,8 @@ class DirectMotions(FreeEnds):
     def __init__(self, state: State) -> None:
         super().__init__(state)
         self._rates, self._responses = _rates_and_responses(state)
-        # Rounding keeps the rates of a motion that changes nothing from being exactly zero.
+        # A motion that leaves the intensities unchanged has rates of the size of round-off, not
+        # exactly zero. So the condition number is tested.
         neutral = (
             len(self.ends) > 0
             and not np.linalg.cond(self._rates.intensities) < OPTIONS.max_condition
@@ -484,15 +495,18 @@ class DirectMotions(FreeEnds):
         return self._rates.intensities @ d, levels @ d if levels.size else np.zeros(0)
 
     def responses(self, d: Array) -> list[Array]:
-        """Unknowns of the responses, at fixed places, to motions of the ends (E, n)."""
+        """Unknowns of the responses to n motions of the free ends (E, n).
+
+        The response is the change of the density at fixed positions without its singular part.
+        """
         return list((self._responses @ d).T)
 
     def growth(
         self, signs: Array, normal: Array | None = None, by_value: Array | None = None
     ) -> float:
-        """Largest real part of the eigenvalues of the driving force by the motions.
+        """Largest real part of the eigenvalues of d(driving force)/d(motions); see `newton.Free`.
 
-        With a condition on the ends, which the unknown value keeps, only motions along it count.
+        With a condition on the ends only motions that keep it count; the open value adjusts to it.
         """
         driven = signs[self.side][:, None] * self._rates.intensities
         if normal is not None and by_value is not None:
@@ -503,7 +517,10 @@ class DirectMotions(FreeEnds):
 
 
 def motions_of(state: State) -> DirectMotions | IteratedMotions:
-    """Motions by the matrix of the rates, or by iteration where the state was found so."""
+    """Relations between motions and intensities: by iteration if the state was found by iteration.
+
+    Else they use the matrix of the rates.
+    """
     return (
         DirectMotions(state) if state.iteration is None else IteratedMotions(state, state.iteration)
     )

@@ -1,12 +1,13 @@
 """Newton's method on the ends of zones.
 
-For given zones the equation is solved with singular ends, K / sqrt(d) + A sqrt(d) at distance d
-from an end. At the solution K is the prescribed intensity. Where the prescribed intensities are
-zero, an outward motion delta_i of end i changes K_i by -(A_i / 2) delta_i and no other K, because
-to first order the motion of an end adds nothing singular to a bounded density. So
-delta = 2 K / A is a Newton step that costs one linear solve. A condition on the ends alone (their
-total width) borders this diagonal Jacobian. Where an intensity is prescribed, the change of the
-density is d^(-3/2)-singular and couples all ends (see `motions`).
+For given zones the equation is solved with a density that is K / sqrt(d) + A sqrt(d) at distance d
+from an end, with the intensity K and the edge slope A. At the solution K is the prescribed
+intensity. If the prescribed intensities are zero, an outward motion delta_i of end i changes K_i by
+-(A_i / 2) delta_i and no other K. The reason is that, to first order, the motion of an end adds
+nothing singular to a bounded density. So delta = 2 K / A is a Newton step that costs one linear
+solve. A condition on the ends alone (their total width) borders this diagonal Jacobian. If an
+intensity other than zero is prescribed, the change of the density is d^(-3/2)-singular and couples
+all ends (see `motions`).
 """
 
 from dataclasses import dataclass, field, replace
@@ -31,7 +32,7 @@ from sie.states.sizes import Sizes, first_sizes, sizes_like
 from sie.states.solve import SingularSystem
 from sie.states.state import State
 
-# An amplification of errors beyond this, in the motions of all ends, is that of a singular system.
+# If the motions of the ends amplify errors by more than this, the system counts as singular.
 _MAX_AMPLIFICATION = 1e10
 
 _CONVERGED = "the ends are at rest"
@@ -49,13 +50,14 @@ _UNDETERMINED = (
 class Free:
     """Result of the search for the ends.
 
-    An end is driven outward while s (K - K*) > 0, with s the sign of the density next to it
-    (`NewtonOptions.signs`) and K* the prescribed intensity: adhesive contact grows while K is
-    above K*, a crack while |K| is. There may be several roots, and the search finds one near its
-    start. A root is stable if ends that are pushed off it come back: the real parts of all
-    eigenvalues of s dK/d(outward motions) are negative, over motions that meet the condition on
-    the ends, and that are symmetric if the zones are. Where the prescribed intensities are zero,
-    s dK/d(end) = -s A / 2, and the root is stable.
+    The driving force of an end is s (K - K*), with s the sign of the density next to it
+    (`NewtonOptions.signs`), K the intensity and K* the prescribed one. A positive force drives the
+    end outward: adhesive contact grows while K is above K*, a crack while |K| is above |K*|. There
+    may be several roots, and the search finds one near its start. A root is stable if displaced
+    ends return to it. Then the real parts of all eigenvalues of d(driving force)/d(outward motions)
+    are negative. Only motions that keep the condition on the ends count, and only symmetric ones if
+    the zones are symmetric. If the prescribed intensities are zero, s dK/d(end) = -s A / 2 with the
+    edge slope A, and the root is stable.
 
     Attributes
     ----------
@@ -64,20 +66,20 @@ class Free:
     converged : bool
         Whether the ends have converged.
     end_error : ndarray
-        Remaining move of each end over its zone's width (Z, 2), with round-off but without
+        Remaining move of each end relative to its zone's width (Z, 2), with round-off but without
         `end_truncation`.
     rounding : ndarray
-        The round-off in it (Z, 2).
+        The round-off in `end_error` (Z, 2).
     trace : tuple of Step
-        The steps.
+        The Newton steps.
     value, value_error : float
-        Value of the open condition, None without one, and its last change.
+        Value of the open condition (None if there is no such condition), and its last change.
     lost : ndarray
         Zones that vanished.
     met : ndarray
-        Gaps that closed, each by the zone on its left.
+        Gaps that closed, each given by the zone on its left.
     stable : bool or None
-        See above; None: no root was found.
+        Whether the root is stable, as defined above; None if no root was found.
     reason : str
         Why the search stopped.
     left : ndarray
@@ -118,7 +120,7 @@ class Free:
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Error of each end by truncated coefficients, over its zone's width (Z, 2)."""
+        """Error of each end by truncated coefficients, relative to its zone's width (Z, 2)."""
         if not self.density.zones.follow_ends:
             return self.state.end_truncation
         by_intensities = self._motions.local(self.state.whole.intensity_truncation)
@@ -126,9 +128,9 @@ class Free:
 
     @cached_property
     def followed(self) -> Array:
-        """Error of the density on each zone (Z,), at fixed places, by the errors of all ends.
+        """Error of the density on each zone (Z,), at fixed positions, by the errors of all ends.
 
-        It is zero unless intensities are prescribed: only then does the motion of an end change
+        It is zero if all prescribed intensities are zero. Otherwise the motion of an end changes
         the density of all zones to first order.
         """
         if not self.density.zones.follow_ends:
@@ -149,7 +151,7 @@ class Free:
     def unresolved(self) -> bool:
         """Whether the modes of a zone do not resolve the equation.
 
-        Other zones near these fare no better.
+        A search with other zones close to these would fail for the same reason.
         """
         return not self.converged and self.reason == _UNRESOLVED
 
@@ -174,7 +176,7 @@ def find_ends(
     options : NewtonOptions or None
         Options of Newton's method.
     start : WarmStart or None
-        What is known beyond the zones: the open value, the error of the ends, numbers of modes.
+        Further data for the start: the open value, the error of the ends, numbers of modes.
 
     Returns
     -------
@@ -200,7 +202,7 @@ def find_ends(
 
 
 class _Search:
-    """One search for the ends: the zones, the open value, and what the steps have shown so far."""
+    """State of one search for the ends: the zones, the open value, and the progress so far."""
 
     def __init__(
         self,
@@ -216,11 +218,11 @@ class _Search:
         gaps = modes.gaps(zones, equation.kernel)[1]
         self.progress = Progress(options, tolerance, zones.b - zones.a, gaps, start.initial_error)
         self.sizes = _sizes_at_first(equation, zones, start.modes_like)
-        # The density caused by a unit of the open condition's value; None: to be found.
+        # The density caused by a unit of the open condition's value; None if not yet computed.
         self.value_response: AnyDensity | None = None
 
     def step(self) -> Free | None:
-        """Solve on the zones and move their ends; the result once there is one."""
+        """Solve on the zones and move their ends; return the result if the search has ended."""
         state, loose, is_released = self._solved()
         motion = self._newton_step(state)
         if motion is None:
@@ -239,25 +241,23 @@ class _Search:
         self.value += motion.change
         return self._moved(state, motion, rest)
 
-    # one step
-    # ----------------------------------------------------------------------------------------
     def _solved(self) -> tuple[AnyState, bool, bool]:
-        """(state on the zones, whether it is looser than the last one has to be, whether an end was
-        released from a limit).
+        """(state on the zones, whether its tolerance is larger than that of a final solution,
+        whether an end was released from a limit).
         """
         sizes, progress = self.sizes, self.progress
-        # An iteration has the value in its right side: that saves a solve of its own.
+        # An iteration has the open value in its right side, which saves the solve of `with_value`.
         sizes.linear, sizes.value = progress.linear, self.value
         sizes.rough = sizes.linear > self.options.rough_solution
         decay = self.decay
         if sizes.carried is not None:
-            # Series of many zones need be no longer than the next step asks for.
+            # For many zones, series are only as long as the accuracy of the next step requires.
             decay = max(decay, min(self.options.first_solution, progress.left_to_solve))
         state = self._state(decay)
         loose = decay > self.decay or (state.iterated and sizes.linear > progress.tightest)
         self.zones, is_released = released(self.zones, state.density, self.options)
         if is_released and self.zones.follow_ends:
-            # The rates depend on which ends move.
+            # The released end is free now, and the rates depend on which ends are free.
             state = self._state(decay)
         return state, loose, is_released
 
@@ -275,7 +275,8 @@ class _Search:
         if opened is not None and (
             response is None or _moved_part(state, response) > self.options.max_response_move
         ):
-            # Its error is one of the step, so the square root of the solution's is small enough.
+            # An error of the response is a relative error of the step. So the square root of the
+            # tolerance of the solution is small enough.
             tolerance = float(np.sqrt(self.sizes.linear))
             self.value_response = state.response(state.values(opened), tolerance)
         motion = newton_step(state, self.zones, self.options, self.value_response)
@@ -288,7 +289,7 @@ class _Search:
         return None
 
     def _moved(self, state: AnyState, motion: NewtonStep, rest: Convergence) -> Free | None:
-        """Move the ends; the result if zones vanish or merge and that ends the search."""
+        """Move the ends; return the result if zones vanish or merge and this ends the search."""
         equation, options = self.equation, self.options
         keeps_places = equation.forcing.cornered or equation.forcing.resolution.exact_places
         gaps = modes.gaps(self.zones, equation.kernel)[1]
@@ -302,7 +303,7 @@ class _Search:
         if changes == 0:
             return None
         if options.allow_loss and changes < len(zones) and not zones.symmetric:
-            # Vanishing zones bear little: the search continues with the others.
+            # Vanishing zones bear little load, so the search continues with the others.
             self.zones, kept = zones.changed(lost, met, equation.kernel.period)
             self.value_response, self.sizes = None, self.sizes.of(kept)
             self.progress.continue_with(
@@ -315,8 +316,6 @@ class _Search:
             self._failed(state, motion, rest, reason), value=self.value, lost=lost, met=met
         )
 
-    # results
-    # ----------------------------------------------------------------------------------------
     def _converged(self, state: AnyState, motion: NewtonStep, rest: Convergence) -> Free:
         """The result for ends that have converged."""
         if motion.branch is not None and state.whole.iteration is not None:
@@ -326,7 +325,8 @@ class _Search:
             motion, rest = checked
         opened = self.equation.open_condition
         if opened is not None and not state.iterated:
-            # The last change of the value costs a matrix nothing; an iteration, another solution.
+            # With LU factors the last change of the value costs almost nothing. An iteration would
+            # need another solution.
             state, self.value = (
                 state.with_value(opened, motion.change),
                 self.value + motion.change,
@@ -355,7 +355,7 @@ class _Search:
         )
 
     def _undetermined(self, state: AnyState) -> Free:
-        """The result where the intensities do not determine the ends."""
+        """The result if the intensities do not determine the ends."""
         unknown = np.full((len(state.density.zones), 2), np.inf)
         trace = tuple(self.progress.trace)
         return Free(state, False, unknown, unknown, trace, self.value, reason=_UNDETERMINED)
@@ -363,7 +363,10 @@ class _Search:
     def _with_iterated_errors(
         self, state: State, motion: NewtonStep, rest: Convergence
     ) -> tuple[NewtonStep, Convergence] | None:
-        """The last step and its errors with what iterative motions add; None if undetermined."""
+        """(last step with its growth rate, convergence with the errors of iterative motions).
+
+        The result is None if the intensities do not determine the ends.
+        """
         assert state.iteration is not None and motion.branch is not None
         motions, zones = IteratedMotions(state, state.iteration), state.density.zones
         amplification = motions.amplification()
@@ -406,7 +409,7 @@ class _Search:
 
 
 def _sizes_at_first(equation: Equation, zones: Zones, modes_like: AnyState | Sizes | None) -> Sizes:
-    """Numbers of modes to start with; what another search has left is continued."""
+    """Numbers of modes to start with, taken from another search if there was one."""
     if modes_like is None:
         return first_sizes(equation, zones)
     if isinstance(modes_like, Sizes):
@@ -415,7 +418,7 @@ def _sizes_at_first(equation: Equation, zones: Zones, modes_like: AnyState | Siz
 
 
 def _moved_part(state: AnyState, response: AnyDensity) -> float:
-    """Part of all widths by which the ends have moved since a response was found.
+    """Sum of the moves of all ends since a response was found, divided by the sum of all widths.
 
     It is infinite if the zones, or the gaps that are treated as slits, are not the same.
     """

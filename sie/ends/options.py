@@ -1,4 +1,4 @@
-"""Options of the search for the ends, and what it starts from."""
+"""Options of the search for the ends, and data for a warm start."""
 
 from dataclasses import dataclass
 
@@ -18,10 +18,10 @@ class NewtonOptions:
     max_steps : int
         The search gives up after this many Newton steps.
     signs : (float, float)
-        Sign of the wanted density beside free left and free right ends. The slope of a gap, for
+        Sign of the wanted density close to free left and free right ends. The slope of a gap, for
         example, is positive at left ends and negative at right ends.
     limits : (float, float)
-        Interval that free ends do not leave. An end that reaches a limit is pinned there as a
+        Interval that free ends must not leave. An end that reaches a limit is pinned there as a
         singular end. It is released when its intensity falls below that of `released_end`.
     released_end : End
         Kind of an end after its release from a limit.
@@ -29,54 +29,61 @@ class NewtonOptions:
         Truncation tolerance of the coefficients, relative to the largest; None: a tenth of the
         tolerance of the ends.
     bounded_ends : bool
-        Whether the remaining 1/sqrt(d) parts are removed from the last density. It is then
-        accurate at equal normalised position to first order in the errors of the ends.
+        Whether the remaining 1/sqrt(d) terms are removed from the last density. As a function of
+        the position relative to the zone, it is then accurate to first order in the errors of the
+        ends.
     allow_loss : bool
         Whether the search continues without zones that vanish, and with zones that merge. If
         False, it stops there.
     unresolved_fraction : float
         Fraction of all ends that may be left unconverged, after `patience` steps. This gives a
-        cheap first look at very many zones.
+        cheap first approximation of very many zones.
     patience : int
         Newton steps granted to these ends.
     max_shrink, max_growth, max_closing : float
-        Damping: largest part of its zone, or of the gap next to it, by which an end moves in a
-        step. Two ends that face each other across a gap must not meet, so the parts are below 1/2.
+        Damping: largest fraction of its zone by which an end moves inward or outward in a step, and
+        largest fraction of the gap next to it. Two ends that face each other across a gap must not
+        meet, so `max_closing` is below 1/2.
     border_distance : float
-        An end this close to the border of the domain of g, over its zone's width, has no root
-        before it. Nearer ends would take more nodes than a zone may have.
+        If an end this close to the border of the domain of g would still pass it, the search stops.
+        Nearer ends would need more nodes than a zone may have.
     max_response_move : float
-        The response to the value of the open condition is kept while all ends together move by less
-        than this part of all widths. It then changes a step by the same relative amount.
+        The response to the value of the open condition is reused while the moves of all ends add up
+        to less than this fraction of all widths. The relative error of a step is then of this size.
     forcing, first_solution, last_solution : float
         Inexact Newton (S. C. Eisenstat and H. F. Walker, SIAM J. Sci. Comput. 17, 1996, 16-32): the
         linear system is solved to `forcing` * step^3, so that its error stays below that of two
-        more Newton steps; to `first_solution` at first, and at last to `last_solution` * tolerance.
+        more Newton steps. The tolerance is at most `first_solution`, and at least
+        `last_solution` * tolerance.
     rough_solution : float
-        Rough sums, accurate to this, serve solutions that are looser.
+        Solutions with a tolerance above this use rough sums, which have an error of this size.
     step_margin : float
-        The remaining error of an end is its next step, with this factor for the terms of second
+        The error of an end is estimated by its next step times this factor, for terms of second
         order.
     rounding_step : float
-        Steps below this are rounding where they no longer become smaller.
+        Steps below this that no longer decrease are round-off.
     stalled_steps : int
-        After so many steps without progress, rounding may be the reason. With `allow_loss`, zones
-        with the wrong sign of the density are given up after as many steps, once these are small.
+        After this number of steps without progress, round-off may be the reason. With `allow_loss`,
+        zones with the wrong sign of the density are given up after this number of steps, once the
+        steps are below `close_step`.
     wandering_steps : int
-        Steps after which ends that still move by half of their zones are given up.
+        Number of steps after which the search is given up if ends still move by half of their
+        zones.
     close_step : float
-        Small steps are below this. A guess is a close one if its first step is, and each further
-        step is below this part of the step before.
+        A guess is close to a solution if its first step is below this, and if each further step is
+        below this fraction of the step before.
     vanished_part : float
-        A zone or a gap that has shrunk to this part of its first size has vanished.
+        A zone or a gap that has shrunk to this fraction of its first size has vanished.
     last_zone_vanished : float
-        The last zone of all keeps the given total however narrow it is: it vanishes later.
+        The same for a single zone. It is smaller, since one zone keeps the given total however
+        narrow it is.
     insistent_steps : int
-        A zone or a narrow gap has vanished if so many steps in a row ask for nothing to be left.
+        A zone or a narrow gap has vanished if the undamped steps would remove it this number of
+        times in a row.
     closing_gap : float
-        Such a gap is below this part of the zones next to it.
+        A gap is narrow in this sense if it is below this fraction of the zones next to it.
     slight_zone : float
-        A zone below this part of the zone next to it is hardly felt by the others.
+        A zone narrower than this fraction of a neighbour has hardly any effect on the others.
 
     Examples
     --------
@@ -118,18 +125,18 @@ class NewtonOptions:
 
 @dataclass(frozen=True, eq=False)
 class WarmStart:
-    """What is known when a search for the ends starts.
+    """Data that are known when a search for the ends starts.
 
     Parameters
     ----------
     value : float
         First guess for the value of an open condition.
     initial_error : float
-        Error of the first ends over their zones' widths, as far as it is known. The better the
-        ends are, the tighter is the first iterative solution.
+        Estimated error of the first ends, relative to their zones' widths. The smaller it is, the
+        smaller is the tolerance of the first iterative solution.
     modes_like : State, SlitState, Sizes or None
-        A solution on about the same zones. The search starts with as many modes, and from its
-        unknowns if it is the last solution that used these sizes.
+        A solution on about the same zones. The search starts with its numbers of modes. `Sizes` of
+        the last solution that used them also give its unknowns, as a first guess.
     abandon_if_far : bool
         Whether the search stops, unconverged, as soon as a step shows that the zones are not close
         to a solution.

@@ -1,4 +1,4 @@
-"""What the steps of a search for ends show: convergence with its error, or failure."""
+"""Progress of a search for ends: it decides on convergence, with errors, and on failure."""
 
 from dataclasses import dataclass, field
 
@@ -12,7 +12,11 @@ from sie.ends.steps import Branch, NewtonStep
 
 @record
 class Step:
-    """One Newton step: the ends before it, its largest move over a width, the open value if any."""
+    """One Newton step.
+
+    zones: table of the ends before it; move: largest move of an end relative to its zone's width;
+    value: value of the open condition, if there is one.
+    """
 
     zones: Array
     move: float
@@ -21,10 +25,10 @@ class Step:
 
 @record
 class Convergence:
-    """Whether the ends have converged, as far as a step shows, and their errors.
+    """Whether the ends have converged according to the last step, and their errors.
 
-    reached: whether they have; error: of each end over its zone's width (Z, 2); rounding: the
-    round-off in it.
+    reached: whether they have converged; error: error of each end relative to its zone's width
+    (Z, 2); rounding: the round-off in this error.
     """
 
     reached: bool
@@ -36,11 +40,12 @@ class Convergence:
 class Progress:
     """The steps of one search for ends so far.
 
-    first_width, first_gap: of the zones at the start; initial_error: see `WarmStart`; trace: the
-    steps; branches: where they were among several roots; most: largest move of the last step
-    without the unresolved fraction of the ends; best: smallest move so far; stalled: steps that
-    have not halved it; closing, leaving: for how many steps in a row each gap, each zone was to
-    vanish.
+    first_width, first_gap: widths of the zones and of the gaps right of them at the start;
+    initial_error: see `WarmStart`; trace: the steps; branches: residual and growth rate at each
+    step, if intensities are prescribed; most: largest move of the last step, without the unresolved
+    fraction of the zones; best: smallest move of all steps so far; stalled: number of steps in a
+    row that have not halved it; closing, leaving: for how many steps in a row the undamped step has
+    removed each gap, each zone.
     """
 
     options: NewtonOptions
@@ -57,21 +62,19 @@ class Progress:
     leaving: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
     def continue_with(self, zones: Zones, gaps: Array, kept: Index) -> None:
-        """Continue with other zones and their gaps; kept: which of the former ones they are."""
+        """Continue with other zones and their gaps; kept: indices of these among the former ones."""
         self.first_width = np.maximum(self.first_width[kept], zones.b - zones.a)
         self.first_gap = np.maximum(self.first_gap[kept], gaps)
         self.closing, self.leaving = self.closing[kept], self.leaving[kept]
         self.stalled, self.best = 0, np.inf
 
-    # tolerances of the next solution
-    # ----------------------------------------------------------------------------------------
     @property
     def linear(self) -> float:
         """Tolerance of the next iterative solution.
 
         The next step is about the square of the last one, and the step after it the fourth power.
-        The error of the solution is to be smaller than that: a few more digits cost less than
-        another solution.
+        The error of the solution should be smaller than both, since a few more digits cost less
+        than another solution.
         """
         return min(self.options.first_solution, max(self.left_to_solve, self.tightest))
 
@@ -79,7 +82,8 @@ class Progress:
     def left_to_solve(self) -> float:
         """Error of the next solution that does not outweigh the next two Newton steps."""
         last = self.trace[-1].move if self.trace else 1.0
-        # Where nearly all ends are known well, the others may be those of zones that are lost.
+        # With an unresolved fraction, the ends with the largest moves are ignored: they may belong
+        # to zones that will vanish.
         last = self.most if self.options.unresolved_fraction else min(last, self.initial_error)
         return self.options.forcing * last**3
 
@@ -88,15 +92,13 @@ class Progress:
         """Tolerance of the last iterative solution."""
         return self.options.last_solution * self.tolerance
 
-    # convergence
-    # ----------------------------------------------------------------------------------------
     def after(
         self, zones: Zones, motion: NewtonStep, corners: Array, value: float, opened: bool
     ) -> Convergence:
         """Record a step, and decide whether the ends have converged.
 
-        corners: distance of a kink from each end (2, Z), over which the density changes; value: of
-        the open condition, if there is one.
+        corners: distance of the nearest kink from each end (2, Z), over which the density changes;
+        value: value of the open condition; opened: whether there is one.
         """
         width, delta, options = zones.b - zones.a, np.abs(motion.delta), self.options
         relative = delta / width
@@ -113,7 +115,7 @@ class Progress:
         self.stalled = self.stalled + 1 if move > 0.5 * self.best else 0
         self.best = min(self.best, move)
         growth = self._moves_by_rounding(delta, width, motion.noise)
-        # The value cannot converge where rounding keeps the ends moving.
+        # The value cannot converge further if round-off keeps the ends moving.
         least = max(self.tolerance, 1e-14, growth * move if growth else 0.0)
         known = abs(motion.change) <= least * abs(value + motion.change)
         rounding = (motion.noise / width).T
@@ -122,7 +124,7 @@ class Progress:
         return Convergence(certain and (rests or growth > 0) and known, error, rounding)
 
     def _moves_by_rounding(self, delta: Array, width: Array, noise: Array) -> float:
-        """Largest of the last stalled moves over the last one, if rounding causes them; else 0."""
+        """Ratio of the largest recent move to the last one, if round-off causes them; else 0."""
         move, rounding_step = self.trace[-1].move, self.options.rounding_step
         quiet = delta < np.clip(100 * noise, rounding_step * width, 1e-2 * width)
         by_rounding = (self.stalled >= 2 and move < 1e-3 * rounding_step) or (
@@ -133,13 +135,12 @@ class Progress:
         recent = self.trace[-min(self.stalled + 1, 4) :]
         return max(step.move for step in recent) / max(move, 1e-300)
 
-    # failure
-    # ----------------------------------------------------------------------------------------
     def is_hopeless(self, certain: bool) -> bool:
-        """Whether these zones will not converge, so that it takes others.
+        """Whether these zones will not converge, so that other zones are needed.
 
-        certain: whether the density has the right sign next to all ends. Where it has not, the
-        ends have settled or stalled; otherwise they have wandered for long.
+        certain: whether the density has the right sign next to all ends. If it has not, the search
+        is hopeless once the ends have settled or stalled. In any case it is hopeless if the ends
+        have moved by large steps for long.
         """
         options, move = self.options, self.trace[-1].move
         if not certain:
@@ -157,7 +158,7 @@ class Progress:
         )
 
     def _stays(self) -> bool:
-        """Whether in the last steps the zones neither changed much nor converged."""
+        """Whether in the last ten steps the widths hardly changed and the moves did not decrease."""
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
         if len(now) != len(before):
             return False
@@ -174,9 +175,10 @@ class Progress:
     def vanished(
         self, zones: Zones, gaps: Array, vanishes: Mask, closes: Mask
     ) -> tuple[Index, Index]:
-        """(zones that have vanished, gaps that have closed, each by the zone on its left).
+        """(indices of zones that have vanished, of gaps that have closed).
 
-        vanishes, closes: whether the last undamped step left nothing of them.
+        A gap has the index of the zone on its left. vanishes, closes: masks of the zones and gaps
+        that the last undamped step would remove.
         """
         options, width = self.options, zones.b - zones.a
         self.closing = np.where(closes, (self.closing if len(self.closing) else 0) + 1, 0)
@@ -184,10 +186,11 @@ class Progress:
         # One zone keeps the given total however narrow it is; without a total it may vanish.
         part = options.vanished_part if len(zones) > 1 else options.last_zone_vanished
         gone = width < np.maximum(part * self.first_width, 8 * np.spacing(np.abs(zones.a)))
-        # A damped step leaves most of a zone, so a zone that is to vanish again and again has.
+        # A damped step leaves most of a zone. So a zone has vanished if several undamped steps in a
+        # row would have removed it.
         insists = np.zeros(len(gone), dtype=bool)
         if len(zones) > 1 and (self.leaving >= options.insistent_steps).any():
-            # The search restarts without it, and at once without others that are to vanish.
+            # The search continues without it, and also without others that would vanish soon.
             insists = self.leaving >= 2
         narrowest = np.minimum(width, self.first_width)
         closed = self.closing >= 2
@@ -200,7 +203,7 @@ class Progress:
 
     @property
     def past_fold(self) -> str:
-        """That the search went back and forth between stable and unstable ends, in words, or ''."""
+        """Message that the search alternated between stable and unstable ends, or ''."""
         growth = np.array([branch.growth for branch in self.branches])
         if not ((growth < 0.0).any() and (growth >= 0.0).any()):
             return ""

@@ -1,38 +1,39 @@
-"""Newton's step of a free end where K is not linear in its motion: at a jump, or at a narrow gap.
+"""Newton's step of a free end whose intensity is not linear in its motion.
 
-A jump J > 0 of the right side at distance r inside an end adds C / sqrt(r) to the edge slope A,
-C = (J/pi) sqrt(2 l), where l is the distance of the jump from the other end over the half width. On
-the scale of r, K is not linear in the motion of the end. Its nonlinear part is known, and the step
+The intensity K of an end is not linear close to a jump of the right side, or at a narrow gap. A
+jump J > 0 of the right side at distance r inside an end adds C / sqrt(r) to the edge slope A, with
+C = (J/pi) sqrt(2 l), where l is the distance of the jump from the other end in half widths. On the
+scale of r, K is not linear in the motion of the end. Its nonlinear part is known, and the step
 delta solves
 
     K - (A - C / sqrt(r)) delta / 2 - C (sqrt(r + delta) - sqrt(r)) = 0.
 
-An end that moves inward past the jump loses the square root; one that moves outward past a jump
-gains it.
+If an end moves inward past the jump, the term with the square root vanishes. If it moves outward
+past a jump, the term appears.
 
 A logarithm (J/pi) ln|x - s| of the right side, J > 0, at distance y outside an end is the mirror
-image (`jumps.exterior`): it adds 2 J / (pi sqrt(y)) to A and 2 J sqrt(y) / pi to K, until the end
-moves outward past it. An end never moves inward past one with J < 0, because the density around it
-would have the wrong sign.
+image (`jumps.exterior`). It adds 2 J / (pi sqrt(y)) to A and 2 J sqrt(y) / pi to K, until the end
+moves outward past it. An end never moves inward past a logarithm with J < 0, because the density
+around it would have the wrong sign.
 
 On the scale of a gap |x| < c the intensities of its two ends are not linear in their motions, and
-K enters the slope A that Newton's method divides by. There the density is that of a crack under
-the traction P_0 + P_1 x + P_2 x^2/2 that the merged zones would bear. Outside the gap
+the slope A by which Newton's method divides depends on K. There the density is that of a crack
+under the traction P_0 + P_1 x + P_2 x^2/2 that the merged zones would bear. Outside the gap
 
     phi = |x| / sqrt(x^2 - c^2) (P_0 + P_2 (x^2 - c^2/2)/2)
           + sgn(x) P_1 (x^2 - c^2/2) / sqrt(x^2 - c^2).
 
-The two K and the two A determine P_0, P_1 and P_2, and these the gap for which both K vanish: its
-middle moves by -P_1/P_2, and its new half width is sqrt(-4 P_0/P_2). With rho = K / (c S), where S
-is A without the part of K,
+K and A at the two ends determine P_0, P_1 and P_2. These determine the gap for which both K vanish:
+its middle moves by -P_1/P_2, and its new half width is sqrt(-4 P_0/P_2). With rho = K / (c S),
+where S is A without its dependence on K,
 
     middle / c = -(rho_right - rho_left),
     (new half gap / c)^2 = 1 - 2 (rho_right + rho_left) + 2 (rho_right - rho_left)^2.
 
-If the density changes sign across the gap, the last square is absent. With a jump J of the density
-in the gap (a logarithm of the right side: `jumps.density`) a part of S is that of a kink,
-(J/pi) sqrt(2/c), whose integral grows with c and not with c^2. Then the sum of both integrals
-changes by -K sqrt(2 c). For small K all of this is the plain step 2 K / A.
+If the density changes sign across the gap, the last square is absent. If the density jumps by J in
+the gap (a logarithm of the right side, see `jumps.density`), a kink contributes
+(J/pi) sqrt(2/c) to S. The integral of this term grows with c and not with c^2. Then the sum of both
+integrals changes by -K sqrt(2 c). For small K the step is always the plain one, 2 K / A.
 """
 
 from collections.abc import Callable
@@ -45,12 +46,13 @@ from sie.basis.data import Array, Mask, record, wrapped
 from sie.basis.zones import Zones
 from sie.equation.forcing import Forcing
 
-# A jump more than 20 plain steps away changes the plain step by less than 2 %: the next step finds
-# that. A root search would lose the digits of small steps.
+# A jump farther away than this many plain steps is ignored. It changes the plain step by less than
+# 2 %, which the next step corrects. A root search would lose the digits of small steps.
 _FARTHEST_JUMP = 20.0
 # Halvings that exhaust the digits of a number.
 _HALVINGS = 60
-# An end stops at this part of its way to a logarithm with J < 0, which it must not pass.
+# Largest inward step, relative to the distance from a logarithm with J < 0, which an end must not
+# pass.
 _STOP_BEFORE = 0.9
 
 
@@ -72,12 +74,13 @@ def gap_steps(
     alike: bool,
     tips: Array | float = 0.0,
 ) -> tuple[Array, Mask]:
-    """(outward steps (2, Z), mask where they hold) at gaps narrower than both zones.
+    """(outward steps (2, Z), mask of the ends for which they are valid) at narrow gaps.
 
-    gaps, moves, k, slopes: (2, Z) of both ends of all zones; k is K less its target and slopes is
-    A, both positive where a density of the right sign drives outward. alike: whether the density
-    has the same sign on both sides of a gap. tips: heights J of the logarithms in the gaps (2, Z),
-    if it has not.
+    A gap is narrow if it is narrower than both zones next to it. gaps, moves, k, slopes: values
+    (2, Z) at both ends of all zones. k is the intensity K less its target and slopes the edge slope
+    A, with signs so that a density of the right sign has A > 0, and K > 0 drives the end outward.
+    alike: whether the density has the same sign on both sides of a gap. tips: heights J of the
+    logarithms in the gaps (2, Z), if it has not.
     """
     of_both = np.array([widths, widths])
     pairs = moves & facing(moves) & (gaps < np.minimum(of_both, facing(of_both)))
@@ -93,10 +96,10 @@ def gap_steps(
     rho_other = other / np.where(holds, c * across, 1.0)
     shift = rho - rho_other
     less = 2 * (rho + rho_other) - (2 * shift**2 if alike else 0.0)
-    # 1 - sqrt(1 - less) without cancellation; a gap that is to close moves by its half width.
+    # 1 - sqrt(1 - less) without cancellation. Each end of a gap that closes moves by half the gap.
     closing = np.where(less < 1, less / (1 + np.sqrt(np.maximum(1 - less, 0.0))), 1.0)
-    # Share of S that is a kink's. What closes is the load (1 - e)^2 (1 - share) / 2 + (1 - e) share
-    # of the new half gap.
+    # `share` is the fraction of S that comes from the kink. With the new half gap (1 - e) c, the
+    # closing load is (1 - e)^2 (1 - share) / 2 + (1 - e) share, which determines e.
     mean = np.where(holds, 0.5 * (straight + across), 1.0)
     share = np.clip(np.asarray(tips) / np.pi * np.sqrt(2 / c) / mean, 0.0, 1.0)
     left = np.maximum(0.5 * (1 + share) - (rho + rho_other), 0.0)
@@ -107,9 +110,9 @@ def gap_steps(
 
 @record
 class StepAtJumps:
-    """Steps of ends that have a jump of the right side, or one of its logarithms, close by.
+    """Steps of ends that are close to a jump or a logarithm of the right side.
 
-    largest: parts of its zone's width by which an end moves inward and outward at most.
+    largest: largest steps inward and outward, relative to the width of the zone.
     """
 
     forcing: Forcing
@@ -118,17 +121,18 @@ class StepAtJumps:
     largest: tuple[float, float]
 
     def steps(self, k: Array, slopes: Array, plain: Array) -> Array:
-        """Outward steps (2, Z): `plain` = 2 K / A, but where a jump is close.
+        """Outward steps (2, Z): `plain`, which is 2 K / A, except at ends close to a jump.
 
-        k, slopes: K less its target, and A, positive where they drive outward; A is 0 where it is
-        not reliable.
+        k: intensity K less its target, positive if it drives the end outward; slopes: edge slope A,
+        positive if it has the right sign, and 0 where it is not reliable.
         """
         zones, of_density = self.zones, self.forcing.density_jumps
         at, heights = self.forcing.logarithms if of_density else self.forcing.kinks
         width, steps = zones.b - zones.a, plain.copy()
         rises = heights > 0
         inside, outside = _nearest(zones, at[rises], heights[rises], self.period)
-        # Where A is not reliable, a jump outside decides: the end stops soon after it.
+        # Where A is not reliable, a jump of g outside the end still limits the step: the end stops
+        # soon after the jump.
         guided = (slopes > 0) | ((not of_density) & (k > 0) & (outside[0] < width))
         closest = np.minimum(inside[0], outside[0])
         bent = (closest < np.minimum(width, _FARTHEST_JUMP * np.abs(plain))) & guided
@@ -148,7 +152,7 @@ class StepAtJumps:
         inside: tuple[Array, Array],
         outside: tuple[Array, Array],
     ) -> Array:
-        """Steps of some ends by the equation for delta in the head of this file.
+        """Steps of some ends, from the equation for delta at the head of this file.
 
         side: indices of these ends; inside, outside: (distance, height) of the nearest jumps.
         """
@@ -160,7 +164,8 @@ class StepAtJumps:
         if not of_density:
             c_in = c_in * np.sqrt(np.clip(1 - r / width, 0.0, 1.0))
         r, y = np.clip(r, 1e-300, width), np.clip(y, 1e-300, width)
-        # The jump that is part of A, and the one that the end meets if it moves the other way.
+        # (c, here): the jump that contributes to A; (c_other, there): the one that the end reaches
+        # if it moves the other way.
         (c, here), (c_other, there), sign = (
             ((c_out, y), (c_in, r), -1.0) if of_density else ((c_in, r), (c_out, y), 1.0)
         )
@@ -180,7 +185,7 @@ class StepAtJumps:
 
 
 def logarithms_in_gaps(forcing: Forcing, zones: Zones, period: float | None) -> Array:
-    """Sum of the heights J > 0 of logarithms in the gaps at each end (2, Z)."""
+    """Sum of the positive heights J of the logarithms in the gap next to each end (2, Z)."""
     at, heights = forcing.logarithms
     at, heights = wrapped(at[heights > 0], zones.a[0], period), heights[heights > 0]
     i = np.searchsorted(zones.a, at, side="right") - 1
@@ -196,9 +201,10 @@ def corner_distances(forcing: Forcing, zones: Zones, period: float | None) -> Ar
 
 
 def _root(decreasing: Callable[[Array], Array], low: Array, high: Array, kink: Array) -> Array:
-    """Zero of a decreasing function between bounds, by bisection of the root of |x - kink|.
+    """Zeros of a decreasing function between bounds, by bisection.
 
-    So an end may come closer to the kink than any fixed part of the step.
+    The bisected variable is sgn(x - kink) sqrt(|x - kink|). It resolves roots close to the kink,
+    however large the bounds are.
     """
 
     def at(root: Array) -> Array:
@@ -220,8 +226,8 @@ def _nearest(
     The distance is infinite where there is none.
     """
     if period is not None:
-        # The places are rounded as where kinks are located in zones, because distances from ends
-        # count below the last digit of a place.
+        # The positions are shifted by periods exactly as in `ForcingJumps.located`, because
+        # distances from ends matter below the last digit of a position.
         turns = np.ceil((zones.a[0] - at) / period)
         at, heights = (
             np.concatenate([at + (turns + k) * period for k in (-1, 0, 1)]),
@@ -237,7 +243,8 @@ def _nearest(
         np.searchsorted(at, zones.a, side="right"),
         np.searchsorted(at, zones.b, side="left"),
     )
-    # A jump at the rounded place of an end lies on the side that the rest of the end decides.
+    # If a jump is at the rounded position of an end, the end's part below the last digit decides
+    # whether it is inside or outside.
     after_a = after_a - (zones.beyond_a(at[after_a - 1], each) > 0)
     after_b = after_b + (zones.before_b(at[after_b], each) > 0)
     inside = np.array([zones.beyond_a(at[after_a], each), zones.before_b(at[after_b - 1], each)])
