@@ -1,5 +1,5 @@
 """Measurements of the solver: error, run time, memory, peers, extreme scenes.
 
-No other room imports this one; the commands `contact bench` and `contact stability` load it on
+No other package imports this one; the commands `contact bench` and `contact stability` load it on
 demand.
 """

@@ -1,4 +1,4 @@
-"""Measurements in a process of their own, on one thread, for the peak memory of one case."""
+"""Runs each measurement in its own process, on one thread: its peak memory is of one case."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def measured(module: str, *arguments: str) -> dict[str, Any]:
 
 
 def publish(table: Table, remarks: list[str], out: Path | None) -> None:
-    """Print a table and the remarks below it; write both to a file for a page of the docs."""
+    """Print a table with remarks below it, and write both to `out` for a page of the docs."""
     setup = ", ".join(" ".join(row) for row in machine.table(()).rows)
     remarks = [*remarks, f"Measured with {setup}."]
     show_table(table.title, table.columns, table.rows, numeric=range(1, len(table.columns)))

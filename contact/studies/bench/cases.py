@@ -1,4 +1,4 @@
-"""The scenes of the suite, each with an exact solution or one by another formulation."""
+"""The scenes of the suite, each with a closed form or a solution by another formulation."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ Array = NDArray[np.float64]
 class Case:
     """A periodic scene and its reference solution, which is computed on first use.
 
-    `single`: it has one zone a period. `localized`: the localized models run on it too. Peers run
-    only if the law is frictionless.
+    `single` says that it has one zone in the period, `localized` that the localized models run on
+    it too. Peers run on it only if the law is frictionless.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Case:
 
 
 def closed(name: str, profile: Profile, exact: Any) -> Case:
-    """A case with a closed form."""
+    """A case whose exact solution is a closed form."""
     single = len(exact.zones) == 1
     return Case(
         name, profile, exact.E_star, exact.mean_pressure, lambda scene: exact, "closed form", single
@@ -90,7 +90,11 @@ def parabola(E_star: float = 1.1e11, period: float = 1e-4) -> Case:
 
 
 def biquadratic() -> Case:
-    """The paper's example: R = 1, c = 0.05, L = 2.4 c, at a mean pressure of 0.00109 E*."""
+    """Two tips with R = 1, c = 0.05, L = 2.4 c, at a mean pressure of 0.00109 E*.
+
+    L = 2.4 c is that of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045, who leave the
+    load and c/R open.
+    """
     exact = PeriodicBiquadratic(
         radius=1.0, spacing=0.1, period=0.12, E_star=1.0, mean_pressure=0.00109
     )
@@ -123,7 +127,7 @@ def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
 
 
 def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
-    """A rough scene solved by its zones and judged by its gaps."""
+    """A rough scene whose reference solves for the gap, while the solver solves for pressure."""
     return Case(
         f"rough, {zones} zones",
         rough_profile(harmonics),
@@ -136,7 +140,7 @@ def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
 
 
 def adhesive(law: JKR | Dugdale) -> Case:
-    """An adhesive wave under a tensile load, half of that at pull-off."""
+    """An adhesive wave under half of the tensile load at pull-off."""
     amplitude, E_star = 0.01, 1.0
     curve = (
         JKRWave(amplitude, 1.0, E_star, law.work)
@@ -158,7 +162,7 @@ def adhesive(law: JKR | Dugdale) -> Case:
 
 
 def rough_nearly_full() -> Case:
-    """A rough scene solved by its gaps and judged by its zones."""
+    """A nearly full rough scene: the solver solves for the gap, the reference for pressure."""
     return Case(
         "rough, nearly full",
         rough_profile(64),

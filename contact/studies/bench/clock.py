@@ -17,7 +17,7 @@ T = TypeVar("T")
 def seconds(call: Callable[[], Any], patience: float = 0.3, most: int = 25) -> float:
     """Least processor time [s] of repeated calls, for `patience` seconds or `most` calls.
 
-    The least, because other work on the machine only adds to it.
+    The least time is taken because other work on the machine only adds to it.
     """
     best, spent, count = float("inf"), 0.0, 0
     collects = gc.isenabled()
@@ -35,7 +35,10 @@ def seconds(call: Callable[[], Any], patience: float = 0.3, most: int = 25) -> f
 
 
 def short_seconds(call: Callable[[], Any], patience: float = 0.05) -> float:
-    """The same for calls of microseconds: the clock is read around many of them."""
+    """Least processor time [s] of a call of microseconds.
+
+    The clock is read before and after many calls, as its resolution is too low for one.
+    """
     call()
     start = time.process_time()
     count = 0
@@ -63,14 +66,14 @@ def peak_bytes(call: Callable[[], Any]) -> int:
 
 
 class TooLong(Exception):
-    """A call took more processor time than it was given."""
+    """A call took more processor time than its limit."""
 
 
 def limited(call: Callable[[], T], seconds: float) -> T:
     """Return the call's result, or raise TooLong after this processor time [s].
 
-    There is no limit on systems without the signal. numpy cannot be interrupted: the exception is
-    raised when it returns.
+    There is no limit on systems without the signal SIGPROF, or outside the main thread. A call of
+    numpy cannot be interrupted: the exception is raised when it returns.
     """
     if not hasattr(signal, "SIGPROF") or threading.current_thread() is not threading.main_thread():
         return call()

@@ -1,4 +1,4 @@
-"""Time of load curves: many loads of one scene, each with error and certificate."""
+"""Time of load curves: many loads of one scene, each with stated error and certificate."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ CURVES: dict[str, tuple[Callable[[int], tuple[Scene, Array]], int, int]] = {
 
 
 def table(quick: bool) -> Table:
-    """The table of the load curves."""
+    """The table of the times of the load curves."""
     rows: list[tuple[str, ...]] = []
     for name, (make, many, few) in CURVES.items():
         scene, loads = make(few if quick else many)

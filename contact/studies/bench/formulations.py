@@ -1,14 +1,14 @@
-"""The same contact by another formulation, the reference where no closed form is known.
+"""Reference solutions by another formulation, where no closed form is known.
 
 A periodic contact can be solved for the pressure p on its zones or for the slope s of the gap on
-its gaps (see contact.formulation.gaps),
+its gaps. With the mean pressure pbar, and R as in contact.formulation.gaps, the equations are
 
     (1/pi) PV int_zones p K = (E*/2) f'        on the zones,
     (1/pi) PV int_gaps s K = R - 2 pbar/E*     on the gaps, int_gap s = 0.
 
-The two have different unknowns, right sides, intervals and side conditions. Each starts from the
-solution of `solve` with every end moved by a thousandth of its interval, so that it finds the ends
-independently.
+The two formulations have different unknowns, right sides, intervals and side conditions. Each
+starts from the zones of `solve` with every end moved by a thousandth of an interval, so that it
+must find the ends again.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def scaled(scene: Scene) -> Problem:
 
 
 def _mean_pressure(scene: Scene) -> float:
-    """Mean pressure [Pa], from either control."""
+    """Mean pressure [Pa] of a scene that prescribes it or the load."""
     assert scene.period is not None
     if scene.mean_pressure is not None:
         return scene.mean_pressure
@@ -67,7 +67,7 @@ def _mean_pressure(scene: Scene) -> float:
 
 
 def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
-    """Intervals sorted by left ends in [x0, x0 + L), and the order that sorts them."""
+    """Intervals with left ends in [x0, x0 + L), ascending, and the order that sorts them."""
     assert scene.period is not None
     table = begun_from(table, scene.profile.x0, scene.period)
     order = np.argsort(table[:, 0])
@@ -78,7 +78,7 @@ def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
 class Formulated:
     """A periodic contact in SI units, with zones in the profile's cell.
 
-    `order` has the number of every zone in `fields`.
+    `order` gives for every zone its number in `fields`.
     """
 
     fields: GapFields | ZoneFields
@@ -102,7 +102,7 @@ class Formulated:
 
 
 def solved_by_gaps(scene: Scene, moved: float = 1e-3, tol: float = 2e-15) -> Formulated:
-    """Solve for the slope of the gap."""
+    """Solve a scene for the slope of the gap; raise NotConverged if that fails."""
     problem = scaled(scene)
     units = problem.units
     assert problem.period is not None
@@ -124,14 +124,14 @@ def solved_by_gaps(scene: Scene, moved: float = 1e-3, tol: float = 2e-15) -> For
 
 
 def solved_by_zones(scene: Scene, moved: float = 1e-3, tol: float = 2e-15) -> Formulated:
-    """Solve for the pressure."""
+    """Solve a scene for the pressure."""
     problem = scaled(scene)
     units = problem.units
     assert problem.period is not None
     start = units.scaled(solve(scene, 1e-6).zones)
     gaps = np.diff(gaps_between(start, problem.period))[:, 0]
     start = start + moved * np.column_stack((np.roll(gaps, 1), -gaps))
-    # The formulation needs the zones in one cell, which starts at the widest gap.
+    # The zones must lie in one cell; its border is put into the widest gap.
     turn = (
         int(
             np.argmax(

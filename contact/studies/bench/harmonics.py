@@ -1,16 +1,16 @@
-"""Closed form of one zone a period under f = -sum_n d_n cos(n phi), phi = 2 pi x/L.
+"""Closed form of one zone in a period for f = -sum_n d_n cos(n phi), phi = 2 pi x/L.
 
 With c = cos(2 pi a / L), the load per period is, by the Mehler-Dirichlet integral of the Legendre
 polynomials P_n,
 
     P(a) = (pi E*/2) sum_n n d_n (P_{n-1}(c) - P_n(c)),
 
-(n = 1: Westergaard's pi E* d sin^2(pi a/L)), and by the superposition of flat punches
-(contact.reference.exact.base), with v^2 = cos(phi) - c',
+(for n = 1 it is Westergaard's pi E* d sin^2(pi a/L)). By the superposition of flat punches
+(contact.reference.exact.base), with v^2 = cos(phi) - c', the pressure is
 
     p(x) = -(2 sqrt2 cos(phi/2) / L) int_0^V P'(c') dv,   V^2 = cos(phi) - c,
 
-whose integrand is a polynomial, so that Gauss-Legendre quadrature is exact (derived here).
+The integrand is a polynomial, so that Gauss-Legendre quadrature is exact (derived here).
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class HarmonicZone(SymmetricZone):
-    """The zone [-a, a] of period 1 under amplitudes d_1, d_2, ...
+    """The zone [-a, a] of period 1 under harmonics of amplitudes d_1, d_2, ...
 
-    It is the contact if the pressure is positive and the gap open.
+    It is the true contact only if the pressure is positive and the gap open.
     """
 
     amplitudes: tuple[float, ...]
@@ -42,7 +42,7 @@ class HarmonicZone(SymmetricZone):
 
     @cached_property
     def _series(self) -> Array:
-        """P(c) as a Legendre series."""
+        """Load P(c) as a Legendre series in c = cos(2 pi a/L)."""
         n = np.arange(1, len(self.amplitudes) + 1)
         weight = 0.5 * pi * self.E_star * n * np.array(self.amplitudes)
         return np.append(weight, 0.0) - np.append(0.0, weight)
@@ -56,7 +56,7 @@ class HarmonicZone(SymmetricZone):
         return float(self.pressure_at(np.linspace(0.0, 1.0, 101)).max())
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # V^2 = cos(phi) - cos(2 pi a) = 2 sin(pi d) sin(pi (a + r))
+        # The limit `top` is V: V^2 = cos(2 pi r) - cos(2 pi a) = 2 sin(pi d) sin(pi (a + r)).
         top = np.sqrt(2 * np.sin(pi * d) * np.sin(pi * (self.half_width + r)))
         nodes, weights = legendre.leggauss(len(self.amplitudes) + 1)
         v = 0.5 * (1 + nodes) * top[..., None]

@@ -4,8 +4,8 @@ By the superposition of flat punches (contact.reference.exact.base) the load at 
 
     P(a) = E* int_0^(pi/2) a sin(th) f'(a sin(th)) dth = s E* d (E(-q) - K(-q)),   q = a^2 / d^2,
 
-with complete elliptic integrals of parameter -q (derived here; d -> 0 gives the load s E* a of the
-wedge, and d >> a Hertz's).
+where E and K are complete elliptic integrals of parameter -q (derived here). The limit d -> 0 is
+the load s E* a of the wedge, and d >> a gives Hertz's.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BluntedWedge(Profile):
-    """f = s (sqrt(x^2 + d^2) - d)."""
+    """The profile f = s (sqrt(x^2 + d^2) - d), a wedge rounded over the length d."""
 
     steepness: float
     rounding: float
@@ -46,7 +46,7 @@ class BluntedWedge(Profile):
 
 @dataclass(frozen=True)
 class IsolatedBluntedWedge(SymmetricZone):
-    """The contact of half width a; the pressure is accurate for |t| not much below d/a."""
+    """The contact of half width a; the pressure is inaccurate for |x| much smaller than d."""
 
     steepness: float
     rounding: float
@@ -55,13 +55,16 @@ class IsolatedBluntedWedge(SymmetricZone):
     period = None
 
     def _load(self, s: Array) -> Array:
-        """P(s); ellipkm1(1 + q) is K(-q)."""
+        """Load P at half width s; ellipkm1(1 + q) is K(-q)."""
         q = (s / self.rounding) ** 2
         unit = self.steepness * self.E_star * self.rounding
         return np.asarray(unit * (ellipe(-q) - ellipkm1(1 + q)))
 
     def _load_rate(self, s: Array) -> Array:
-        """dP/ds, by dE/dm = (E - K)/2m and dK/dm = (E - (1 - m) K)/(2 m (1 - m)) at m = -q."""
+        """Derivative dP/ds of the load by the half width s.
+
+        With m = -q, dE/dm = (E - K)/2m and dK/dm = (E - (1 - m) K)/(2 m (1 - m)).
+        """
         q = (s / self.rounding) ** 2
         e, k = ellipe(-q), ellipkm1(1 + q)
         by_q = (e - k) / (2 * q) - (e - (1 + q) * k) / (2 * q * (1 + q))
@@ -73,13 +76,14 @@ class IsolatedBluntedWedge(SymmetricZone):
 
     @property
     def max_pressure(self) -> float:
-        """The pressure at x = d, close to the peak at the tip; the scale of errors."""
+        """The pressure at x = d, close to the peak at the tip; it is the scale of errors."""
         return float(self.pressure_at(self.rounding / self.half_width))
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        """(1/pi) int_x^a P'(s) / sqrt(s^2 - x^2) ds with s = x cosh(v), smooth near s = x.
+        """Pressure (1/pi) int_x^a P'(s)/sqrt(s^2 - x^2) ds, with s = x cosh(v).
 
-        The integral is split in halves, since P' changes over the length d within a long interval.
+        The integrand is smooth in v. The integral is split in halves, since P' may change over a
+        short length d within a long interval.
         """
         a, column = self.half_width, r[..., None]
         half = 0.5 * np.arccosh(np.maximum(a / r, 1.0))

@@ -40,7 +40,7 @@ from contact.studies.trace_kinds import KINDS, drawn
 
 @dataclass(frozen=True)
 class Large:
-    """A scene of a table: its label, what makes its profile, and its control."""
+    """A scene of a table: its label, a function that makes its profile, and its control."""
 
     label: str
     make: Callable[[], contact.Profile]
@@ -49,7 +49,7 @@ class Large:
     tol: float = 1e-8
 
     def scene(self) -> contact.Scene:
-        """Return the scene, E* = 1 Pa; `full` controls are fractions of the full-contact load."""
+        """Return the scene, E* = 1 Pa; control `full` is a fraction of the full-contact load."""
         profile, name, value = self.make(), self.control, self.value
         if name == "full":
             name, value = "mean_pressure", value * full_contact_pressure(profile)
@@ -71,7 +71,7 @@ def self_affine(kmax: int) -> contact.Fourier:
 
 
 def stylus() -> contact.Sampled:
-    """The trace as docs/stylus.md prepares it, with tapers of a twentieth of the length each."""
+    """The stylus trace as docs/stylus.md prepares it, tapered over a twentieth at each end."""
     return contact.Sampled.from_file(
         ROOT / "examples" / "data" / "stylus-profile.csv",
         units="um",
@@ -122,7 +122,7 @@ def scenes(table: str) -> list[Large]:
 
 
 LOADED = ("zones", "contact fraction", "solved by", "time [s]", "stated error", "outcome")
-# The columns of each table; the first one is the label of the scene.
+# These are the columns of each table; the first one is the label of the scene.
 TABLES = {
     "self-affine": ("kmax", "zones", "time [s]", "peak memory [GB]", "stated error", "outcome"),
     "measured-trace": ("part of the full load", *LOADED),
@@ -133,7 +133,7 @@ TABLES = {
 
 
 def measure(large: Large, patience: float = 60.0) -> dict[str, Any]:
-    """Solve a scene and return its figures; a scene that takes longer [s] is given up."""
+    """Solve a scene and return its figures; it is given up after `patience` seconds."""
     scene = large.scene()
     found: dict[str, Any] = {"outcome": "certified", "zones": 0, "fraction": 0.0, "error": 0.0}
     start = time.process_time()
@@ -169,7 +169,7 @@ def row(columns: tuple[str, ...], label: str, figures: list[dict[str, Any]]) -> 
 
 
 def main(table: str, out: Path | None) -> None:
-    """Measure every scene of a table and publish it, with the growth of time over zones."""
+    """Measure every scene of a table and publish it, with the growth of time with zones."""
     figures: dict[str, list[dict[str, Any]]] = {}
     for number, large in enumerate(scenes(table)):
         found = measured("contact.studies.bench.large_scenes", table, "--one", str(number))

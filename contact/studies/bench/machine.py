@@ -1,4 +1,4 @@
-"""The machine and the versions that the measurements were made with."""
+"""The machine and the package versions with which the measurements were made."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from contact.studies.bench.report import Table
 
 
 def table(peers: Sequence[str]) -> Table:
-    """Versions, processor and threads."""
+    """Table of the processor, the threads and the versions of the packages."""
     packages = ["sie-contact", "numpy", "scipy", *peers]
     rows: list[tuple[str, ...]] = [
         ("processor", _processor()),

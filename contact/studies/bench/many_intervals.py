@@ -2,10 +2,11 @@
 
     python -m contact.studies.bench.many_intervals [--out FILE] [COUNT ...]
 
-Rows of 500 and 2,000 intervals of different widths and gaps: trailing edges, side conditions and
-kernels of a user's own, columns without declared modes, prescribed intensities. Each case runs in a
-process of its own, on one thread. The table ends with the exponents of time over the number of
-intervals. `python -m contact.studies.pages DIR` sets DIR/many-intervals.md in docs/engine.md.
+The cases are rows of 500 and 2,000 intervals of different widths and gaps. They have trailing
+edges, side conditions and kernels of a user's own, columns without declared modes, or prescribed
+intensities. Each case runs in a process of its own, on one thread. A remark gives the exponents of
+time as a power of the number of intervals. `python -m contact.studies.pages DIR` sets
+DIR/many-intervals.md in docs/engine.md.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ COLUMNS = (
 
 
 class OnSprings(sie.Condition):
-    """Every zone stands on a spring: the load of the zone lowers its level."""
+    """Condition: every zone stands on a spring, so that its load lowers its level."""
 
     def count(self, zones: sie.Zones) -> int:
         return len(zones.solved)
@@ -51,7 +52,7 @@ class OnSprings(sie.Condition):
 
 
 class Totals(sie.Condition):
-    """The same as `sie.ZoneTotals`, written as a condition of a user's own."""
+    """The condition of `sie.ZoneTotals`, written as a user would write it."""
 
     def count(self, zones: sie.Zones) -> int:
         return len(zones.solved)
@@ -136,7 +137,7 @@ CASES: dict[str, Callable[[int], tuple[sie.Equation, sie.Zones]]] = {
 
 
 def measure(name: str, count: int, tol: float = 1e-8) -> dict[str, float | int | str]:
-    """Solve a case and return its figures."""
+    """Solve a case and return its row of figures."""
     equation, zones = CASES[name](count)
     start = time.process_time()
     found = sie.solve(equation, zones, tol=tol)

@@ -1,8 +1,10 @@
 """Nearly full contact with one gap, under a Fourier series: closed form with two unknowns.
 
-The unknowns are the middle c and the half width w of the gap. With y = tan(pi (x - c)/L), tau =
-tan(pi w/L), t = y/tau, the kernel becomes Cauchy's: cot(u - v) dv = [1/(y - eta) + eta/(1 + eta^2)]
-deta. With G = H f' - 2 pbar/E* = sum G_j T_j(t) on the gap, the slope of the gap is
+The unknowns are the middle c and the half width w of the gap. With y = tan(pi (x - c)/L) and
+tau = tan(pi w/L), the gap is |t| < 1, t = y/tau. The kernel becomes Cauchy's: for y = tan(u) and
+eta = tan(v), cot(u - v) dv = [1/(y - eta) + eta/(1 + eta^2)] deta. Let H f' be the conjugate of
+the slope, pbar the mean pressure, and G = H f' - 2 pbar/E* = sum G_j T_j(t) on the gap. The slope
+of the gap is then
 
     s = sqrt(1 - t^2) sum_j G_(j+1) U_j(t),
 
@@ -10,8 +12,8 @@ and c and w follow from
 
     G_0 = B := (1/pi) int s eta deta/(1 + eta^2),    int s deta/(1 + eta^2) = 0.
 
-The pressure is p = pbar - (E*/2)(H f' - B - sum_j G_(j+1) rho^(j+1)), rho = z - sgn(z) sqrt(z^2 -
-1), z = y/tau (derived here). G is a small difference of large numbers, so it is computed in
+The pressure is p = pbar - (E*/2)(H f' - B - sum_j G_(j+1) rho^(j+1)), where z = y/tau and
+rho = z - sgn(z) sqrt(z^2 - 1) (derived here). G is a small difference of large numbers, so it is computed in
 extended precision.
 """
 
@@ -28,7 +30,7 @@ from contact.model.scene import Scene
 
 Array = NDArray[np.float64]
 
-# Chebyshev angles on the gap, and pi in extended precision.
+# These are the Chebyshev angles on the gap, and pi in extended precision.
 _THETA = np.pi * (np.arange(48) + 0.5) / 48
 _PI = np.longdouble(pi) + np.longdouble(1.2246467991473532e-16)
 
@@ -44,9 +46,9 @@ class OneGap:
 
     @classmethod
     def of(cls, profile: Fourier, full: float, scene: Scene) -> OneGap:
-        """The contact of a scene, by Newton's method on (c/w, ln w).
+        """The contact of a scene, by Newton's method for c and ln w.
 
-        The guess is the gap under a parabola through the maximum of H f' with its curvature.
+        The first guess replaces H f' by a parabola with the same maximum and curvature.
         """
         assert scene.mean_pressure is not None
         x = np.linspace(-0.5, 0.5, 4001)
@@ -68,7 +70,7 @@ class OneGap:
         return found
 
     def _moved(self, shift: float, stretch: float) -> OneGap:
-        """The state with c moved by shift w, and ln w by stretch."""
+        """The state with c moved by `shift` half widths w, and ln w by `stretch`."""
         middle, half = self.middle + shift * self.half_gap, self.half_gap * np.exp(stretch)
         return OneGap(self.profile, self.mean, float(middle), float(half))
 
@@ -78,27 +80,30 @@ class OneGap:
 
     @property
     def _excess(self) -> tuple[Array, float]:
-        """Chebyshev coefficients G_j on the gap, and B."""
+        """Chebyshev coefficients G_j of G = H f' - 2 pbar/E* on the gap, and B of the head."""
         k, c, s = _waves(self.profile)
         y = self._tau * np.cos(_THETA)
         x = np.longdouble(self.middle) + np.arctan(y) / _PI
         phase = np.round(k / (2 * pi)) * (2 * _PI) * x[:, None]
         series = np.cos(phase) @ c.astype(np.longdouble) + np.sin(phase) @ s.astype(np.longdouble)
         excess = series - 2 * np.longdouble(self.mean)
-        # The difference has been taken: double precision is enough from here on.
+        # The difference of large numbers has been taken; double precision is enough for the rest.
         n = len(_THETA)
         g = 2 / n * np.cos(np.arange(n)[:, None] * _THETA) @ excess.astype(np.float64)
         g[0] *= 0.5
         return g, float(np.mean(self._slope_sine(g) * y / (1 + y**2)) * self._tau)
 
     def _slope_sine(self, series: Array) -> Array:
-        """s sin(theta) at the nodes: U_j sin(theta) = sin((j + 1) theta)."""
+        """Slope s of the gap times sin(theta) at the nodes.
+
+        It uses U_j sin(theta) = sin((j + 1) theta).
+        """
         orders = np.arange(1, len(_THETA))[:, None]
         return np.asarray(np.sin(_THETA) * (series[1:] @ np.sin(orders * _THETA)))
 
     @property
     def _residual(self) -> Array:
-        """(G_0 - B, int s deta/(1 + eta^2)), which vanish for the right c and w."""
+        """Residuals (G_0 - B, int s deta/(1 + eta^2)), which vanish for the right c and w."""
         series, moment = self._excess
         y = self._tau * np.cos(_THETA)
         return np.array([series[0] - moment, np.mean(self._slope_sine(series) / (1 + y**2))])

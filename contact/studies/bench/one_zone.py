@@ -1,13 +1,13 @@
-"""One isolated symmetric zone under any slope, by quadrature.
+"""One isolated symmetric zone under any slope f', by quadrature.
 
-With xi = a sin(theta), since PV int dtheta / (a sin(theta) - x) = 0,
+With xi = a sin(theta) and PV int dtheta/(a sin(theta) - x) = 0, pressure and load are
 
     p(x) = (E*/2 pi) sqrt(a^2 - x^2) int [f'(a sin theta) - f'(x)] / (a sin theta - x) dtheta,
     P = E* int_0^(pi/2) a sin(theta) f'(a sin theta) dtheta,
 
-the first integral over -pi/2 < theta < pi/2. It is the inverse of the finite Hilbert transform that
-is bounded at both ends. Between two breaks of a spline the integrand is smooth, and eight
-Gauss-Legendre points integrate it to round-off.
+where the first integral is taken over -pi/2 < theta < pi/2. It is the inverse of the finite Hilbert
+transform that is bounded at both ends. Between two breaks of a spline the integrand is smooth, and
+eight Gauss-Legendre points integrate it to round-off.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ class ByPieces(SymmetricZone):
 
     @cached_property
     def _edges(self) -> Array:
-        """Borders of the pieces in theta."""
+        """Borders in theta of the intervals where the slope is smooth."""
         inside = self.breaks[np.abs(self.breaks) < self.half_width] / self.half_width
         return np.concatenate(([-0.5 * np.pi], np.arcsin(np.unique(inside)), [0.5 * np.pi]))
 
     def _rule(self, edges: Array) -> tuple[Array, Array, Array]:
-        """Positions, slopes and weights of the quadrature over pieces with these edges."""
+        """Positions, slopes and weights of the quadrature between these edges in theta."""
         half = 0.5 * np.diff(edges)
         theta = (0.5 * (edges[1:] + edges[:-1]))[:, None] + half[:, None] * _RULE[0]
         x = (self.half_width * np.sin(theta)).ravel()
@@ -82,10 +82,10 @@ class ByPieces(SymmetricZone):
 
 
 def _graded(edges: Array, at: float) -> Array:
-    """The edges, refined next to the piece that contains `at`.
+    """The edges, with more of them next to the interval that contains the angle `at`.
 
-    In the next pieces the difference quotient has a pole at `at`, so that a piece may be no wider
-    than its distance from there.
+    In the neighbouring intervals the difference quotient has a pole at `at`. There the quadrature
+    is accurate if an interval is no wider than its distance from the pole.
     """
     steps = 2.0 ** np.arange(60) - 1
     left, right = edges[edges < at], edges[edges > at]

@@ -28,9 +28,10 @@ Solver = Callable[[Array, Case, float], tuple[Callable[[], None], Callable[[], A
 
 @dataclass(frozen=True)
 class Peer:
-    """A code; `prepare(heights, case, tolerance)` returns (run, read).
+    """Another code, by its name and a function that prepares a run.
 
-    `read()` returns the pressures after `run()`, or None without convergence.
+    `prepare(heights, case, tolerance)` returns two functions (run, read). After `run()`, `read()`
+    returns the pressures, or None if the run did not converge.
     """
 
     name: str
@@ -40,7 +41,7 @@ class Peer:
 def tamaas(
     heights: Array, case: Case, tolerance: float, max_iterations: int = 20_000
 ) -> tuple[Callable[[], None], Callable[[], Array | None]]:
-    """Polonsky and Keer's solver of tamaas."""
+    """Prepare Polonsky and Keer's solver of tamaas: see `Peer`."""
     tm = require("tamaas")
     tm.set_log_level(tm.LogLevel.error)
     model = tm.ModelFactory.createModel(
@@ -62,7 +63,7 @@ def tamaas(
 def contact_mechanics(
     heights: Array, case: Case, tolerance: float, max_iterations: int = 20_000
 ) -> tuple[Callable[[], None], Callable[[], Array | None]]:
-    """The non-smooth contact system of ContactMechanics."""
+    """Prepare the non-smooth contact system of ContactMechanics: see `Peer`."""
     cm, topography = require("ContactMechanics"), require("SurfaceTopography")
     n, length = len(heights), case.profile.period
     assert length is not None
@@ -94,7 +95,10 @@ PEERS = (Peer("tamaas", tamaas), Peer("ContactMechanics", contact_mechanics))
 
 
 def grids(quick: bool) -> list[int]:
-    """Return grid sizes with small prime factors; zone ends fall anywhere in their cells."""
+    """Return numbers of grid points with small prime factors, for fast transforms.
+
+    They are not all multiples of each other, so that zone ends fall anywhere in the cells.
+    """
     return [
         m * 2**k for k in range(5, 11 if quick else 15) for m in ((4, 6) if quick else (4, 5, 6, 7))
     ]
@@ -109,8 +113,8 @@ def rows(
 ) -> Iterator[Row]:
     """Run a peer on ever finer grids, until a run takes longer than `longest` seconds.
 
-    The last tolerance gives the error of the grid; tamaas does not stop at 1e-12 on large grids. A
-    looser one is used if it keeps that error within a tenth.
+    The run at the last tolerance gives the error of the grid. (At 1e-12 tamaas does not stop on
+    large grids.) A looser tolerance is used if the error then grows by at most a tenth.
     """
     profile = case.profile
     assert profile.period is not None
@@ -122,7 +126,7 @@ def rows(
         if tight is None:
             continue
         row = tight
-        # The loosest tolerance that keeps the error is used.
+        # The loosest tolerance that keeps the error is used, which favours the peer.
         for tolerance in tolerances[:-1]:
             loose = _measured(peer, case, x, heights, tolerance, 0.05)
             if (
@@ -150,9 +154,9 @@ def _measured(
 
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
-    """Least time to an error that all finer runs keep; rows go from coarse to fine.
+    """Least time of the runs from which on all finer runs have at most this error.
 
-    None if the last run does not reach it.
+    The rows go from coarse to fine. It is None if the last run does not reach the error.
     """
     reached = None
     for row in reversed(rows_of_one):

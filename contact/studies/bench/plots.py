@@ -1,4 +1,4 @@
-"""Figures of the measurements: error against time for each scene, and cost against size."""
+"""Figures of the measurements: error against time per scene, and cost against size."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _PEERS = {"tamaas": ("tab:orange", "s"), "ContactMechanics": ("tab:green", "^")}
 
 
 def precision(rows: list[Row], path: Path) -> None:
-    """One panel per scene: true and stated error against time, and the localized models' errors."""
+    """Draw one panel per scene: true and stated error, and localized models, against time."""
     figure, panels = _panels(rows, "error of pressures at equal t and of ends")
     for scene, axis in panels.items():
         ours = of(rows, scene, OURS)
@@ -45,7 +45,7 @@ def precision(rows: list[Row], path: Path) -> None:
 
 
 def peers(rows: list[Row], path: Path) -> None:
-    """One panel per scene: errors of p(x), which grids have too, against time."""
+    """Draw one panel per scene: errors of p(x) against time, for the solver and the peers."""
     figure, panels = _panels(rows, "error of p at equal x, over the peak")
     for scene, axis in panels.items():
         for method, (colour, marker) in {OURS: ("tab:blue", "o"), **_PEERS}.items():
@@ -85,7 +85,7 @@ def _panels(rows: list[Row], label: str) -> tuple[Any, dict[str, Any]]:
 
 
 def _finish(figure: Any, panels: dict[str, Any], path: Path) -> None:
-    # One legend for all panels.
+    # The figure has one legend for all panels.
     found = {
         label: handle
         for axis in panels.values()
@@ -98,7 +98,7 @@ def _finish(figure: Any, panels: dict[str, Any], path: Path) -> None:
 
 
 def scaling(rows: list[Scaled], path: Path) -> None:
-    """One panel per series: time, its floor, and memory against size."""
+    """Draw one panel per series: time, its floor, and memory against size."""
     series = list(dict.fromkeys(row.series for row in rows))
     across = min(2, len(series))
     down = -(-len(series) // across)

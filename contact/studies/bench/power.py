@@ -15,10 +15,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PowerPunch(SymmetricZone):
-    """f = x^n/n, n even, in contact on [-1, 1] with E* = 1 (Shtaerman 1949).
+    """The contact of f = x^n/n, n even, on [-1, 1] with E* = 1 (Shtaerman 1949).
 
-    p = (1/2) sqrt(1 - x^2) sum_k b_k x^(n-2-2k), b_k = (2k choose k)/4^k, from the polynomial part
-    of x^(n-1)/sqrt(x^2 - 1); P = (pi/2) b_(n/2) from its residue.
+    The pressure is p = (1/2) sqrt(1 - x^2) sum_k b_k x^(n-2-2k), b_k = (2k choose k)/4^k, from the
+    polynomial part of x^(n-1)/sqrt(x^2 - 1). The load P = (pi/2) b_(n/2) is from its residue.
     """
 
     order: int
@@ -44,9 +44,9 @@ class PowerPunch(SymmetricZone):
 
 @dataclass(frozen=True, eq=False)
 class Repeated:
-    """`count` equal waves in a period of length 1, with left ends of the zones in [-1/2, 1/2).
+    """The contact of `count` equal waves in a period of length 1.
 
-    The first tip is at x = shift/count.
+    The first tip is at x = shift/count. The left ends of the zones lie in [-1/2, 1/2).
     """
 
     one: Westergaard

@@ -23,9 +23,10 @@ from contact.studies.bench.cases import Case
 class Row:
     """One run of a method on a scene.
 
-    `error` is the true error in the sense of the stated one: of pressures at equal normalised
-    positions and of ends over widths. `at_x` and `mean_at_x` are the largest and mean error of the
-    pressure at equal x. All are relative to the peak; None: not defined for this method.
+    `error` is the true error, measured as the stated one: the larger of the errors of pressures at
+    equal normalised positions and of ends relative to widths. `at_x` and `mean_at_x` are the
+    largest and mean error of the pressure at equal x. Pressures are relative to the peak. `error`
+    and `stated` are None for a method that has no zones or states no error.
     """
 
     scene: str
@@ -56,7 +57,7 @@ def ours(case: Case, quick: bool) -> Iterator[Row]:
 
 
 def hierarchy(case: Case, quick: bool) -> Iterator[Row]:
-    """Run the localized models, self-consistent with neighbours and first order, at 1e-8."""
+    """Run the localized models at 1e-8: self-consistent with neighbours, and first order."""
     models: list[tuple[str, float, Interaction]] = [
         (f"localized, m={m}", m, Localized("self-consistent", neighbours=m))
         for m in (0, 1, 2, 4, 8, 16)

@@ -19,7 +19,7 @@ from contact.studies.bench.stability import Verdict
 
 
 class Table(NamedTuple):
-    """A table: `key` is the name of its file and of its place in a page."""
+    """A table of text cells; `key` names its file and its place in a page."""
 
     key: str
     title: str
@@ -35,7 +35,7 @@ class SingleZoneLimits:
     """The processor time that a single scene may take, as docs/benchmarks.md requires."""
 
     seconds_per_zone: float = 5e-4
-    dense_solves: float = 0.12  # per zone, of the time of 100 dense solves (`scaling.yardstick`)
+    dense_solves: float = 0.12  # times 100 dense solves (`scaling.yardstick`), per zone
     floors: float = 25.0  # times the floor of `scaling.floor_seconds`
 
 
@@ -67,7 +67,7 @@ def line_of_scene(rows: list[Row], scene: str) -> str:
 
 
 def line_of_size(row: Scaled) -> str:
-    """Return the time of one size of a series, and that over its floor."""
+    """Return the time of one size of a series, also relative to its floor."""
     floors = f"{row.seconds / row.floor:.3g} times the floor"
     return f"{row.series}, {row.size}: {_time(row.seconds)}, {floors}"
 
@@ -125,7 +125,10 @@ def peers_table(
     scenes: Sequence[str],
     targets: Sequence[float] = (1e-2, 1e-3, 1e-4),
 ) -> Table:
-    """Times to an error of p(x) that all finer runs keep, and the ratio to the faster peer."""
+    """Times to an error of p(x), and the time of the faster peer divided by ours.
+
+    An error counts as reached if all finer runs keep it.
+    """
     out: list[tuple[str, ...]] = []
     for measure, label in (("at_x", "max"), ("mean_at_x", "mean")):
         for scene in scenes:
@@ -228,7 +231,7 @@ def exponents_table(rows: list[Scaled]) -> Table:
 
 
 def single_table(rows: list[Scaled], solves: float) -> Table:
-    """Times of single scenes against their limits."""
+    """Times of single scenes, and the limits that they must keep."""
     limits = SingleZoneLimits()
     out: list[tuple[str, ...]] = [
         (
@@ -257,7 +260,7 @@ def single_table(rows: list[Scaled], solves: float) -> Table:
 
 
 def within(row: Scaled, solves: float) -> bool:
-    """Whether a single scene stays within all limits."""
+    """Whether the time of a single scene is within all limits of `SingleZoneLimits`."""
     limits = SingleZoneLimits()
     by_zones = row.zones * min(limits.seconds_per_zone, limits.dense_solves * solves)
     return row.seconds <= min(by_zones, limits.floors * row.floor)

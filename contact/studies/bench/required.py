@@ -32,7 +32,7 @@ def table(
     solves: float,
     peers: Sequence[str],
 ) -> Table:
-    """The table of all figures; those that compare with peers need their rows."""
+    """The table of all figures; comparisons with peers are in it only if peers ran."""
     single = [case.name for case in cases if case.single]
     figures = [_millisecond(rows, single), _floor(floors, solves), *_estimates(rows)]
     if peers:
@@ -45,9 +45,9 @@ def table(
 
 
 def _hundredfold(rows: list[Row], single: Sequence[str], peers: Sequence[str]) -> Figure:
-    """Peer time over ours at an error of p(x) of 1e-4.
+    """Figure: time of the faster peer divided by ours, at an error of p(x) of 1e-4.
 
-    A peer that does not reach the error counts with its longest run, as a lower bound.
+    If no peer reaches the error, the time of the shorter of their longest runs is a lower bound.
     """
     found: list[tuple[float, str]] = []
     for scene in single:
@@ -134,7 +134,7 @@ def _floor(floors: list[Scaled], solves: float) -> Figure:
 
 
 def _estimates(rows: list[Row]) -> list[Figure]:
-    """The true error is at most the stated one, and that at most 100 max(true, 1e-13)."""
+    """Two figures: true error <= stated error, and stated error <= 100 max(true, 1e-13)."""
     mine = [
         (row.error, row.stated)
         for row in rows

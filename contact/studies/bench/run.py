@@ -1,4 +1,4 @@
-"""The suites of the commands: they measure, write files, and return the tables."""
+"""The measurements of `contact bench` and `contact stability`: files and tables."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from contact.studies.bench.scaling import Scaled
 
 
 class Progress(Protocol):
-    """Shows how far the measurements are and what they have found so far."""
+    """Shows how many measurements are done and what they have found so far."""
 
     def __call__(self, stage: str, done: int, total: int | None) -> None: ...
     def say(self, line: str) -> None: ...
@@ -37,7 +37,7 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
     chosen: Sequence[peers.Peer] = peers.PEERS if with_peers else ()
     if with_peers:
         peers.require_both()
-    # The source may change while it is measured.
+    # The commit is read first, because the source may change during the measurements.
     made = machine.commit()
     rows: list[Row] = []
     cases = suite(quick)
@@ -87,7 +87,7 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
 
 
 def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
-    """All runs on one scene."""
+    """Run the solver, the localized models and the peers on one scene."""
     rows = list(precision.ours(case, quick))
     if case.localized:
         rows += precision.hierarchy(case, quick)

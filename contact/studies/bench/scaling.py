@@ -1,8 +1,8 @@
 """Time and memory against zones, nodes and harmonics, and against the floor.
 
-The floor is the least work of any solver by direct sums: one evaluation of the profile at the final
-nodes, and one application of the kernel, every node on every other, in numpy. Fast sums go below
-it. Exponents are fitted to the larger sizes, which all use fast sums or all use a matrix.
+The floor is the least work of any solver by direct sums. It evaluates the profile once at the final
+nodes, and sums the kernel once between all pairs of nodes, in numpy. Fast sums can take less.
+Exponents are fitted to the larger sizes, which all use fast sums or all use a matrix.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Scaled:
-    """One size of one series: time and memory of `solve`, the floor [s], and counts."""
+    """One size of one series: time and memory of `solve`, time of the floor, and counts."""
 
     series: str
     size: int
@@ -51,7 +51,7 @@ class Scaled:
 
 
 def floor_seconds(solution: Solution) -> float:
-    """Processor time of the floor: one evaluation of the profile, one application of the kernel."""
+    """Processor time [s] of one evaluation of the profile and one sum of the kernel."""
     fields, profile = solution.fields, solution.scene.profile
     assert isinstance(fields, ZoneFields)
     zones = fields.density.zones
@@ -75,7 +75,11 @@ def floor_seconds(solution: Solution) -> float:
 
 
 def equal_waves(zones: int) -> Scene:
-    """n equal waves a period, in contact on a fifth: p = p* sin^2(pi/10), p* = pi E* n A/L."""
+    """A scene of n equal waves in a period, a fifth of which is in contact.
+
+    The mean pressure is p* sin^2(pi/10), where p* = pi E* n A/L is that of full contact for waves
+    of amplitude A.
+    """
     amplitude = 1e-3 / zones
     profile = Fourier(1.0, [0.0] * (zones - 1) + [-amplitude])
     return Scene(
@@ -109,7 +113,7 @@ def _designed(zones: int) -> Scene:
 
 
 def series(quick: bool) -> list[tuple[str, list[int], Callable[[int], Scene], float]]:
-    """Return (name, sizes, scene of a size, tolerance) of every series."""
+    """Return (name, sizes, function from a size to its scene, tolerance) of every series."""
     return [
         (
             "zones, inverse design",
@@ -153,12 +157,12 @@ def yardstick(patience: float) -> float:
 
 
 def single_scenes() -> list[Case]:
-    """Return the scenes of one zone, and one of two."""
+    """Return four scenes of one zone and one scene of two zones."""
     return [wave(0.4), wave(0.9), wedge(), parabola(), biquadratic()]
 
 
 def floors(quick: bool) -> Iterator[Scaled]:
-    """Measure single scenes at 1e-12."""
+    """Measure the single scenes at the tolerance 1e-12."""
     for case in single_scenes():
         yield one(case.name, 1, case.scene, 1e-12, 0.2 if quick else 0.6)
 
@@ -168,7 +172,7 @@ def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scal
     try:
         solution = solve(scene, tol)
     except NotConverged:
-        # A tolerance that is not reached is replaced by ten times it; the row says which it was.
+        # If the tolerance is not reached, ten times it is tried; the row has the one that was used.
         if tol > 1e-3:
             raise
         return one(name, size, scene, 10 * tol, patience)
@@ -188,9 +192,9 @@ def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scal
 
 
 def fitted(rows: list[Scaled]) -> list[Scaled]:
-    """Return the rows to fit an exponent to: the upper half, at least three.
+    """Return the rows of the larger half of the sizes, at least three, to fit an exponent.
 
-    If the largest size uses fast sums, only rows with fast sums count.
+    Only rows with the same kind of sums as the largest size count, if there are three of them.
     """
     same = [row for row in rows if row.fast == rows[-1].fast]
     same = same if len(same) >= 3 else rows
@@ -198,5 +202,5 @@ def fitted(rows: list[Scaled]) -> list[Scaled]:
 
 
 def exponent(sizes: Array, values: Array) -> float:
-    """Slope of log values over log sizes."""
+    """Exponent e of the power law values ~ sizes^e, fitted to the logarithms."""
     return float(np.polyfit(np.log(sizes), np.log(values), 1)[0])

@@ -1,4 +1,4 @@
-"""Runs the stiff and extreme scenes: the error reached against what the condition allows."""
+"""Runs the stiff and extreme scenes: their errors against what the condition allows."""
 
 from __future__ import annotations
 
@@ -23,10 +23,13 @@ from contact.studies.bench.truth import Exact
 class Verdict:
     """The result of one case.
 
-    `error` and `stated` are true and stated error. `outcome` is "pass"; "undecided" if two
-    topologies are the same answer within the allowed error, as the certificate says; "not judged"
-    if the reference solution is not accurate enough or takes too long; "known" for a failure whose
-    reason is known; or "FAIL".
+    `error` and `stated` are true and stated error. `outcome` is one of
+    - "pass";
+    - "undecided": two topologies are the same answer within the allowed error, and the certificate
+      says so;
+    - "not judged": the reference solution is not accurate enough or takes too long;
+    - "known": a failure whose reason is known;
+    - "FAIL".
     """
 
     group: str
@@ -42,10 +45,10 @@ class Verdict:
 
 
 def attempt(scene: Scene, allowed: float, patience: float) -> tuple[Solution | None, str, float]:
-    """Return the best solution, what went wrong, and the processor time of the last solve.
+    """Return (best solution, what went wrong, processor time of the last solve).
 
-    The tolerance is a tenth of the allowed error, so that it does not limit the error. If that is
-    not reached, the tolerance is the allowed error.
+    The first tolerance is a tenth of the allowed error, so that it does not limit the error. If it
+    is not reached, the second one is the allowed error.
     """
     best: Solution | None = None
     note = ""
@@ -85,7 +88,7 @@ def run(case: Extreme, patience: float = 60.0) -> Verdict:
     outcome = "FAIL"
     if found is not None:
         error, stated = truth.stated_measure(found, exact), found.error
-        # A reference by another formulation has an error of its own.
+        # A reference solution that is not a closed form has an error of its own.
         known_to = getattr(exact, "error", 0.0)
         if error <= case.allowed and error <= stated + known_to < np.inf:
             outcome = "pass"
@@ -121,7 +124,7 @@ def _verdict(
 
 
 def _other_topology(found: Solution, exact: Exact) -> tuple[float, str]:
-    """The largest difference of the pressures at equal x over the peak, and a message."""
+    """Largest difference of the pressures at equal x, relative to the peak, and a message."""
     x = truth.comb(exact)
     apart = truth.at_places(x, found.pressure(x), exact)[0]
     word = ", undecided" if found.certificate.undecided else ""
@@ -136,14 +139,15 @@ def _short(error: Exception) -> str:
 def run_matrix(
     quick: bool, progress: Callable[[str, int, int | None], None] | None = None
 ) -> list[Verdict]:
-    """Run every case."""
+    """Run every extreme scene; return the verdicts."""
     cases = matrix(quick)
     out = []
     for k, case in enumerate(cases):
         if progress is not None:
             progress("scenes", k, len(cases))
         with warnings.catch_warnings():
-            # Scenes with E* = 1 and a length of 1 may have slopes that no real surface has.
+            # Scenes with E* = 1 and a length of 1 may have steeper slopes than real surfaces, of
+            # which the model warns.
             warnings.simplefilter("ignore", ModelWarning)
             out.append(run(case))
     return out

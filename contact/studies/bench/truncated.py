@@ -1,12 +1,12 @@
 """Closed form of an isolated wedge with a flat top, f = s max(|x| - d, 0).
 
-By the superposition of flat punches (contact.reference.exact.base), with P(a) = E* s sqrt(a^2 -
-d^2), a > d:
+The load at half width a > d is P(a) = E* s sqrt(a^2 - d^2). By the superposition of flat punches
+(contact.reference.exact.base) the pressure is
 
     p(x) = (1/pi) int_max(|x|, d)^a P'(s) ds / sqrt(s^2 - x^2)
          = (E* s/pi) ln[(sqrt(a^2 - d^2) + sqrt(a^2 - x^2)) / sqrt|x^2 - d^2|]
 
-(derived here; d -> 0 gives the wedge's arcosh(a/|x|)).
+(derived here). The limit d -> 0 is the wedge's arcosh(a/|x|).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TruncatedWedge(Profile):
-    """f = s max(|x| - d, 0), with declared corners."""
+    """The profile f = s max(|x| - d, 0), with declared corners."""
 
     steepness: float
     half_top: float
@@ -46,7 +46,7 @@ class TruncatedWedge(Profile):
 
 @dataclass(frozen=True)
 class IsolatedTruncatedWedge(SymmetricZone):
-    """The contact of half width a > d."""
+    """The contact of half width a > d, d the half width of the flat top."""
 
     steepness: float
     half_top: float

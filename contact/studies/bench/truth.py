@@ -1,9 +1,10 @@
-"""True errors: a solution against an exact one, or against one by another formulation.
+"""True errors: a solution against an exact one, or one by another formulation.
 
 Both measures are relative to the peak pressure, or to the mean contact pressure if the peak is
-infinite. `stated_measure` is what `Solution.error` bounds: pressures at equal normalised position,
-and ends over widths. `at_places` compares pressures at the same x, as grids need it. Pressure grows
-from an end as a square root, so that an end wrong by d makes an error of order sqrt(d) there.
+infinite. `stated_measure` is what `Solution.error` bounds: errors of pressures at equal normalised
+positions, and of ends relative to widths. `at_places` compares pressures at the same x, which is
+possible for grids too. Pressure grows from an end as a square root, so that an error d of the end
+makes an error of order sqrt(d) at the same x.
 """
 
 from __future__ import annotations
@@ -15,12 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-# Normalised positions, dense near the ends; none in the middle, where wedges have p = inf.
+# These normalised positions are dense near the ends. None is in the middle, where p = inf under a
+# wedge.
 POSITIONS = np.cos((np.arange(24) + 0.5) * np.pi / 24)
 
 
 class Exact(Protocol):
-    """What both solutions of a comparison must have."""
+    """Attributes and methods that both solutions of a comparison must have."""
 
     @property
     def zones(self) -> Array: ...
@@ -40,9 +42,9 @@ def scale(exact: Exact) -> float:
 
 
 def stated_measure(found: Exact, exact: Exact) -> float:
-    """Return the larger error of pressures at equal positions and of ends over widths.
+    """Return the larger of the errors of pressures at equal t and of ends relative to widths.
 
-    It is inf if the number of zones differs.
+    It is inf if the numbers of zones differ.
     """
     if len(found.zones) != len(exact.zones):
         return float("inf")
@@ -56,7 +58,7 @@ def stated_measure(found: Exact, exact: Exact) -> float:
 
 
 def at_places(x: Array, pressure: Array, exact: Exact) -> tuple[float, float]:
-    """Return the largest and the mean error of pressures at positions x.
+    """Return the largest and the mean error of pressures at the positions x.
 
     The middle hundredth of a zone is left out if its pressure is infinite.
     """
