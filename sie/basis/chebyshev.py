@@ -29,7 +29,7 @@ OPTIONS = TransformOptions()
 
 @lru_cache(maxsize=64)
 def angles(n: int) -> Array:
-    """theta_k = k pi / (n + 1), k = 0 ... n + 1: both ends and the n zeros of U_n.
+    """Angles theta_k = k pi / (n + 1), k = 0 ... n + 1: both ends and the n zeros of U_n.
 
     t = cos(theta) runs from +1 down to -1.
     """
@@ -93,7 +93,10 @@ def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
 
 
 def u_values(g: Array, t: Array) -> Array:
-    """sum g_k U_{k-1} at points t (zones, points), g (zones, n), by Clenshaw's recurrence."""
+    """Values of the series sum g_k U_{k-1} at points t, by Clenshaw's recurrence.
+
+    g: coefficients (zones, n); t: points (zones, points).
+    """
     here, before = np.zeros_like(t), np.zeros_like(t)
     for c in g.T[::-1]:
         here, before = c[:, None] + 2 * t * here - before, here
@@ -131,7 +134,7 @@ def gauss_sides(n: int) -> tuple[Array, Array]:
 
 
 def t_matrix(n: int, count: int) -> Array:
-    """T_l at the n Gauss nodes, shape (n, count)."""
+    """Values of T_l, l = 0 ... count - 1, at the n Gauss nodes, shape (n, count)."""
     return (_t_matrix if n * count <= BLOCKS.cache_pairs else _t_matrix.__wrapped__)(n, count)
 
 
@@ -152,7 +155,7 @@ def to_series(n: int) -> Array:
 
 
 def t_values(c: Array, n: int) -> Array:
-    """sum c_l T_l at the n Gauss nodes, for coefficients (..., count <= n)."""
+    """Values of the series sum c_l T_l at the n Gauss nodes, coefficients (..., count <= n)."""
     if n * c.shape[-1] <= BLOCKS.cache_pairs:
         return np.asarray(c @ t_matrix(n, c.shape[-1]).T)
     halved = 0.5 * c
@@ -161,7 +164,7 @@ def t_values(c: Array, n: int) -> Array:
 
 
 def t_means(values: Array, count: int | None = None) -> Array:
-    """Means of f T_l, l = 0 ... count - 1, with the weight 1 / sqrt(1 - t^2).
+    """Means of f T_l over the zone, l = 0 ... count - 1, with the weight 1 / sqrt(1 - t^2).
 
     `values` are f at the n nodes of `gauss`, along the last axis; count None stands for n.
     """
@@ -173,7 +176,7 @@ def t_means(values: Array, count: int | None = None) -> Array:
 
 
 def edge_part(c: Array) -> tuple[Array, Array]:
-    """(alpha, beta) of `bounded_part`, for T coefficients c (zones, n + 1)."""
+    """(alpha, beta): sum c_j T_j / X is (alpha + beta t) / X plus a part bounded at the ends."""
     return c[:, ::2].sum(axis=1), c[:, 1::2].sum(axis=1)
 
 

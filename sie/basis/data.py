@@ -162,7 +162,7 @@ def numbered(counts: Index) -> Index:
 
 
 def by_rows(of: Callable[..., Any], *tables: NDArray[Any], max_rows: int = 2048) -> Any:
-    """The result of `of` on the rows of tables, computed in blocks of at most `max_rows` rows.
+    """The result of a function on tables, computed in blocks of at most `max_rows` rows.
 
     Without blocks, intermediate arrays of long tables would not fit into the cache.
     """

@@ -150,19 +150,22 @@ class Outside(Seen):
 
     @cached_property
     def _size(self) -> Array:
+        """|R|, the absolute value of `root`."""
         return np.sqrt(self.excess * (self.excess + 2))
 
     @cached_property
     def root(self) -> Array:  # type: ignore[override]
+        """R = sqrt(zeta^2 - 1), with the sign of zeta."""
         return np.asarray(self.sign * self._size)
 
     @cached_property
     def rho(self) -> Array:  # type: ignore[override]
+        """rho = zeta - R, between -1 and 1."""
         return np.asarray(self.sign / (1 + self.excess + self._size))
 
     @cached_property
     def log(self) -> Array:
-        """-log|rho|."""
+        """-log|rho|, the rate at which rho^l decays with l."""
         return decay_rate(self.excess)
 
 
@@ -239,10 +242,12 @@ class InPlane:
 
     @cached_property
     def p(self) -> Complex:
+        """p, the square root of zeta + 1."""
         return np.asarray(np.sqrt(self.left))
 
     @cached_property
     def m(self) -> Complex:
+        """m, the square root of zeta - 1."""
         return np.asarray(np.sqrt(self.less))
 
     @cached_property
@@ -251,11 +256,12 @@ class InPlane:
 
     @cached_property
     def root(self) -> Complex:
-        """The root R = p m."""
+        """R = sqrt(zeta^2 - 1), computed as p m."""
         return self.p * self.m
 
     @cached_property
     def rho(self) -> Complex:
+        """rho = zeta - R, computed without cancellation."""
         return np.asarray(2 / (self.p + self.m) ** 2)
 
     @property
@@ -277,7 +283,10 @@ class InPlane:
         return InPlane(self.left[which], self.less[which])
 
     def turned(self, c: Array, s: Array) -> Complex:
-        """log(1 - rho e^(-i phi)) along a last axis, for cos(phi/2) = c and sin(phi/2) = s."""
+        """log(1 - rho e^(-i phi)) for angles phi along a last axis.
+
+        c, s: cos(phi/2) and sin(phi/2).
+        """
         p, m = self.p[..., None], self.m[..., None]
         return np.asarray(np.log(2 * (c - 1j * s) * (c * m + 1j * s * p) / (p + m)))
 
@@ -314,7 +323,7 @@ def potential_of(
 
 
 def transform_of(alpha: Array, beta: Array, u: Array, seen: Seen | InPlane, row: Index) -> Number:
-    """Transform of (alpha + beta t) / X + X sum u_k U_k."""
+    """Transform of the density (alpha + beta t) / X + X sum u_k U_k, X = sqrt(1 - t^2)."""
     rho = seen.rho
     value = rho * sum_of_powers(u, rho, row)
     if not (np.any(alpha) or np.any(beta)):
@@ -333,7 +342,7 @@ def _edge(a: Array, b: Array, from_left: Number, from_right: Number) -> Number:
 
 
 def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: Index) -> Complex:
-    """w times the derivative of the transform of (alpha + beta t) / X + X sum u_k U_k."""
+    """The derivative by x of `transform_of`, multiplied by the half width w."""
     a, b, rho = alpha[row], beta[row], seen.rho
     with np.errstate(divide="ignore", invalid="ignore"):
         edge = (
@@ -352,7 +361,7 @@ def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: 
 def values_on(
     bounded: tuple[Array, Array, Array], row: Index, left: Array, right: Array, vanishing: Mask
 ) -> Array:
-    """(alpha + beta t) / X + X sum u_k U_k at points on the interval.
+    """Values of the density (alpha + beta t) / X + X sum u_k U_k on the interval.
 
     bounded: (alpha, beta, u). left, right: distances from both ends divided by the half width.
     vanishing: whether the density is zero at the left and at the right end of each interval. At
@@ -381,7 +390,7 @@ def values_on(
 
 
 def own_transform(c: Array, row: Index, left: Array, right: Array) -> Array:
-    """-sum c_l U_{l-1}(t), the transform of sum c_l T_l / X on the interval, pair by pair."""
+    """Transform of the density sum c_l T_l / X on its own interval: -sum c_l U_{l-1}(t)."""
     # At an end, sine and angle are zero. The smallest angle gives the limit of their ratio.
     angle = np.maximum(nearer_angle(left, right), TINY)
     return np.asarray(-sine_sum(c[:, 1:], row, angle, left < right) / np.sin(angle))
@@ -428,7 +437,7 @@ def edge_scale(w: Any) -> Any:
 
 
 def intensities(alpha: Array, beta: Array, w: Array) -> tuple[Array, Array]:
-    """Intensities K at the left and at the right end of (alpha + beta t) / X + X sum u_k U_k."""
+    """(K at the left end, K at the right end) of (alpha + beta t) / X + X sum u_k U_k."""
     root = edge_scale(w)
     return root * (alpha - beta), root * (alpha + beta)
 
@@ -444,7 +453,9 @@ def slope_scale(w: Any) -> Any:
 def edge_slopes(
     alpha: Array, beta: Array, at_left: Array, at_right: Array, w: Array
 ) -> tuple[Array, Array]:
-    """Coefficients A of sqrt(d) at both ends of (alpha + beta t) / X + X sum u_k U_k.
+    """(A at the left end, A at the right end) of (alpha + beta t) / X + X sum u_k U_k.
+
+    A is the coefficient of sqrt(d) in the density at a small distance d from the end.
 
     at_left, at_right: values of sum u_k U_k at the ends.
     """

@@ -98,7 +98,7 @@ class Kernel(Kept):
 
     @property
     def grows(self) -> bool:
-        """Whether the modes must grow until they resolve the regular part."""
+        """Whether the number of modes must grow until the regular part is resolved."""
         return self.regular is not None and not self.sure
 
     @cached_property

@@ -166,7 +166,7 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
 
 
 def _same_order(c: Array, rho: NDArray[Any]) -> NDArray[Any]:
-    """sum_k c[source, k] rho^k for every point and source, with the same number of terms."""
+    """Power series sum_k c[source, k] rho^k at every point, with the same number of terms."""
     count = c.shape[1]
     if rho.size > OPTIONS.max_sines:
         out = np.zeros(rho.shape) + c[:, -1]
@@ -181,7 +181,7 @@ def _same_order(c: Array, rho: NDArray[Any]) -> NDArray[Any]:
 
 
 def waves(weight: Array, angle: Array, count: int) -> Complex:
-    """sum_j weight_j exp(i k angle_j), for k = 0 ... count - 1."""
+    """Exponential sums sum_j weight_j exp(i k angle_j), for k = 0 ... count - 1."""
     turn, wave, out = np.exp(1j * angle), weight.astype(complex), np.empty(count, dtype=complex)
     for k in range(count):
         out[k] = wave.sum()
@@ -222,7 +222,7 @@ def cosine_sum(c: Array, zone: Index, theta: Array) -> Array:
 
 
 def _terms(table: Array, row: Index) -> Index:
-    """Number of terms of each given row, up to its last coefficient that is not zero."""
+    """Number of coefficients in rows of a table, up to the last that is not zero."""
     named = np.flatnonzero(np.bincount(row, minlength=len(table)))
     used = table[named] != 0.0
     terms = np.zeros(len(table), dtype=np.intp)
@@ -251,7 +251,7 @@ def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
 
 
 def _sines(angle: Array, columns: Array) -> Array:
-    """sum_k columns[k - 1] sin(k angle), shape (points, columns).
+    """Sine series sum_k columns[k - 1] sin(k angle), shape (points, columns).
 
     With many terms, k is written as m a + b. Then sin(k angle) follows from the sines and cosines
     of m a angle and of b angle, so that few sines are evaluated.

@@ -109,7 +109,7 @@ class DensityBase(Kept):
         return out
 
     def transform(self, x: ArrayLike) -> NDArray[Any]:
-        """(1/pi) PV int phi K dxi at x (any shape), on the zones and off them.
+        """Transform (1/pi) PV int phi(xi) K(x, xi) dxi at x, on the zones and off them.
 
         It is infinite at a singular end. At complex x it is the analytic continuation F(x), see
         `sie.density.plane`; a zero imaginary part stands for the upper side of the line.
@@ -121,7 +121,7 @@ class DensityBase(Kept):
         )
 
     def potential(self, x: ArrayLike) -> NDArray[Any]:
-        """(1/pi) int phi Lambda dxi at x (any shape), on the zones and off them.
+        """Potential (1/pi) int phi(xi) Lambda(x, xi) dxi at x, on the zones and off them.
 
         At complex x it is the complex potential W with W' = F, whose real part is the harmonic
         function that equals the potential on the line. W is analytic in either half plane, W(conj

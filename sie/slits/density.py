@@ -169,7 +169,8 @@ class SlitDensity(DensityBase):
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by zone and distances from its ends in half widths."""
         zone = np.asarray(zone, dtype=np.intp)
-        if not self.geometry.next_to_slit[zone].any():  # a piece without slits is its wide zone
+        # without slits, the given zone is its wide zone
+        if not self.geometry.next_to_slit[zone].any():
             return self._edged.at(self.geometry.piece_zone[zone], left, right)
         geometry, wide = self.geometry, self.geometry.wide
         piece, lf, rt = np.broadcast_arrays(zone, np.asarray(left, float), np.asarray(right, float))
@@ -429,6 +430,7 @@ class SlitDensity(DensityBase):
         )
 
     def _on_line(self, x: Array, potential: bool) -> Array:
+        """Transform or potential at real x: far field of the wide zones, corrected near slits."""
         flat = x.ravel()
         out = np.array(self.whole.potential(flat) if potential else self.whole.transform(flat))
         self._add_slits(flat, out, potential)

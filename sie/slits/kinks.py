@@ -45,7 +45,7 @@ from sie.jumps.formulas import HIGHEST
 
 @dataclass(frozen=True)
 class KinkOptions:
-    """How the slack of a jump in a slit is integrated."""
+    """Number of nodes and range for integrals of the slack of a jump in a slit."""
 
     # Number of Gauss nodes for means over a slit, and for integrals over the slit on either side
     # of the jump.
@@ -161,7 +161,7 @@ class SlitKink(Kept):
 
     @property
     def total(self) -> float:
-        """int psi dt divided by pi times the slit's half width."""
+        """Integral of the slack psi over the slit, divided by pi and by the slit's half width."""
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:

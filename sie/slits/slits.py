@@ -99,32 +99,32 @@ class SlitGeometry(Kept):
 
     @cached_property
     def start(self) -> Array:
-        """Distance of each piece's left end from the left end of its wide zone."""
+        """Distance of each given zone's left end from the left end of its wide zone."""
         return self.wide.beyond_a(self.pieces.a + self.shift, self.piece_zone) + self.cut_off[0]
 
     @cached_property
     def stop(self) -> Array:
-        """Distance of each piece's right end from the left end of its wide zone."""
+        """Distance of each given zone's right end from the left end of its wide zone."""
         return self.wide.beyond_a(self.pieces.b + self.shift, self.piece_zone) + self.cut_off[1]
 
     @cached_property
     def rest(self) -> Array:
-        """Distance of each piece's right end from the right end of its wide zone."""
+        """Distance of each given zone's right end from the right end of its wide zone."""
         return self.wide.before_b(self.pieces.b + self.shift, self.piece_zone) - self.cut_off[1]
 
     @cached_property
     def slit_before(self) -> Index:
-        """Index of the slit that ends where each piece begins; -1 if there is none."""
+        """Index of the slit that ends where each given zone begins; -1 if there is none."""
         return self._slit_at(self.slits.b, self.pieces.a + self.shift)
 
     @cached_property
     def slit_after(self) -> Index:
-        """Index of the slit that begins where each piece ends; -1 if there is none."""
+        """Index of the slit that begins where each given zone ends; -1 if there is none."""
         return self._slit_at(self.slits.a, self.pieces.b + self.shift)
 
     @cached_property
     def next_to_slit(self) -> Mask:
-        """Whether each piece has a slit next to it."""
+        """Whether each given zone has a slit next to it."""
         return (self.slit_before >= 0) | (self.slit_after >= 0)
 
     def _slit_at(self, ends: Array, at: Array) -> Index:
@@ -282,7 +282,7 @@ class Slit(Kept):
         return chebyshev.t_means(values, self.modes + 1)
 
     def at_gauss(self, d: Array) -> Array:
-        """sum d_l T_l at the slit's Gauss nodes."""
+        """Values of the series sum d_l T_l at the slit's Gauss nodes."""
         return np.asarray(chebyshev.t_matrix(self.nodes, len(d)) @ d)
 
     def over(self, d: Array, power: int) -> Array:
@@ -308,10 +308,10 @@ class Slit(Kept):
 
 
 def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
-    """(1/pi) PV int sigma / (t - tau) dtau off the slit, for the series d of sigma.
+    """The integral (1/pi) int sigma / (t - tau) dtau at points t off the slit.
 
-    excess: |z| - 1 at the points, the distance from the slit in its half widths; sign: 1 right of
-    the slit, -1 left of it.
+    d: series of sigma. excess: |z| - 1 at the points, the distance from the slit in its half
+    widths; sign: 1 right of the slit, -1 left of it.
     """
     return transform_of(
         *chebyshev.bounded_part(d[None]),

@@ -332,10 +332,12 @@ class SlitState(Answered):
     # Errors.
     @property
     def natural(self) -> Array:
+        """Size of the density of each given zone's wide zone, without the part of its total."""
         return self.whole.natural[self.geometry.piece_zone]
 
     @cached_property
     def noise(self) -> Array:
+        """Rounding of the right side on each given zone's wide zone, see `State.noise`."""
         return self.whole.noise[self.geometry.piece_zone]
 
     def _intensities_of(self, of_coefficients: Array, at_slits: float = 1.0) -> Array:
