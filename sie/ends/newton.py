@@ -242,8 +242,9 @@ class _Search:
         return self._moved(state, motion, rest)
 
     def _solved(self) -> tuple[AnyState, bool, bool]:
-        """(state on the zones, whether its tolerance is larger than that of a final solution,
-        whether an end was released from a limit).
+        """(state on the zones, whether it is inexact, whether an end was released from a limit).
+
+        A state is inexact if its tolerance is larger than that of a final solution.
         """
         sizes, progress = self.sizes, self.progress
         # An iteration has the open value in its right side, which saves the solve of `with_value`.

@@ -62,7 +62,7 @@ class Progress:
     leaving: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
     def continue_with(self, zones: Zones, gaps: Array, kept: Index) -> None:
-        """Continue with other zones and their gaps; kept: indices of these among the former ones."""
+        """Continue with other zones and their gaps; kept: their indices among the former ones."""
         self.first_width = np.maximum(self.first_width[kept], zones.b - zones.a)
         self.first_gap = np.maximum(self.first_gap[kept], gaps)
         self.closing, self.leaving = self.closing[kept], self.leaving[kept]
@@ -158,7 +158,7 @@ class Progress:
         )
 
     def _stays(self) -> bool:
-        """Whether in the last ten steps the widths hardly changed and the moves did not decrease."""
+        """Whether, in the last steps, the widths hardly changed and the moves did not decrease."""
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
         if len(now) != len(before):
             return False

@@ -1,12 +1,12 @@
-"""Response of a solution to unit sources outside its zones, in closed form where they are near.
+"""Response of a solution to unit sources outside its zones, in closed form close to the zones.
 
-A unit source at c adds K(x, c)/pi to the right side. With rho of c as seen from a zone
-(`sie.basis.interval`),
+A unit source at c adds K(x, c)/pi to the right side, with the kernel K(x, c). With rho of the
+position c relative to a zone of half width w (`sie.basis.interval`),
 
     1/(x - c) = -(2/w) sum_{k >= 1} rho^k U_{k-1}(t),
 
-so the coefficients that are not unknowns are (2/w) rho^l / pi. Their intensities, and their effect
-on the potential at other such places, are geometric series and logarithms, however close to the
+so the coefficients that are not unknowns are (2/w) rho^l / pi. They contribute geometric series to
+the intensities, and logarithms to the potential at other positions. These hold however close to the
 zone a source is.
 """
 
@@ -19,26 +19,27 @@ from sie.basis.interval import edge_scale
 from sie.dense.system import Places, fields, outside
 from sie.states.state import State
 
-# A power of rho below this is rounding.
+# A power of rho below this is below round-off.
 _NOTHING = 1e-18
 
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """What is added to a solution by each of J cases.
+    """Changes of a solution in each of J cases.
 
     Attributes
     ----------
     intensities : (2, Z, J) array
-        Of K at the left and the right ends.
+        Changes of the intensity K at the left and the right ends.
     levels : (Z, J) array
-        Of the levels of the zones; none where no condition speaks of levels.
+        Changes of the levels of the zones; empty if no condition involves levels.
     potentials : (P, J) array
-        Of the density's potential at the places asked for.
+        Changes of the density's potential at the given positions.
 
     Examples
     --------
-    A unit of load more on a zone: 1/(pi sqrt(1 - x^2)), and K = 1/(sqrt(2) pi) at both ends.
+    One more unit of load on a zone adds the density 1/(pi sqrt(1 - x^2)), with K = 1/(sqrt(2) pi)
+    at both ends.
 
     >>> import numpy as np
     >>> import sie
@@ -55,20 +56,20 @@ class Answers:
 
 
 def answers(state: State, at: Array, strengths: Array, values: Array, places: Array) -> Answers:
-    """Changes by sources and by the values of side conditions, the zones held.
+    """Changes of a solution by sources and by the values of side conditions, on fixed zones.
 
     Parameters
     ----------
     state : State
         A solution on zones that are not solved as mirror images.
     at : (S,) array
-        Where the sources are: on no zone.
+        Positions of the sources, outside all zones.
     strengths : (S, J) array
-        Of the sources in each case.
+        Strengths of the sources in each case.
     values : (C, J) array
-        Changes of the values of the side conditions, one row for each of theirs.
+        Changes of the values of the side conditions, in the order of their rows.
     places : (P,) array
-        On no zone: where the potential is asked for.
+        Positions outside all zones at which the potential is computed.
 
     Returns
     -------
@@ -77,12 +78,12 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     Raises
     ------
     ValueError
-        If only half of the zones is solved for.
+        If the zones are symmetric, so that only half of them is solved for.
 
     Examples
     --------
-    A unit source far to the right of a zone is the right side -1/(pi c) on it, and its tilt makes K
-    = w^(3/2)/(sqrt(2) pi c).
+    A unit source at c, far to the right of a zone, adds the constant -1/(pi c) to the right side on
+    it. This tilts the profile and makes |K| = w^(1/2)/(sqrt(2) pi c) at both ends.
 
     >>> import numpy as np
     >>> import sie
@@ -111,7 +112,8 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     mean = seen.first(zones.half[:, None, None] / kernel.datum).sum(axis=2) / np.pi
     rows = g[np.repeat(np.arange(len(zones)), layout.m), numbered(layout.m) + 1]
     if kernel.regular is not None and len(at):
-        # The regular part enters by its values, and by those of its primitive, at the nodes.
+        # The regular part has no closed form: its values, and those of its potential, are sampled
+        # at the nodes.
         x = system.targets.x[:, None]
         rows += system.projected(kernel.regular(x, at) / np.pi)
         mean += (
@@ -159,15 +161,16 @@ def _solved(state: State, right: Array) -> Array:
 
 
 def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
-    """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles).
+    """Potential (P, S) of the coefficients (2/(pi w)) rho^l, l > m, of unit sources.
 
-    It is -(2/pi) sum_{l > m} (rho rho')^l / l.
+    up: rho of the sources (Z, S, poles); seen: rho' of the positions (Z, P, poles). The potential
+    is the sum over zones and poles of -(2/pi) sum_{l > m} (rho rho')^l / l.
     """
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(m)):
         least = _NOTHING ** (1.0 / (int(m[i]) + 1))
         for q in range(seen.shape[2]):
-            # Pairs far from the zone contribute nothing.
+            # Pairs far from the zone contribute less than round-off and are left out.
             sources = np.flatnonzero(
                 np.abs(up[i]).max(axis=1) * np.abs(seen[i, :, q]).max(initial=0.0) >= least
             )

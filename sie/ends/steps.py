@@ -16,17 +16,17 @@ from sie.equation.equation import Equation
 from sie.slits.system import AnyDensity, AnyState
 from sie.states.state import State
 
-# Zones on either side that are felt across a closing gap: their effect falls as the square of the
-# distance, so that of the 15th is below 1/200.
+# Number of zones on either side whose steps matter for a closing gap. Their effect decreases as the
+# square of the distance, so that of the 15th is below 1/200.
 _NEIGHBOURS = 15
 
 
 @record
 class Branch:
-    """Where the search is among several roots, if intensities are prescribed.
+    """Residual and stability of the ends at one step, if intensities are prescribed.
 
-    residual: largest difference from the prescribed intensities; growth: largest real part of the
-    eigenvalues that decide on stability.
+    They show which of several roots the search approaches. residual: largest difference from the
+    prescribed intensities; growth: largest real part of the eigenvalues that determine stability.
     """
 
     residual: float
@@ -35,12 +35,12 @@ class Branch:
 
 @record
 class NewtonStep:
-    """What a Newton step asks for.
+    """One undamped Newton step.
 
-    moves: which ends (2, Z) are free; delta: their outward steps (2, Z); noise: round-off in these;
-    change: step of the open condition's value; weak: zones (Z,) with an end next to which the
-    density has the wrong sign, so that the step is only a guess; branch: None where the prescribed
-    intensities are zero.
+    moves: mask of the free ends (2, Z); delta: their outward steps (2, Z); noise: round-off in
+    these; change: step of the open condition's value; weak: mask of the zones (Z,) with an end next
+    to which the density has the wrong sign, so that the step is only a guess; branch: None if the
+    prescribed intensities are zero.
     """
 
     moves: Mask
@@ -52,7 +52,7 @@ class NewtonStep:
 
     @property
     def certain(self) -> bool:
-        """Whether no step is only a guess."""
+        """Whether the density has the right sign next to all ends: no step is only a guess."""
         return not self.weak.any()
 
     def closes(self, gaps: Array) -> Mask:
@@ -62,8 +62,9 @@ class NewtonStep:
     def vanishes(self, zones: Zones, options: NewtonOptions) -> Mask:
         """Mask of the zones that vanish: the undamped step would leave nothing of them.
 
-        With `allow_loss`, also zones with the wrong sign of the density that are much narrower than
-        a neighbour. The others hardly feel them, and need not wait until they have shrunk away.
+        With `allow_loss` it includes zones with the wrong sign of the density that are much
+        narrower than a neighbour. They have hardly any effect on the others, so the search need not
+        wait until they have vanished.
         """
         width = np.pad(zones.b - zones.a, 1)
         slight = width[1:-1] < options.slight_zone * np.maximum(width[:-2], width[2:])
@@ -82,7 +83,7 @@ def newton_step(
     k = np.array(density.intensities)
     residual = np.where(moves, k - zones.intensities, 0.0)
     if zones.follow_ends:
-        # There are no slits where intensities are prescribed.
+        # If intensities other than zero are prescribed there are no slits, so `whole` is complete.
         return _coupled_step(state.whole, moves, residual, options, value_response)
     a, noise_k = np.array(density.edge_slopes), state.intensity_noise
     safe, weak = _safe_slopes(density, state.natural, options.signs)
@@ -104,9 +105,10 @@ def newton_step(
 def _with_step_models(
     state: AnyState, plain: NewtonStep, options: NewtonOptions, residual: Array, a: Array
 ) -> NewtonStep:
-    """The step where K is not linear in the motion of an end: next to narrow gaps and to jumps.
+    """The step, corrected next to narrow gaps and jumps, where K is not linear in the motion.
 
-    residual, a: K less its target and A (2, Z), at the new value of the open condition.
+    residual: intensity K less its target (2, Z); a: edge slope A (2, Z). Both are those at the new
+    value of the open condition.
     """
     zones, forcing, kernel = state.density.zones, state.equation.forcing, state.equation.kernel
     side, moves = np.array(options.signs, dtype=float)[:, None], plain.moves
@@ -124,7 +126,7 @@ def _with_step_models(
         model = StepAtJumps(forcing, zones, kernel.period, (options.max_shrink, options.max_growth))
         bent = model.steps(side * residual, np.where(weak, 0.0, side * a), delta)
         bent = np.where(moves & ~(holds & jumps), bent, delta)
-        # A corner that shortens the step shortens the effect of round-off in K alike.
+        # If a corner shortens the step, it reduces the effect of round-off in K by the same factor.
         noise = noise * np.minimum(np.abs(bent) / np.maximum(np.abs(delta), 1e-300), 1.0)
         delta = bent
     return NewtonStep(moves, delta, noise, plain.change, np.asarray((weak & moves).any(axis=0)))
@@ -133,11 +135,11 @@ def _with_step_models(
 def _safe_slopes(
     density: AnyDensity, natural: Array, signs: tuple[float, float]
 ) -> tuple[Array, Mask]:
-    """(A to divide by (2, Z), mask where it is replaced).
+    """(edge slopes A for the division in Newton's step (2, Z), mask where they are replaced).
 
-    A has the sign of the density at the solution. Far from it A may have the other sign or vanish:
-    there it is replaced by its natural size, so that K alone decides on the direction. natural:
-    size of the coefficients beyond the first (Z,).
+    At the solution A has the sign of the density. Far from the solution A may have the other sign
+    or vanish. There it is replaced by its natural size, so that K alone determines the direction.
+    natural: largest coefficient of each zone beyond c_0 (Z,).
     """
     a, root = np.array(density.edge_slopes), np.sqrt(density.zones.half)
     side = np.array(signs)[:, None]
@@ -157,11 +159,12 @@ def corners_of(state: AnyState) -> Array:
 
 
 def place_rounding(state: AnyState, corners: Array) -> Array:
-    """Error of the ends (2, Z) by the rounding of the places at which g is known.
+    """Error of the ends (2, Z) by the rounding of the positions at which g is evaluated.
 
-    A rounding e of places changes K by about sqrt(w / 2) g' e. The edge slope A is sqrt(2 w) g' if
-    it comes from the smooth part of g alone, and so the end is off by about e. Jumps within the
-    zone do not count, since their distances from the ends are known to full precision.
+    A rounding e of positions changes the intensity K by about sqrt(w / 2) g' e. The edge slope A is
+    sqrt(2 w) g' if it comes from the smooth part of g alone. So the error of the end is about e.
+    Jumps within the zone do not contribute, since their distances from the ends are known to full
+    precision.
     """
     zones = state.density.zones
     if state.equation.forcing.resolution.exact_places:
@@ -169,10 +172,11 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
     if state.density.slit_count or not np.isfinite(corners).any():
         return rounding
-    # An end at a corner, to rounding, is known by its distance from there.
+    # An end that is at a corner up to round-off is determined by its distance from the corner.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
     cornered, g = state.whole.density.jumps.kinked, state.whole.system.g
-    # The sum of k |g_k| bounds the slope of the smooth part, and is at most a few times it.
+    # The sum of k |g_k| is an upper bound of the slope of the smooth part, and at most a few times
+    # this slope.
     smooth = 4 * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
     part = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
     rounding[:, cornered] *= part[:, cornered]
@@ -186,12 +190,12 @@ def bordered(
     slope: Array,
     largest: tuple[float, float] = (np.inf, np.inf),
 ) -> tuple[Array, float]:
-    """(steps, change of the open value) that meet the condition on the ends.
+    """(steps, change of the open value) that satisfy the condition on the ends.
 
-    slope: steps caused by a unit change of the value; largest: parts of its zone's width by which
-    an end moves inward and outward at most. The condition counts the damped steps. Otherwise an
-    end next to which the density's slope all but vanishes, as in a zone that is about to be lost,
-    would decide on the value alone.
+    delta: steps (2, Z) at the present value; slope: steps caused by a unit change of the value;
+    largest: largest steps inward and outward, relative to the width of the zone. The damped steps
+    satisfy the condition. Otherwise an end with almost no edge slope, as in a zone that is about to
+    vanish, would determine the value alone.
     """
     miss, by_left, by_right = equation.end_conditions[0].residual(zones)
     gradient, width = np.array([by_left, by_right]), zones.b - zones.a
@@ -199,7 +203,8 @@ def bordered(
     free = np.ones(delta.shape, dtype=bool)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         change = -(miss + np.sum(gradient * delta)) / np.sum(gradient * slope)
-        # The active set of damped ends settles in a few rounds; more than ends are never needed.
+        # The active set of damped ends settles in a few rounds, and in at most as many as there are
+        # ends.
         for _ in range(delta.size):
             wanted = delta + change * slope
             cut = np.clip(wanted, -inward * width, outward * width)
@@ -212,10 +217,10 @@ def bordered(
 
 
 def damped(zones: Zones, equation: Equation, delta: Array, options: NewtonOptions) -> Array:
-    """Outward steps (2, Z) cut to parts of the widths, of the gaps and of the domain.
+    """Outward steps (2, Z), limited to fractions of the zones, of the gaps and of the domain.
 
-    An end that would close its gap waits until its neighbours have settled to within that gap:
-    what pushes it is the square of their remaining errors.
+    An end that would close its gap does not move while the steps of its neighbours are larger than
+    that gap. Its step is then mostly an effect of the square of their remaining errors.
     """
     width = zones.b - zones.a
     gaps = np.array(modes.gaps(zones, equation.kernel))
@@ -237,10 +242,10 @@ def _coupled_step(
     options: NewtonOptions,
     value_response: AnyDensity | None,
 ) -> NewtonStep:
-    """Newton step with the full Jacobian dK_i/d(end_j), where intensities are prescribed.
+    """Newton step with the full Jacobian dK_i/d(end_j), for prescribed intensities.
 
-    Of a mirrored pair of ends, the right one stands for both. By iteration the growth of a push
-    is left open (nan), since it costs more than the step.
+    The right end of a mirrored pair stands for both. If the state was found by iteration, the
+    growth rate is not computed (nan), since it costs more than the step.
     """
     motions = motions_of(state)
     delta = motions.spread(motions.meeting(-motions.of(residual)))
@@ -259,7 +264,10 @@ def growth_of(
     signs: tuple[float, float],
     value_response: AnyDensity | None,
 ) -> float:
-    """Growth rate of a push of the ends; with a condition on the ends, of pushes that meet it."""
+    """Largest growth rate of small displacements of the ends; positive if they are unstable.
+
+    With a condition on the ends only displacements that keep it count.
+    """
     if value_response is None:
         return motions.growth(np.array(signs, dtype=float))
     _, by_left, by_right = motions.state.equation.end_conditions[0].residual(motions.zones)
