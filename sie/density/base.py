@@ -111,8 +111,9 @@ class DensityBase(Kept):
     def transform(self, x: ArrayLike) -> NDArray[Any]:
         """Transform (1/pi) PV int phi(xi) K(x, xi) dxi at x, on the zones and off them.
 
-        It is infinite at a singular end. At complex x it is the analytic continuation F(x), see
-        `sie.density.plane`; a zero imaginary part stands for the upper side of the line.
+        x has any shape. The transform is infinite at a singular end. At complex x it is the
+        analytic continuation F(x), see `sie.density.plane`; a zero imaginary part stands for the
+        upper side of the line.
         """
         return (
             self._in_plane(x, "transform")
@@ -123,10 +124,10 @@ class DensityBase(Kept):
     def potential(self, x: ArrayLike) -> NDArray[Any]:
         """Potential (1/pi) int phi(xi) Lambda(x, xi) dxi at x, on the zones and off them.
 
-        At complex x it is the complex potential W with W' = F, whose real part is the harmonic
-        function that equals the potential on the line. W is analytic in either half plane, W(conj
-        x) = conj W(x), and W is real on the line right of all zones (with a period: between the
-        last zone and the next).
+        x has any shape. At complex x it is the complex potential W with W' = F, whose real part is
+        the harmonic function that equals the potential on the line. W is analytic in either half
+        plane, W(conj x) = conj W(x), and W is real on the line right of all zones (with a period:
+        between the last zone and the next).
         """
         if np.iscomplexobj(x):
             return self._in_plane(x, "potential")

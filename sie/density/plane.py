@@ -65,7 +65,7 @@ class Plane:
         self.total = float(np.pi * (c[:, 0] @ zones.half))
 
     def __call__(self, z: Complex, what: What) -> Complex:
-        """Values at points z (n,), which need not be in the central period."""
+        """Transform, its derivative or potential at points z (n,), which may lie in any period."""
         x, y = z.real, np.abs(z.imag)
         place = self.density.into_period(x)
         out = self.poles(place, y, what)
@@ -181,7 +181,7 @@ class Plane:
 
     @cached_property
     def _of_jumps(self) -> Array:
-        """First T coefficients of the jumps on each zone, for points far from it."""
+        """First coefficients of T_l / sqrt(1 - t^2) of the jumps on each zone, for far points."""
         return self.density.jumps.t_coefficients(self.density.zones, int(JUMPS.far_terms[0]))
 
     # Fields through the regular part of the kernel.

@@ -88,18 +88,18 @@ class Series(DensityBase):
         return np.clip(2 * modes + 4 * jumps, OPTIONS.min_samples, BLOCKS.cache_pairs)
 
     def first(self, count: int) -> Array:
-        """First T coefficients of the density on each zone, jumps included (Z, count)."""
+        """First coefficients of T_l / sqrt(1 - t^2) on each zone, jumps included (Z, count)."""
         out = widened(self.coefficients[:, :count], count)
         return out + self.jumps.t_coefficients(self.zones, count) if len(self.jumps) else out
 
     @cached_property
     def totals(self) -> Array:
-        """Integral over each zone (Z,)."""
+        """Integral of the density over each zone (Z,)."""
         return np.asarray(np.pi * self.zones.half * self.first(1)[:, 0])
 
     @property
     def total(self) -> float:
-        """Integral over all zones."""
+        """Integral of the density over all zones."""
         return float(self.totals.sum())
 
     def moment(self, about: float = 0.0) -> float:
@@ -250,7 +250,7 @@ class Series(DensityBase):
 
 
 def even_angles(count: int) -> Array:
-    """`count` angles between 0 and pi, half a step from either end."""
+    """`count` equidistant angles in (0, pi); the outer ones are half a step from 0 and pi."""
     return (np.arange(count) + 0.5) * np.pi / count
 
 

@@ -60,7 +60,7 @@ class Rows(Protocol):
         """
 
     def level_steps(self) -> Linear:
-        """Differences of the levels of neighbouring zones."""
+        """Differences of the levels of neighbouring zones, the next one minus this one."""
         matrix, constants = self.levels()
         return np.diff(matrix, axis=0), np.diff(constants)
 

@@ -21,7 +21,7 @@ from sie.equation.forcing import Forcing
 
 
 class CountError(ValueError):
-    """The number of side conditions does not match the index; the message names the difference.
+    """Raised if there are too few or too many side conditions; the message says how many.
 
     Examples
     --------
