@@ -1,12 +1,12 @@
 """The arc-length follower: from an equilibrium along its curve, round turning points.
 
 At a turning point J = dr/ds has a zero eigenvalue and the control has an extreme along the arc.
-Motions are counted in the widths of the zones, and the control in what moves an end by as much,
-so that one unit tangent holds both.
+Motions of ends are in units of the widths of the zones. The unit of the control is the change that
+moves some end by the width of its zone. So one unit tangent contains both.
 
 Where an end reaches a sharp corner, or a pinned end is no longer driven, the curve has a kink. A
 step ends there, and the next one begins with that end pinned, or free. If it is free but
-unstable, it lets go, and the curve ends.
+unstable, it jumps off the corner, and the curve ends.
 """
 
 from collections.abc import Callable, Iterator
@@ -117,7 +117,7 @@ class Step:
     ) -> State:
         """The equilibrium at a length inside the step.
 
-        If Newton's method fails, the one half way to a known equilibrium is found first.
+        If Newton's method fails, the equilibrium half way to a known one is found first.
         """
         for place, (point, tightly) in self.known.items():
             if abs(place - length) <= TOLERANCES.neutral * length and tightly >= tight:
@@ -209,7 +209,7 @@ class Step:
         )
 
     def _rising(self, at: State) -> float:
-        """Derivative of the control by the length."""
+        """Derivative of the control by the length along the tangent."""
         tangent = _tangent(at, self.start.scales)
         return float(tangent[-1] / (tangent @ self.start.tangent))
 
@@ -237,7 +237,7 @@ class Step:
         return float(smooth_root(lambda part: function(self.at(part, tight)), values, accuracy))
 
     def arriving(self, value: float) -> State | None:
-        """The equilibrium in the step under a value of the control.
+        """The equilibrium inside the step at a value of the control.
 
         None if Newton's method does not reach it at once.
         """
@@ -312,7 +312,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
         if step.lets_go:
             why = "an end that was held at a sharp corner has let go"
             break
-        # Steps of no length would toggle between ends that are pinned and free.
+        # Steps of zero length could alternate forever between an end that is pinned and free.
         stands = stands + 1 if step.length < TOLERANCES.rough else 0
         if stands > ARC_OPTIONS.interpolation_nodes:
             why = "ends at sharp corners are neither held nor free"
@@ -355,7 +355,7 @@ class SymmetryLost(NotConverged):
         self.within = curve, place, length
 
     def located(self) -> "SymmetryLost":
-        """The same error with the load and the approach at which it happens."""
+        """This error, with the load and the approach of the loss of symmetry in its message."""
         curve, place, length = self.within
         low, high, at = 0.0, length, place.at
         for _ in range(10 * ARC_OPTIONS.max_bisections):
@@ -376,7 +376,7 @@ class SymmetryLost(NotConverged):
 
 
 def pushed_off(here: State) -> Array:
-    """Intervals pushed off an equilibrium along its fastest growing motion."""
+    """The intervals of an equilibrium, displaced along its fastest growing motion."""
     growth, motions = here.motions(np.arange(len(here.residual)))
     motion = motions[:, int(np.argmax(growth))].real
     return here.moved(np.asarray(ARC_OPTIONS.push * motion / np.abs(motion / here.widths).max()))
@@ -406,7 +406,7 @@ def _to_corner(curve: Curve, here: CurvePoint, end: int) -> State | None:
 
 
 def _to_change(step: Step) -> Step:
-    """The step, cut where a pinned end is driven no longer; with what is pinned after it."""
+    """The step, cut where a pinned end is first driven inward; `after` has the new pins."""
     at = step.end.at
     if at.corners is None:
         return step
@@ -431,13 +431,13 @@ def _to_change(step: Step) -> Step:
 
 
 def _least_pinned_drive(at: State) -> float:
-    """Smallest drive of the pinned ends that are driven."""
+    """Smallest residual of the pinned ends; inf if no end is pinned."""
     whole = at.whole
     return float(whole.residual[whole.pinned].min(initial=np.inf))
 
 
 def let_go(step: Step) -> Array:
-    """Intervals from which ends move on that let go of sharp corners at the end of a step."""
+    """Start intervals of the jump in which ends leave sharp corners at the end of a step."""
     assert step.after is not None
     return step.after.moved(
         -ARC_OPTIONS.push * step.after.widths * (step.end.at.pinned & ~step.after.pinned)
@@ -445,7 +445,7 @@ def let_go(step: Step) -> Array:
 
 
 def beyond(curve: Curve, turned: State, sense: float) -> Array:
-    """Intervals pushed off a turning point, inward where the control falls."""
+    """The intervals at a turning point, displaced along the curve; inward if the control falls."""
     move = _begun(curve, turned, sense).tangent[:-1] * turned.widths
     return turned.moved(
         np.asarray(
@@ -461,13 +461,13 @@ def beyond(curve: Curve, turned: State, sense: float) -> Array:
 
 
 def _stood_by(curve: Curve, here: State, sense: float) -> CurvePoint:
-    """The place of an equilibrium from which a curve begins."""
+    """The curve point of an equilibrium from which a curve begins."""
     here.refuse_neutral()
     return _begun(curve, here, sense)
 
 
 def _begun(curve: Curve, here: State, sense: float) -> CurvePoint:
-    """The place of an equilibrium, with the tangent in the sense of the control."""
+    """The curve point of an equilibrium; along its tangent the control changes by `sense`."""
     scales = np.append(here.widths, _unit(curve, here))
     tangent = _tangent(here, scales)
     return CurvePoint(
@@ -479,9 +479,9 @@ def _begun(curve: Curve, here: State, sense: float) -> CurvePoint:
 
 
 def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
-    """The place of another equilibrium of the curve, with the tangent in the same sense."""
-    # At a turning point motions are without bound. The unit follows slowly, or the turn would be
-    # too sharp in it.
+    """The curve point of the next equilibrium, with its tangent in the same direction."""
+    # At a turning point motions per change of the control are unbounded, so that its unit falls to
+    # 0. The fall is limited, or the tangent would turn too sharply.
     scales = np.append(
         ahead.widths, max(_unit(curve, ahead), ARC_OPTIONS.least_unit_ratio * before.scales[-1])
     )
@@ -489,7 +489,7 @@ def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
     tangent = tangent if before.tangent @ (tangent * carried) >= 0.0 else -tangent
     here = CurvePoint(ahead, scales, tangent, np.zeros((2, len(tangent))))
     moved = here.moved(before.at)
-    # The curvature comes from the place before.
+    # The curvature is that of the cubic through the previous point.
     return (
         replace(here, curvature=_leaving(tangent, moved, before.tangent / carried))
         if moved.any()
@@ -500,7 +500,7 @@ def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
 def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
     """Coefficients of the square and the cube of the length (2, 2n + 1).
 
-    They are those of the cubic through another place, at `moved`, with a tangent along `there`.
+    They belong to the cubic through another point, displaced by `moved`, with tangent `there`.
     """
     length = float(tangent @ moved)
     if abs(length) < TOLERANCES.rough:
@@ -513,7 +513,7 @@ def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
 
 
 def _alike(before: CurvePoint, ahead: CurvePoint) -> float:
-    """Cosine of the angle between the tangents of two places."""
+    """Cosine of the angle between the tangents of two curve points."""
     carried = ahead.tangent * (ahead.scales / before.scales)
     return float(before.tangent @ carried) / float(np.linalg.norm(carried))
 
@@ -521,7 +521,7 @@ def _alike(before: CurvePoint, ahead: CurvePoint) -> float:
 def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
     """Whether a step has kept to the curve.
 
-    Its tangents are alike, and stability was not lost without a turning point.
+    It has if its tangents have a small angle, and stability was lost at a turning point only.
     """
     kept = before.at.growth >= 0.0 or ahead.at.growth < 0.0 or before.rises * ahead.rises <= 0.0
     return _alike(before, ahead) >= ARC_OPTIONS.least_cosine and kept
@@ -530,16 +530,16 @@ def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
 def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
     """Whether a zone of contact was lost in the step and nothing else has changed.
 
-    Its width vanishes as a root does, so that the curve bends at once.
+    Its width vanishes like a square root, so that the curve bends sharply there.
     """
     cosine = before.rises * ahead.rises > 0.0 and before.at.growth * ahead.at.growth > 0.0
     return cosine and len(ahead.at.contact) < len(before.at.contact)
 
 
 def _unit(curve: Curve, at: State) -> float:
-    """Unit of the control: by it some end moves by the width of its zone.
+    """Unit of the control: the change that moves some end by the width of its zone.
 
-    It is at least what changes a drive by the intensity of the law.
+    It is at least the change of the control that changes some residual by 1 (`Curve.unit`).
     """
     whole, least = at.whole, curve.unit(at)
     moves, _, rank, _ = np.linalg.lstsq(at.rates, at.by_value, rcond=None)
@@ -547,9 +547,9 @@ def _unit(curve: Curve, at: State) -> float:
         rank < len(moves)
         and np.abs(at.rates @ moves - at.by_value).max() * least > TOLERANCES.resting_step
     ):
-        # At a turning point the ends move while the control stands still.
+        # At a turning point the ends move while the control does not change.
         return least
-    # The drive of a pinned end may double.
+    # The unit may also double the residual of a pinned end.
     driven = np.where(
         whole.pinned,
         (whole.by_value - whole.rates @ moves) / np.maximum(1.0, np.abs(whole.residual)),
@@ -565,7 +565,7 @@ def _tangent(at: State, scales: Array) -> Array:
 
 
 def along(curve: Curve, here: CurvePoint, length: float, tight: bool = True) -> State | None:
-    """The equilibrium at a distance along the tangent, in the plane perpendicular to it.
+    """The equilibrium in the plane perpendicular to the tangent at this length.
 
     None if Newton's method does not reach it.
     """
@@ -581,7 +581,7 @@ def _corrected(
     """
     if curve.formally is curve:
         return _newton(curve, here, start, normal, tight)[0]
-    # As a rule the zones of contact stay the same ones: they are tested once, at the end.
+    # Usually the number of zones of contact does not change: signs are tested at the end only.
     found, reached = _newton(curve.formally, here, start, normal, tight, True)
     if found is not None and curve.has_right_zones(found):
         return found
@@ -591,7 +591,7 @@ def _corrected(
 def _newton(
     curve: Curve, here: CurvePoint, start: Array, normal: Array, tight: bool, formal: bool = False
 ) -> tuple[State | None, Array | None]:
-    """(the equilibrium or None, the last iterate or None where it is no use to go on).
+    """(the equilibrium or None, the last iterate or None if no further attempt can succeed).
 
     formal: the zones of contact inside the intervals keep their number.
     """
@@ -622,10 +622,10 @@ def _newton(
             matrix = np.vstack((np.column_stack((at.rates, at.by_value)) * here.scales, normal))
             step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
         except np.linalg.LinAlgError:
-            # Zones on a level stretch.
+            # The matrix is singular if zones lie on a level stretch.
             return None, None
         size = float(np.abs(step).max())
-        # The start may have been solved roughly, too.
+        # The first step must be short; the lower bound allows for a roughly solved start.
         if size > (0.3 if k == 0 else 1.0) * max(abs(length), 10 * TOLERANCES.resting_step):
             return None, None
         rounded = 0.5 * before < size < TOLERANCES.resting_step
@@ -637,8 +637,8 @@ def _newton(
         ):
             return at, start
         start = start + step
-        # The residual falls as the steps do, or faster. Between zones of very different widths
-        # round-off leaves more: then it does not fall any more.
+        # The residual falls at least as fast as the steps. If zones have very different widths,
+        # round-off may stop the fall earlier.
         if size * min(size / before if k else 1.0, 1.0) < TOLERANCES.newton_step or rounded:
             how_solved.pop("tolerance", None)
             return curve.at(

@@ -406,7 +406,7 @@ def under_all(context: SolveContext, problem: Problem) -> Array | None:
 
 
 def _start_scene(context: SolveContext, problem: Problem) -> Scene:
-    """The scene under the start law, with the uniform tension added to its load."""
+    """The scene under the start law, its load or approach raised by the uniform tension."""
     scene, period = context.scene, context.scene.period
     assert period is not None and scene.law.bare is not None
     stress = scene.law.tension

@@ -1,7 +1,7 @@
-"""The certificate of a contact under a tension: reach and stability, beyond its frictionless part.
+"""The certificate of a contact under a tension: its frictionless part, reach and stability.
 
-p >= -s inside the zones is q = p + s >= 0. The certificate of the frictionless part tests that,
-with overlaps and the balance of the whole load.
+The pressure p >= -s inside the zones means q = p + s >= 0. The certificate of the frictionless part
+tests that, overlaps and the balance of the load of q.
 """
 
 from dataclasses import dataclass, replace
@@ -22,12 +22,12 @@ from sie import AnyDensity, Array, record, wrapped
 
 @dataclass(frozen=True)
 class CohesiveLimits:
-    """What the certificate admits, and how the error of the pressure is bounded."""
+    """Limits of the certificate, and options of the bound of the pressure's error."""
 
-    # Error of the gap at an end of the tension, over the reach, beyond rounding of heights.
+    # Admitted error of the gap at an end of the tension, relative to the reach, besides rounding.
     reach_error: float = 1e-7
-    # Error of the pressure at equal normalised position, over that of the ends: zones and strips
-    # move together, and the steepest pressure next to an end is below this.
+    # Bound of the ratio of the error of the pressure, at equal normalised position, to that of the
+    # ends. Zones and strips move together, and the slope next to an end is below this.
     pressure_factor: float = 16.0
     # Samples of the slope of a zone's pressure, and their least angle from its ends.
     slope_samples: int = 2048
@@ -39,9 +39,9 @@ LIMITS = CohesiveLimits()
 
 @record
 class SolvedCohesive(SolvedZones):
-    """Zones under a tension.
+    """Solved zones under a tension.
 
-    cohesive_error: what the ends of the tension add to the error.
+    cohesive_error: the contribution of the ends of the tension to the error.
     """
 
     cohesive_error: float = 0.0
@@ -67,7 +67,7 @@ def certified(
     here: CohesiveState | None,
     fields: CohesiveFields | None = None,
 ) -> Certificate:
-    """The certificate of the frictionless part with that of the tension.
+    """The certificate of the frictionless part, completed by the checks of the tension.
 
     here: None where the tension acts everywhere, on these fields.
     """
@@ -140,9 +140,10 @@ def certified(
 
 
 def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> float:
-    """Bound of the error that the ends of the tension add.
+    """Bound of the error that the ends of the tension contribute.
 
-    The larger one of the error of the ends, over their intervals or zones, and of the pressure's.
+    It is the larger of the error of the ends, relative to their intervals or zones, and of the
+    error of the pressure.
     """
     assert here.q is not None
     rounding = here.q.gap_rounding / 16 / curve.reach

@@ -1,11 +1,11 @@
 """The events of a curve of equilibria under a tension of finite range.
 
-The ends that jump are those of the tension. An interval begins where the gap falls below the
-reach, and is cut where the gap exceeds it; either takes a finite width at once. Inside the
-intervals the contact is frictionless: zones begin, merge, split and vanish without a jump, where
-a pressure or a gap is zero. Under tension in all of a period no end is free, and the contact is
-followed by the value of the control. Closed surfaces open there where their tension reaches the
-stress of the law.
+The ends that jump are those of the intervals of tension. An interval begins where the gap falls
+below the reach, and is cut where the gap exceeds it; either takes a finite width at once. Inside
+the intervals the contact is frictionless: zones begin, merge, split and vanish without a jump,
+where a pressure or a gap is zero. Under tension in all of a period no end is free, and the contact
+is followed along the values of the control. Closed surfaces open there where their tension reaches
+the stress of the law.
 """
 
 from collections.abc import Callable, Iterator
@@ -34,15 +34,15 @@ At = Callable[[float], CohesiveState]
 
 @dataclass(frozen=True)
 class CohesiveEventOptions:
-    """Where smooth changes of the contact inside a tension are located."""
+    """Options of the search for smooth changes of the contact inside intervals of tension."""
 
-    # First steps of the control where no end is free, and halvings of one.
+    # Number of steps of the control where no end is free.
     control_steps: int = 8
-    # Halvings of a stretch with several changes.
+    # Largest number of halvings of a range of states with several changes.
     max_parts: int = 12
-    # How much farther than a step a change is searched for, by the zones of one side.
+    # Lengths relative to a step up to which a change is searched for with the zones of one side.
     search_factors: tuple[float, ...] = (1.0, 1.1, 1.5)
-    # Distance from full contact, over the control, at which the last gap is seen.
+    # Distance from full contact, relative to `size`, at which the last gap can be resolved.
     before_full: float = 1e-7
 
 
@@ -55,7 +55,7 @@ class CohesiveEvents(Events):
 
     advanced: the least equilibrium about first touch under no load. pressed: scaled zones under
     tension in all of a period. full: value of the control at which surfaces under tension
-    everywhere close. size: unit of such values.
+    everywhere close. size: scale of the values of the control.
     """
 
     curve: CohesiveCurve
@@ -105,7 +105,7 @@ class CohesiveEvents(Events):
         return ("merge" if fewer else "birth") if rises else ("death" if fewer else "split")
 
     def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:
-        """The first place inside a step at which the gap reaches the limit of the tension.
+        """The first jump inside a step: the gap somewhere reaches the reach of the tension.
 
         Places next to the ends of the tension do not count.
         """
@@ -125,7 +125,7 @@ class CohesiveEvents(Events):
         return self.jump(here, place, self._changed(here, place, width, outside), outside)
 
     def _changed(self, here: State, place: float, width: float, begins: bool) -> PathState:
-        """The path state after an interval begins at a place, or is cut there."""
+        """The state of the path after an interval begins at a place, or is cut there."""
         curve, half, period = self.curve, 0.5 * EVENTS.new_width * width, self.curve.problem.round
         if period is not None:
             place -= np.floor((place - here.table[0, 0]) / period) * period
@@ -142,7 +142,7 @@ class CohesiveEvents(Events):
             else:
                 table = _cut(here.table, place, half)
             at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
-            # The new ends are driven, all others are at rest.
+            # Only the new ends may be driven; the others must be at rest.
             new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
             if half < TOLERANCES.neutral or (
                 np.all(sign * at.residual > -TOLERANCES.resting_step)
@@ -168,15 +168,15 @@ class CohesiveEvents(Events):
         ends = np.append(table.ravel(), table[0, 0] + (period or np.inf))
         for s, e in runs_of(wrong):
             lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
-            # A run next to an end is the error of that end.
+            # A run next to an end is due to the error of that end.
             if s > 0 and e < len(x) - 1 and not np.any((ends > lo) & (ends < hi)):
                 found.append((lo, hi))
         return np.array(found).reshape(-1, 2)
 
     def _least(self, here: State, lo: float, hi: float, outside: bool) -> tuple[float, float]:
-        """(place, value) of a condition between two places.
+        """(place, value) of the least margin between the gap and the reach, from lo to hi.
 
-        It is positive while no tension begins there, or none is cut.
+        The margin is positive until an interval begins there, or is cut.
         """
         curve, sign = self.curve, -1.0 if outside else 1.0
         place, most = maximum(
@@ -238,8 +238,9 @@ class CohesiveEvents(Events):
         return self.jump(touching, place, self.shrunk(table, state.value), False)
 
     def _without(self, here: CohesiveState, vanishing: Index) -> tuple[Array, CohesiveState] | None:
-        """(places, equilibrium) in which the surfaces only touch where zones vanish; None if not
-        found.
+        """(places where zones vanish, the equilibrium in which the surfaces only touch there).
+
+        None if it is not found.
         """
         count, period = len(here.zones), self.curve.problem.round
         others = np.delete(here.zones, vanishing, axis=0)
@@ -261,7 +262,7 @@ class CohesiveEvents(Events):
                 step = np.linalg.solve(-at.rates, at.residual)
                 at = formal.at(at.moved(np.asarray(step, dtype=np.float64)), value)
                 size = float(np.abs(step / at.widths).max())
-                # The residual falls as the steps do, until it is round-off.
+                # The residual falls with the steps, until it is round-off.
                 if (
                     size < TOLERANCES.neutral
                     or size * size < TOLERANCES.neutral * before
@@ -336,7 +337,7 @@ class CohesiveEvents(Events):
     ) -> Iterator[Jump]:
         """Changes of the zones between two states.
 
-        states_from: states from one state on, ahead or back, with the zones that it has.
+        states_from: the states ahead of one state, or behind it, with the same zones.
         """
         found = changes_between(low[1], high[1], self.curve.problem.round)
         if not found:
@@ -393,7 +394,7 @@ class CohesiveEvents(Events):
         )
 
     def under_all(self, value: float) -> PathState:
-        """The path state under tension in all of a period."""
+        """The state of the path under tension in all of a period."""
         if value >= self.full:
             return PathState(value, closed=True)
         return PathState(value, self.curve.under_all(value, self.pressed(value)))
@@ -425,7 +426,7 @@ class CohesiveEvents(Events):
     def _under_all_to(self, here: CohesiveState, value: float) -> Iterator[Jump | PathState]:
         rises = value > here.value
         end = min(value, self.full - _OPTIONS.before_full * self.size) if rises else value
-        # Full contact itself has no last gap: the first value is a little below it.
+        # Full contact has no gap to follow, so that the first value is a little below it.
         at, step, halvings = here.value, (end - here.value) / _OPTIONS.control_steps, 0
         while at != end:
             ahead = end if abs(step) >= abs(end - at) else at + step
@@ -478,8 +479,9 @@ class CohesiveEvents(Events):
         return states_from
 
     def _let_go(self, here: CohesiveState, new: CohesiveState) -> Jump | None:
-        """The jump where the gap somewhere exceeds the reach as the control falls; None without
-        one.
+        """The jump where the gap first exceeds the reach as the control falls.
+
+        None if it does not.
         """
         curve, period = self.curve, self.curve.problem.round
         (x, gap) = new.gap_samples
@@ -522,7 +524,7 @@ class CohesiveEvents(Events):
 
 
 def _cut(table: Array, place: float, half: float) -> Array:
-    """The intervals, with the part about a place cut out of the one around it."""
+    """The intervals, with the part within `half` of a place removed."""
     i = int(interval_of(np.array([[place, place]]), table)[0])
     return np.concatenate(
         (table[:i], [[table[i, 0], place - half], [place + half, table[i, 1]]], table[i + 1 :])

@@ -126,7 +126,10 @@ class CohesiveFields(ZoneFields):
 
     @property
     def _not_pulled(self) -> float:
-        """Integral of (1 - eta) F over the zones pinned at sharp corners."""
+        """Integral over zones pinned at corners of (1 - eta) F.
+
+        Here eta is the local fraction of the tension and F the height of the profile.
+        """
         out, breaks = 0.0, self.pulled.forcing.jumps.broken_at
         for end, zone in self.tension.spreads:
             places, weights = zone.lacking(end, int(np.ceil(4 * zone.half / self.spacing)), breaks)
@@ -159,7 +162,8 @@ def fields_of(curve: CohesiveCurve, here: State) -> CohesiveFields | SeparatedFi
 def scaled_second_variation(here: CohesiveState) -> Array:
     """The scaled Hessian of the energy with respect to outward motions of the free tension ends.
 
-    It is d^2 energy/ds_i ds_j times the square roots of the widths of both intervals, over 2 w.
+    It is d^2 energy/ds_i ds_j times the square roots of the widths of both intervals, divided by
+    twice the work of adhesion w.
     """
     free = ~here.pinned
     root = np.sqrt(here.widths[free])
@@ -182,7 +186,7 @@ class CohesiveGapFields(GapFields):
 
     @property
     def borne_beside(self) -> float:  # type: ignore[override]
-        # The zones carry all of q; the uniform tension over the period is subtracted.
+        # The zones carry the whole load of q; the uniform tension on the period is subtracted.
         own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
         return -self.stress * self.period * own
 

@@ -28,9 +28,9 @@ from sie import Array
 
 @dataclass(frozen=True)
 class CohesivePullOffOptions:
-    """Where a contact under a tension is nearly lost."""
+    """Options of the search for pull-off under a tension."""
 
-    # Width of the contact over its interval below which the contact is nearly lost.
+    # A contact narrower than this fraction of its interval is nearly lost.
     shrunk_zone: float = 0.1
 
 
@@ -40,7 +40,7 @@ SHRINKING = CohesivePullOffOptions()
 def pull_off(curve: CohesiveCurve, here: State) -> State:
     """The last equilibrium as the control falls.
 
-    here: an equilibrium; what `StateOutline` holds is enough.
+    here: an equilibrium; the data of a `StateOutline` suffice.
     """
 
     def recede(under: Curve, table: Array, value: float) -> State | None:
@@ -68,7 +68,7 @@ def pull_off(curve: CohesiveCurve, here: State) -> State:
             < SHRINKING.shrunk_zone * np.diff(last.table, axis=1).sum()
         ):
             raise
-    # Of several zones the widest: if they are alike, all of them touch.
+    # The widest of several zones is taken: if they are alike, all of them touch.
     widest = int(np.argmax(np.diff(last.zones, axis=1)))
     return touching(curve, last.table, float(last.zones[widest].mean()))
 
@@ -98,7 +98,7 @@ def _highest_within(curve: CohesiveCurve, here: State) -> float:
 def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
     """An equilibrium near the least control at which a guide still finds one.
 
-    The state itself where there is no guide.
+    The state itself is returned if there is no guide.
     """
     if (
         len(here.contact) > OPTIONS.guided_zones
@@ -111,7 +111,7 @@ def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
     try:
         least = guide.least_value(here.table, here.value)
     except NotConverged:
-        # Under a held approach, what recedes drives others on: the grid does not tell.
+        # Under a fixed approach, zones that recede make others advance: the grid then fails.
         return here
     for control in apart.controls_above(least, here.value):
         rest = receded(curve, here.table, control, guide)
@@ -123,13 +123,13 @@ def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
 def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State:
     """The last equilibrium of a contact under tension everywhere.
 
-    The gap somewhere exceeds the reach before it, or the surfaces touch last in one point.
+    Either the gap somewhere exceeds the reach first, or the surfaces last touch at one point.
     """
     rest = _cut_near_pull_off(curve, zones, value)
     if rest is not None:
         return pull_off(curve, rest)
     problem, pulled = curve.problem, curve.everywhere
-    # Without contact the load is that of the tension, and the base gives way to it.
+    # Without contact the load is that of the tension, which also moves the base of a spring.
     load = -pulled.pulling.total
     lost = (
         load
@@ -157,7 +157,7 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
     )
     if not opened:
         return state
-    # The tension is cut where the gap exceeds the reach first.
+    # The gap exceeds the reach before contact is lost: intervals of tension begin there.
     try:
         table = intervals_left(
             curve, high, inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap))
@@ -171,7 +171,7 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
 def _cut_near_pull_off(curve: CohesiveCurve, zones: Array, value: float) -> State | None:
     """An equilibrium, its tension cut, near the least control at which a grid finds one.
 
-    None where the grid does not tell, or the tension is not cut before.
+    None if the grid gives no answer, or if no gap exceeds the reach.
     """
     guide = guide_of(curve, len(zones), None)
     if guide is None:
@@ -191,7 +191,7 @@ def _cut_near_pull_off(curve: CohesiveCurve, zones: Array, value: float) -> Stat
 def touching(curve: CohesiveCurve, table: Array, at: float) -> StateOutline:
     """The equilibrium in which the surfaces touch in one point without pressure.
 
-    It is next to a state with hardly any contact.
+    It is near a state whose contact has almost vanished.
     """
     half = 0.02 * float(np.diff(table, axis=1).max())
     lowest = 0.0

@@ -14,8 +14,8 @@ them. Under approach control of a period this does not hold, since far from a te
 move apart.
 
 J includes the motion of the zones. Moving an end of I adds a point source at c. To first order the
-answer is the density of fixed zones with singular ends, whose intensities K move the zones by 2
-K/A.
+response is the density of fixed zones with singular ends. Its intensities K move the ends of the
+zones by 2 K/A, with the edge slope A of the pressure.
 """
 
 import math
@@ -51,12 +51,12 @@ from sie import Array, Mask, record
 
 @dataclass(frozen=True)
 class CohesiveOptions:
-    """Tolerances of states on a curve of equilibria, and of Newton's method to one of them."""
+    """Options of the states on a curve of equilibria."""
 
     # If strips of tension are narrower than this part of the widest zone, states are solved to
     # round-off: the error of rates is that of the ends times (zone width/strip width)^2.
     narrow_strip: float = 1e-3
-    # States remembered for warm starts.
+    # Number of states remembered for warm starts.
     max_known: int = 256
 
 
@@ -65,12 +65,12 @@ _OPTIONS = CohesiveOptions()
 
 @record
 class CohesiveState(State):
-    """A state of the curve.
+    """A state under a cohesive law: the intervals of tension and the contact inside them.
 
-    table: the intervals I (empty if the tension acts everywhere); zones: the contact (n, 2); q: its
-    fields, None without contact; by_ends, level_rates: rates of the zones' ends (2n,) and of the
-    level with respect to the ends of I and, in the last column, the value of the control; seen: the
-    sampled gap, None if it was not sampled.
+    table: the intervals I (empty if the tension acts everywhere); zones: the contact (n, 2); q: the
+    fields of the contact, None without contact; by_ends, level_rates: rates of the zones' ends
+    (2n,) and of the level with respect to the ends of I and, in the last column, the value of the
+    control; seen: the sampled gap, None if it was not sampled.
     """
 
     zones: Array
@@ -128,7 +128,7 @@ class CohesiveState(State):
 
     @property
     def gains(self) -> Array:
-        """Factors 1: the derivative of the energy is linear in the gap."""
+        """Ones (2n,): the slope of the energy is proportional to the residual itself."""
         return np.ones(len(self.residual))
 
 
@@ -199,7 +199,7 @@ class CohesiveCurve(Curve):
         """The problem under tension on the whole period."""
         return TractionLoaded.of(self.problem, self.stress, np.zeros((0, 2)), everywhere=True)
 
-    # One state.
+    # Computation of one state.
 
     def at(
         self,
@@ -223,8 +223,8 @@ class CohesiveCurve(Curve):
         try:
             here = self.from_zones(table, value, zones, tolerance, same_rates)
         except EndsCovered:
-            # The nearest state may have lost zones, and the others grow without end. The known
-            # state with the most zones is tried.
+            # The nearest state may have lost zones, so that the others grew too far. The known
+            # state with the most zones is tried instead.
             more = max(
                 (one for one in self.known if one.table.shape == table.shape),
                 key=lambda one: len(one.zones),
@@ -275,7 +275,7 @@ class CohesiveCurve(Curve):
         return np.asarray(new)
 
     def nearest(self, table: Array, value: float) -> PastState:
-        """The known state of as many intervals with the nearest ends; else the last one."""
+        """The known state with the nearest ends and as many intervals; else the last state."""
 
         def away(one: PastState) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)
@@ -434,7 +434,7 @@ class CohesiveCurve(Curve):
         return signs_hold(here.q, here.gap_samples)
 
     def vanishes(self, here: State, motion: Array) -> float:
-        """The part of a motion at which the first zone vanishes.
+        """The fraction of a motion at which the first zone of contact vanishes.
 
         The square of a zone's width is linear near the point where it vanishes.
         """
@@ -446,7 +446,7 @@ class CohesiveCurve(Curve):
                 np.where(narrower > 0.0, 0.5 * widths / narrower, np.inf).min(initial=np.inf)
             )
 
-    # The rates.
+    # Newton's method and the rates.
 
     def settled(self, here: State) -> CohesiveState:
         """The nearest equilibrium, solved to round-off."""
@@ -604,9 +604,9 @@ class CohesiveCurve(Curve):
         )
 
     def explicit(self, pulled: TractionLoaded, at: Array, transform: Array) -> Array:
-        """Rates of the gap at the ends of the tension by their outward motions, for fixed contact.
+        """Rates of the gap at the ends of the tension by their outward motions, for fixed q.
 
-        transform: the transform of q at the ends.
+        transform: the kernel's transform of the contact pressure q at the ends.
         """
         tension, count = pulled.pulling, len(at) // 2
         lag = at[:, None] - at

@@ -1,7 +1,7 @@
 r"""The profile deformed by a uniform tension on given intervals, and its frictionless contact.
 
-Let p = q - s on the intervals I, the zones within them included. Then q solves the frictionless
-contact of the profile that the tension alone has deformed,
+Let the pressure be p = q - s on the intervals I of the tension s, including the zones within them.
+Then q solves the frictionless contact of the profile that the tension alone has deformed,
 
     (1/pi) PV int q K = f' + s T(x),
 
@@ -79,7 +79,7 @@ class TractionLoaded(Problem):
     def bearing(
         self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array
     ) -> Array:
-        """p + s on the zones."""
+        """The contact pressure q = p + s on the zones."""
         last, tension = len(density.zones) - 1, self.pulling
         return super().bearing(density, zone, left, right) + tension.stress * tension.lacks(
             zone, last, left, right

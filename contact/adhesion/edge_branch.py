@@ -1,14 +1,13 @@
-"""Branches of contacts without a range of adhesion (JKR), from first touch or the greatest
-contact.
+"""Branches of contacts under adhesion without range (JKR): advancing and receding.
 
-    advancing    from the zones of the start law, which lie inside the contact, or from first
-                 touch: ends advance under the held control, zones begin where the surfaces would
-                 overlap, zones that meet merge. Under tension, or below first touch, the contact
-                 advances under no load first, and recedes from there
-    receding     from a zone so wide that its ends are driven inward; with a period from full
+    advancing    starts from the zones of the start law, which lie inside the contact, or from first
+                 touch: ends advance under the fixed control, zones begin where the surfaces would
+                 overlap, zones that meet merge. Under a negative load, or below first touch, the
+                 contact first advances under no load, and recedes from there
+    receding     starts from a zone so wide that its ends are driven inward; with a period from full
                  contact, which stays closed
 
-What is closed stays closed: an opening without width has no intensity. So zones get no new gaps.
+No new gap begins inside a zone: an opening of zero width has no edge intensity to drive it.
 """
 
 import math
@@ -38,9 +37,10 @@ from sie import Array
 
 @dataclass(frozen=True)
 class BranchOptions:
-    """Where a branch begins."""
+    """Options of the start of a branch."""
 
-    # A lone body is scaled by its own contact: rounds until the scale is known to a factor of two.
+    # The unit of length of a lone body is the width of its contact: largest number of rounds until
+    # it is known to a factor of two.
     max_scalings: int = 6
     # The greatest contact is searched for in ever wider zones. It must be driven inward in all of
     # these multiples of a width: a wider zone may be driven outward again.
@@ -52,7 +52,7 @@ OPTIONS = BranchOptions()
 
 
 def followed(context: SolveContext) -> Outcome:
-    """The contact of the scene on the branch that the context asks for.
+    """The contact of the scene on the branch that the context names.
 
     Raises OutOfRange past pull-off.
     """
@@ -103,12 +103,12 @@ def described_way(context: SolveContext) -> str:
 
 
 def _closes(scene: Scene) -> bool:
-    """Whether the greatest contact is all of a period; beyond sharp corners nothing touches."""
+    """Whether the greatest contact is all of a period, which sharp corners prevent."""
     return scene.period is not None and scene.profile.support is None
 
 
 def past_pull_off(curve: Curve, last: State, context: SolveContext) -> str:
-    """The message of a control past pull-off."""
+    """The error message for a control past pull-off."""
     units, (name, value) = curve.problem.units, context.scene.control
     text = f"load {last.load * units.load:.10g} N/m"
     if context.scene.mean_pressure is not None and context.scene.period is not None:
@@ -119,7 +119,7 @@ def past_pull_off(curve: Curve, last: State, context: SolveContext) -> str:
 
 
 def closed(context: SolveContext) -> full_contact.Full:
-    """Full contact that adhesion without range has brought about."""
+    """The full contact into which adhesion without range has closed the surfaces."""
     scene = context.scene
     found = full_contact.closed(context)
     if not context.operator.has_inverse:
@@ -139,9 +139,9 @@ def curve_of(context: SolveContext) -> tuple[ScaledScene, Curve]:
 
 
 def branch_scaling(context: SolveContext, intensity: float) -> ScaledScene:
-    """The scaled scene; a lone body is scaled by its contact under no load, or more.
+    """The scaled scene; for a lone body the unit of length is the width of a contact.
 
-    intensity: that of the adhesion at the ends of zones.
+    That contact is under no load or more. intensity: that of the adhesion at the ends of zones.
     """
     scene = context.scene
     if scene.profile.period is not None or scene.profile.support is not None:
@@ -218,7 +218,7 @@ def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
     """A zone so wide that its ends, and those of wider ones, are driven inward.
 
     Under an approach from a datum, zones much wider than the datum are lowered by a load: the
-    search ends there. Between sharp corners it is all that lies there.
+    search ends there. Between sharp corners the zone is the whole interval.
     """
     if curve.problem.profile.support is not None:
         return np.array([curve.problem.corners])
@@ -238,7 +238,7 @@ def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
 def driven_inward(curve: Curve, middle: float, half: float, value: float) -> bool:
     """Whether the ends of an interval, and of its multiples, are driven inward.
 
-    An end that the control lowers as it rises counts as driven inward.
+    An end whose residual falls as the control rises counts as driven inward.
     """
     for multiple in (1.0, *OPTIONS.multiples):
         width = half * multiple
@@ -249,14 +249,14 @@ def driven_inward(curve: Curve, middle: float, half: float, value: float) -> boo
 
 
 def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
-    """The contact under a held approach, where receding ends may drive others on.
+    """The contact under a fixed approach, where ends that recede may make others advance.
 
-    It is followed from where the branch begins, through all jumps.
+    It is followed from the start of the branch, through all jumps.
     """
     value = curve.control.value
     if context.branch == "receding":
         here = curve.at(_greatest(curve, scaled, value), value)
-        # Under so large a value all ends are pinned at the corners.
+        # Under a value raised like this all ends are pinned at the corners.
         slack = here.whole.residual / here.whole.by_value
         here = curve.at(
             here.table, value - min(0.0, float(slack.min()) * (1.0 + TOLERANCES.resting_step))

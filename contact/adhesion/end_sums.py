@@ -19,7 +19,7 @@ from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 @dataclass(frozen=True)
 class EndSumOptions:
-    """Sizes of the cells and of their series."""
+    """Options: the sizes of the cells and of their series."""
 
     # Terms of a series. With singularities a cell's width away, (3 + sqrt(8))^-20 is round-off.
     terms: int = 20

@@ -85,7 +85,7 @@ def moves_both_ways(curve: Curve) -> bool:
 class Events:
     """Events of a path whose adhesion acts at the ends of zones only (JKR).
 
-    cell: the interval in which the surfaces first touch.
+    cell: the interval [m] in which the surfaces first touch.
     """
 
     curve: Curve

@@ -1,19 +1,19 @@
-"""Early test whether a contact that adheres snaps into full contact by itself as it advances.
+"""Early test whether an adhesive contact snaps into full contact by itself as it advances.
 
 Soft and rough surfaces close altogether under no load at all. On their way there, thousands of
 zones begin and merge, and following each of them takes minutes. The same growth on a coarse grid
-takes a tenth of a second. Three tests are made, the cheap ones first:
+takes a tenth of a second. Three conditions are tested, the cheap ones first:
 
 1. Full contact is an equilibrium: its least pressure is above the limit of the law.
-2. Its energy is below that of the first touch. Growth only lowers the energy: without this it
-    never ends there.
+2. Its energy is below that of the first touch. Growth only lowers the energy, so that
+    it cannot end there otherwise.
 3. The contact on the grid, grown from first touch, ends there. The grid does not resolve the
-strip
-    next to a zone on which a strong attraction acts. It takes a weaker attraction of a longer reach
-    and of the same work, whose strip is a few cells wide: for such strips only the work matters.
+    strip next to a zone on which a strong attraction acts. A weaker attraction of a longer reach
+    and of the same work replaces it. Its strip is a few cells wide: for such strips only the work
+    matters.
 
-The map from intervals of attraction to {gap < reach} keeps order under a held load. So the answer
-is monotone: what closes under a load closes under every larger one.
+The map from intervals of attraction to {gap < reach} is monotone under a fixed load. So is the
+answer: a contact that closes under a load closes under every larger one.
 """
 
 import math
@@ -33,20 +33,21 @@ from contact.search.grid.conjugate_gradient import solve_grid
 from contact.search.grid.nested_grids import grid_height
 from contact.search.grid.proposals import whole_response
 
-# What numpy and the engine raise where a state on the way cannot be solved.
+# Errors that numpy and the engine raise if a state on the way cannot be solved.
 NUMERICAL_ERRORS = (ValueError, ArithmeticError, np.linalg.LinAlgError, IndexError)
 
 
 @dataclass(frozen=True)
 class SnapOptions:
-    """How the growth into full contact is foreseen."""
+    """Options of the early test for full contact."""
 
-    # Part of the work of adhesion that must be enough, where the contact could be followed instead:
-    # a grid is wrong by a few per cent. Where following it has failed, all of the work counts.
+    # Fraction of the work of adhesion that must suffice to close the contact, as the grid has
+    # errors of a few per cent. If following the contact has failed, all of the work is used.
     work_share: float = 0.9
-    # Without a range, a profile with fewer shortest waves in a period is followed in less time.
+    # Under a law without range, profiles with fewer of their shortest waves in a period than this
+    # are followed faster than they are tested.
     rough_waves: float = 16.0
-    # 16 and 64 cells decide alike in the scenes of test_soft_adhesion.
+    # Cells per shortest wave: 16 and 64 give the same answers in the scenes of test_soft_adhesion.
     cells_per_wave: float = 32.0
     # Width of the strip of attraction, in cells; at 3 cells the grid pins the ends.
     strip_cells: float = 6.0
@@ -60,8 +61,8 @@ _SEEN_ON_GRID = "; on a coarse grid it ends in full contact, and was not followe
 def closing_foreseen(context: SolveContext, curve: Curve, value: float) -> Iterator[None]:
     """Raise `Closed` if the contact that advances under a value of the control ends full.
 
-    This is tested before it is followed where that takes long, and after it could not be
-    followed.
+    The test is made before the contact is followed if that takes long, else only after that has
+    failed.
     """
     if _is_followed_slowly(context) and _closes(context, curve, value, _OPTIONS.work_share):
         context.plan["branch"].detail += _SEEN_ON_GRID
@@ -103,7 +104,7 @@ def _is_followed_slowly(context: SolveContext) -> bool:
 
 
 def _closes(context: SolveContext, curve: Curve, value: float, work_share: float) -> bool:
-    """Whether a contact that grows from first touch under a held load ends in full contact."""
+    """Whether a contact that grows from first touch under a fixed load ends in full contact."""
     scene, period = context.scene, context.scene.profile.period
     if period is None or curve.control.load is None or scene.profile.support is not None:
         return False
@@ -130,7 +131,7 @@ def _closes(context: SolveContext, curve: Curve, value: float, work_share: float
     stored = float(np.sum(influence.stiffness[1:] * np.abs(waves) ** 2))
     if stored >= work + mean_pressure * float(height.mean()):
         return False
-    # A strip next to a wide zone is pi/4 E* reach/stress wide.
+    # A strip of attraction next to a wide zone has the width pi/4 E* reach/stress.
     stress = math.sqrt(0.25 * math.pi * scene.E_star * work / (_OPTIONS.strip_cells * cell))
     stress = min(stress, law.tension or math.inf)
     reach = work / stress

@@ -1,7 +1,7 @@
-"""Nucleation: zones that begin at first touch, and where surfaces overlap as others advance.
+"""Nucleation: zones begin at first touch, and where surfaces overlap as others advance.
 
-Inside intervals of tension zones change from one state to the next without a jump, where a gap or
-a pressure is zero.
+Inside intervals of tension zones begin, merge, split and vanish without a jump, where a gap or a
+pressure is zero.
 """
 
 from dataclasses import dataclass, replace
@@ -23,13 +23,14 @@ from sie import Array
 
 @dataclass(frozen=True)
 class NucleationOptions:
-    """How narrow a zone begins."""
+    """Widths with which zones begin, and numbers of samples."""
 
-    # First width of a touch, over the period or a few samples: smaller ones change nothing.
+    # First width of a zone at first touch, relative to the period or to a few samples. Smaller ones
+    # give the same result.
     touch_width: float = 1e-3
-    # Width of a new zone over the overlap that it begins in.
+    # Width of a new zone relative to the overlap in which it begins.
     new_width: float = 0.1
-    # So many equal samples in a row are a level stretch.
+    # This many equal samples in a row make a level stretch.
     level_samples: int = 5
     # Samples of an interval in which a least gap or pressure is searched for.
     samples: int = 33
@@ -39,10 +40,10 @@ _OPTIONS = NucleationOptions()
 
 
 def grown(curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step) -> State:
-    """The least equilibrium without overlap that holds these zones.
+    """The least equilibrium without overlap that contains these zones.
 
-    Their ends are all driven outward. Raises `Closed` if there is none. rest: Newton's step over
-    the widths of ends at rest.
+    Their ends are all driven outward. Raises `Closed` if there is none. rest: largest Newton step,
+    relative to the widths, of ends at rest.
     """
     for _ in range(LIMITS.max_bisections):
         here = advanced(curve, table, value, rest)
@@ -56,7 +57,7 @@ def grown(curve: Curve, table: Array, value: float, rest: float = TOLERANCES.res
 def _driven_outward(curve: Curve, here: State, overlaps: Array) -> Array:
     """The zones of a state and new ones in its overlaps.
 
-    An overlap that the other new zones relieve gets none.
+    A new zone whose ends the other new zones drive inward is left out.
     """
     while True:
         table = with_new(here.table, overlaps)
@@ -98,7 +99,7 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
     if profile.support is not None:
         low = np.append(low, ends[[f[0] <= f[1], f[-1] <= f[-2]]])
     together = TOLERANCES.neutral * max(float(np.ptp(f)), 1.0)
-    # A stretch across the border of the cell would be two.
+    # A level stretch across the border of the cell would be counted twice.
     whole = profile.support is not None or not (
         f[0] - least <= together and f[-1] - least <= together
     )
@@ -147,7 +148,7 @@ def changes_between(
 
 
 def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float, float]:
-    """Places about a zone that does not exist yet, away from the others."""
+    """Interval around a zone that does not exist yet, without the other zones."""
     lo, hi = 1.5 * a - 0.5 * b, 1.5 * b - 0.5 * a
     for shift in (0.0,) if period is None else (-period, 0.0, period):
         for left, right in zones + shift:

@@ -1,15 +1,15 @@
-"""The predictor: what drives the ends of many zones as they move on, from one state.
+"""The predictor of the residuals of the ends of many zones as they move on from one state.
 
-If an end advances by s while the others stay, the gap that was open there closes; if it recedes,
-the pressure that was there is released. Near the end either is a load on the faces of a crack in
-a half-plane, whose intensity is an Abel integral (J. R. Rice, Int. J. Solids Struct. 8, 1972,
-751, doi 10.1016/0020-7683(72)90040-6),
+If an end advances by s while the others stay, the gap that was open there closes. If it recedes,
+the pressure that was there is released. Near the end either acts like a load on the faces of a
+crack, whose intensity is an Abel integral (J. R. Rice, Int. J. Solids Struct. 8, 1972, 751, doi
+10.1016/0020-7683(72)90040-6),
 
     K(s) = (1/pi) int_0^s h(y)/sqrt(y (s - y)) dy = (2/pi) int_0^(pi/2) h(s sin^2 theta) d theta,
 
-h/sqrt(y) being the slope of the gap, or the pressure, at a distance y. What the others add by
-moving is linear in their motion. Neither is exact where s is not small compared with the zone or
-the gap: the state at the end of the step shows how wrong it was.
+h/sqrt(y) being the slope of the gap, or the pressure, at a distance y. The contribution of the
+other ends is taken linear in their motion. Neither is exact where s is not small compared with the
+zone or the gap: the state at the end of the step shows how wrong it was.
 """
 
 from __future__ import annotations
@@ -27,35 +27,37 @@ from sie import Array, Kept, Mask, record
 
 @dataclass(frozen=True)
 class PredictorOptions:
-    """How far drives are predicted, and when a prediction counts as wrong."""
+    """Options of the prediction of drives (residuals), and the errors that are admitted."""
 
-    # Places on the way of an end, even in the root of the distance, and those for each feature.
+    # Number of places on the way of an end, evenly spaced in the root of the distance, and least
+    # number for each feature of the profile.
     places: int = 64
     places_per_feature: int = 4
-    # Largest way of an end, over its zone and the gap next to it.
+    # Largest way of an end, relative to its zone and to the gap next to it.
     max_part: float = 0.5
-    # Admitted errors of a drive: at the start, below and above the prediction at the end. Other
-    # ends that come nearer add to it.
+    # Admitted relative errors of a drive: at the start, and at the end below and above the
+    # prediction. The last is large, since other ends that come nearer raise the drive.
     start_error: float = 0.05
     low_error: float = 0.04
     high_error: float = 0.3
-    # Drive that is left where an end stops; an end driven by less creeps by this part of its zone.
+    # Drive that is left where an end stops. An end driven by less moves by the fraction `creep` of
+    # its zone.
     left_drive: float = 0.05
     creep: float = 0.02
     # A gap closes if both of its ends are driven by more than this up to its middle.
     closing_drive: float = 0.3
-    # Nodes of Gauss's rule for the Abel integral: the spline through the places is what limits it.
+    # Nodes of Gauss's rule for the Abel integral; its error is below that of the spline.
     gauss_nodes: int = 40
 
 
 _OPTIONS = PredictorOptions()
-# Places on the way of an end, over its farthest distance.
+# Places on the way of an end, relative to its farthest distance.
 _PARTS: Array = (np.arange(_OPTIONS.places + 1) / _OPTIONS.places) ** 2
 
 
 @record
 class Predictor(Kept):
-    """Drives of all ends as functions of their own way.
+    """Drives (residuals along the motion) of all ends as functions of their own way.
 
     farthest: largest way of each end (2n,). driven: drive onward at the start and at the places
     on its way (2n, 1 + places). by_others: drive added by a unit motion of each other end (2n,
@@ -71,7 +73,7 @@ class Predictor(Kept):
     def of(cls, curve: Curve, here: State, fields: ZoneFields, sign: float) -> Predictor:
         """The predictor of a state whose ends move outward, or inward for a negative sign.
 
-        No farther than the places resolve the features of the profile.
+        The ways are so short that the places resolve the features of the profile.
         """
         wanted = curve.problem.end.intensity
         assert wanted is not None
@@ -107,9 +109,9 @@ class Predictor(Kept):
 
     @cached_property
     def held_back(self) -> Array:
-        """What the others take from each drive, if each goes as far as it does alone (2n,).
+        """Reduction of each drive by the other ends, each moved as far as it goes alone (2n,).
 
-        What they add is left out.
+        Increases by other ends are left out.
         """
         return np.asarray(np.minimum(self.by_others, 0.0) @ self._rests(np.zeros(len(self.first))))
 
@@ -132,8 +134,8 @@ class Predictor(Kept):
         rests, row = left <= 0.0, np.arange(len(left))
         k = np.where(rests.any(axis=1), np.argmax(rests, axis=1), _OPTIONS.places)
         high, low = left[row, np.maximum(k - 1, 0)], left[row, k]
-        # Linear up to the first place where the drive is no longer positive; the start if it
-        # never was.
+        # The zero is interpolated linearly at the first place where the drive is not positive; it
+        # is the start if the drive is not positive there.
         part = np.where(
             low > 0.0,
             1.0,
@@ -169,7 +171,7 @@ class Predictor(Kept):
 
 
 def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) -> Array:
-    """-K of each end at the places on its way, outward or inward (2n, places)."""
+    """Intensity -K of each end at the places on its way, outward or inward (2n, places)."""
     at, outward = here.table.T.ravel()[:, None], np.repeat((-1.0, 1.0), len(here.table))[:, None]
     root = np.sqrt(farthest[:, None] * _PARTS)
     places = at + sign * outward * root**2
@@ -190,7 +192,8 @@ def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) ->
 def _abel() -> tuple[Array, Array]:
     """(matrix from the gap at the places to K, matrix from h at the places to K).
 
-    Both over the root of the farthest distance.
+    Here h/sqrt(y) is the slope of the gap or the pressure. The first matrix still has to be divided
+    by the root of the farthest distance.
     """
     part = np.sqrt(_PARTS)
     node, weight = np.polynomial.legendre.leggauss(_OPTIONS.gauss_nodes)

@@ -1,4 +1,4 @@
-"""Pull-off: where the last contact is lost as its control falls, event after event.
+"""Pull-off: the last contact as the control falls, through all events before.
 
 Each zone is lost at a turning point of the curve of equilibria. The last turning point is
 followed from an equilibrium near it.
@@ -21,13 +21,14 @@ Recede = Callable[[Curve, Array, float], State | None]
 
 @dataclass(frozen=True)
 class PullOffOptions:
-    """How the last equilibrium is approached as a control falls."""
+    """Options of the search for the last equilibrium as the control falls."""
 
     # Halvings between the last control with a contact and the first without.
     max_halvings: int = 5
-    # Controls controls_above the least one with an equilibrium, over the way to it, that are tried.
+    # Start values that are tried: distances above the least value with an equilibrium, relative to
+    # the distance of the present value from it.
     starts_above: tuple[float, ...] = (0.005, 0.02, 0.08, 0.3)
-    # Events of one zone that are followed along the curve at once.
+    # Largest number of events of a single zone that are followed along its curve.
     max_direct: int = 3
 
 
@@ -49,8 +50,8 @@ def pull_off(
         for _ in range(OPTIONS.max_direct):
             if len(here.contact) > 1:
                 break
-            # One zone is followed to the end of its curve at once, usually the last one. That
-            # takes fewer states than to learn where there is none.
+            # The curve of one zone is followed to its end, which is usually the pull-off. That
+            # takes fewer states than to bracket the value below which there is no equilibrium.
             end = _end(curve, here, past_cut)
             rest = recede(curve, end.table, end.about.value)
             if rest is None:
@@ -69,11 +70,11 @@ def pull_off(
 def lowered_by_load(
     curve: Curve, here: State, lead_to_load: Callable[[Curve, State], State]
 ) -> State:
-    """The equilibrium under a held approach near the least load, with few zones left.
+    """The equilibrium under a fixed approach near the least load, with few zones left.
 
-    Under a load what is left does not depend on the way, and ends move one way; under an approach
-    each lost zone drives others on. The state itself is returned for one zone, under a held load,
-    and where this does not lead down. lead_to_load: leads to that load.
+    Under a load the zones left do not depend on the path, and ends move one way. Under an approach
+    each lost zone makes others advance. The state itself is returned for one zone, under a fixed
+    load, and if the result is not lower. lead_to_load: leads to an equilibrium near that load.
     """
     if curve.control.load is not None or len(here.contact) < 2:
         return here
@@ -88,7 +89,7 @@ def lowered_by_load(
 
 @record
 class _End:
-    """The end of a curve: about where it is, exactly where, and the intervals after it."""
+    """The end of a curve: a state near it, the exact state, and the intervals after it."""
 
     about: State
     table: Array
@@ -124,7 +125,7 @@ def _end_in(
 
 
 def controls_above(least: float, value: float) -> tuple[float, ...]:
-    """Controls a little above the least one, ever nearer to one with an equilibrium."""
+    """Values a little above the least one, from the nearest to the farthest."""
     return tuple(least + part * (value - least) for part in OPTIONS.starts_above)
 
 
@@ -140,7 +141,7 @@ def near_the_last(curve: Curve, here: State, recede: Recede = receded) -> State:
 
 def _bracket(curve: Curve, here: State, recede: Recede) -> tuple[State, float]:
     """(an equilibrium, a lower control without one)."""
-    # Under a load what is left does not depend on the way.
+    # Under a load the zones left do not depend on the path, so that large steps are allowed.
     step = (
         curve.unit(here)
         if curve.control.load is None

@@ -2,7 +2,9 @@ r"""A uniform tension on given intervals, and the deformation of the profile by 
 
 The tension s changes the slope by s T and the height by s V, V' = T, with
 
-    T = (1/pi) sum [Lambda(x - l) - Lambda(x - r)] over the intervals (l, r).
+    T = (1/pi) sum [Lambda(x - l) - Lambda(x - r)] over the intervals (l, r),
+
+where Lambda is the kernel's potential, the displacement due to a line load.
 
 V follows from the second antiderivative of the kernel K: y (ln|y| - 1) for a pole, and Clausen's
 integral -(L/2 pi) Cl_2(2 pi y/L) with a period (DLMF 25.12.9).
@@ -65,11 +67,13 @@ class UniformTension(sie.Kept):
 
     @property
     def total(self) -> float:
-        """The integral of q - p, the total force of the tension."""
+        """The total force of the tension: the integral of q - p, contact less true pressure."""
         return self.stress * (self.width - sum(zone.half for _, zone in self.spreads))
 
     def lacks(self, zone: Index | int, last: int, left: Array, right: Array) -> Array:
-        """1 - eta on zones; left, right: distances from their ends over the half-width.
+        """1 - eta on zones, where eta is the local fraction of the tension.
+
+        left, right: distances from the ends of the zones, divided by the half-width.
 
         last: index of the last zone.
         """
@@ -85,7 +89,7 @@ class UniformTension(sie.Kept):
         return out
 
     def share(self, x: Array) -> Array:
-        """eta on the intervals (1 unless an end is spread), and 0 elsewhere."""
+        """The local fraction eta of the tension: 1 in intervals unless an end is spread, else 0."""
         out = self.holds(x).astype(float)
         for end, zone in self.spreads:
             t = nearest_image(x - zone.middle, 0.0, self.period) / zone.half
@@ -104,13 +108,13 @@ class UniformTension(sie.Kept):
         return np.asarray((x >= self.table[i, 0]) & (x <= self.table[i, 1]))
 
     def slope(self, x: Array) -> Array:
-        """The change of slope, s T."""
+        """The change s T of the profile's slope by the tension."""
         if self.everywhere:
             return np.zeros(np.shape(x))
         return self.stress / np.pi * self._between(self._log_sum, self._spread_log, x)
 
     def height(self, x: Array) -> Array:
-        """The change of height, s V."""
+        """The change s V of the profile's height by the tension."""
         if self.everywhere:
             return np.full(np.shape(x), -self.stress * self.compression)
         out = self._between(self._primitive_sum, self._spread_primitive, x)
@@ -119,7 +123,7 @@ class UniformTension(sie.Kept):
         return self.stress / np.pi * out
 
     def logs(self, x: Array) -> Array:
-        """Lambda at points (P,) for unit loads at all left ends, then all right ends (P, 2 m)."""
+        """Potential Lambda at points (P,) of unit loads at the ends of each interval (P, 2 m)."""
         values = self.log(x[:, None] - self.table.ravel())
         for end, zone in self.spreads:
             values[:, end] = self._spread_log(x, zone)
@@ -186,7 +190,7 @@ class UniformTension(sie.Kept):
         )
 
     def log(self, lag: Array) -> Array:
-        """Lambda, the kernel's potential, as a function of the distance from a line load."""
+        """The kernel's potential Lambda as a function of the distance from a line load."""
         kernel, period = self.kernel, self.period
         lag = nearest_image(np.asarray(lag, dtype=float), 0.0, period)
         with np.errstate(divide="ignore"):
@@ -200,7 +204,7 @@ class UniformTension(sie.Kept):
         return np.asarray(out if self.plain else out + self._regular_log(lag))
 
     def _regular_log(self, lag: Array) -> Array:
-        """Lambda without its poles; with a period, without the Hilbert kernel's potential."""
+        """The potential Lambda without that of the poles, or of the Hilbert kernel with a period."""
         whole = self.kernel.regular_potential
         assert whole is not None
         rest = whole(lag, np.zeros(1))
@@ -212,7 +216,7 @@ class UniformTension(sie.Kept):
         return np.asarray(rest)
 
     def _primitive(self, lag: Array) -> Array:
-        """Antiderivative of the singular part of Lambda (poles, or the Hilbert kernel's)."""
+        """Antiderivative of the singular part of the potential Lambda (poles, or Hilbert kernel)."""
         if self.period is not None:
             turns = np.asarray(lag) / self.period
             return -self.period / (2 * np.pi) * clausen2(turns - np.round(turns))
@@ -223,7 +227,7 @@ class UniformTension(sie.Kept):
         return out
 
     def _regular(self, x: Array) -> Array:
-        """The integral of the regular part of Lambda over the intervals, by Gauss quadrature."""
+        """Integral of the regular part of the potential Lambda over the intervals, by Gauss's rule."""
         at, weights = self._panels
         flat, out = x.ravel(), np.zeros(x.size)
         block = max(1, 2**20 // len(at))
