@@ -13,8 +13,8 @@ and c and w follow from
     G_0 = B := (1/pi) int s eta deta/(1 + eta^2),    int s deta/(1 + eta^2) = 0.
 
 The pressure is p = pbar - (E*/2)(H f' - B - sum_j G_(j+1) rho^(j+1)), where z = y/tau and
-rho = z - sgn(z) sqrt(z^2 - 1) (derived here). G is a small difference of large numbers, so it is computed in
-extended precision.
+rho = z - sgn(z) sqrt(z^2 - 1) (derived here). G is a small difference of large numbers, so it is
+computed in extended precision.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Adhesion: loads close to pull-off and to the jump into full contact, and all works."""
+"""Adhesion close to pull-off and to the jump into full contact, and at all works."""
 
 from __future__ import annotations
 
@@ -24,9 +24,10 @@ _WHY = "of the closed form, by a difference"
 
 
 def jkr() -> Iterator[Extreme]:
-    """Johnson's wave and Barquins's cylinder at a load.
+    """Johnson's wave and Barquins's cylinder under JKR adhesion, at a load.
 
-    At a turning point the ends move as the square root of the load's distance from it.
+    Near a turning point the ends move as the square root of the difference of the load from it, so
+    that the condition is large.
     """
     group = "JKR"
     for part in (1e-2, 1e-4, 1e-6):
@@ -59,10 +60,11 @@ def jkr() -> Iterator[Extreme]:
 
 
 def dugdale() -> Iterator[Extreme]:
-    """Tensions of long and of short range at a load, and loads close to pull-off."""
+    """Dugdale's law with tensions of long and of short range, also close to pull-off."""
     group = "Dugdale"
     for ratio in (1e-2, 1e-1, 1.0, 10.0, 100.0):
-        # The ratio is relative to (w E*^2/(pi R))^(1/3), where Maugis's parameter is of order 1.
+        # The tension is `ratio` times (w E*^2/(pi R))^(1/3), w the work of adhesion. At a ratio of
+        # 1 Maugis's parameter is of order 1.
         cylinder = DugdaleCylinder(1.0, 1.0, 1e-6, ratio * (1e-6 / pi) ** (1 / 3))
         plain = _wave()
         stress = ratio * (plain.work * plain.amplitude / pi) ** (1 / 3)
@@ -80,8 +82,9 @@ def _under_tension(
     group: str, name: str, curve: DugdaleCylinder | DugdaleWave, load: float, part: float
 ) -> Extreme:
     here, by_load = curve.at_load(load), _condition(curve, load, part)
-    # Round-off of the ends is relative to the zone, but the pressure varies over the narrow strip.
-    # The gap at the end of the strip, w/s, has that error too.
+    # Round-off of the ends is relative to the zone, but the pressure varies over the narrow strip
+    # of tension. Its end follows from the reach w/s, which is rounded too: the condition by the
+    # work is a second factor.
     narrow = (
         here.half_width
         / (here.cohesive_end - here.half_width)
@@ -99,7 +102,7 @@ def _under_tension(
 
 
 def _wave(work: float = 1e-5, amplitude: float = 0.01) -> JKRWave:
-    """Johnson's wave of period 1 and E* = 1."""
+    """The JKR equilibria of Johnson's wave, of period 1 and E* = 1."""
     return JKRWave(amplitude, 1.0, 1.0, work)
 
 
@@ -117,9 +120,10 @@ def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
 
 
 def _condition(curve: Curve, load: float, part: float, by: str = "load") -> float:
-    """Change of the result per relative change of the load, or of another datum of the curve.
+    """Change of the result per relative change of the load, or of the field `by` of the curve.
 
-    It is a difference quotient whose step is much smaller than the distance to a turning point.
+    It is a difference quotient with the step 1e-3 `part`, where `part` is the relative distance of
+    the load from a turning point.
     """
     change = 1e-3 * part
     other = curve if by == "load" else replace(curve, **{by: getattr(curve, by) * (1 + change)})

@@ -1,4 +1,4 @@
-"""`Extreme`: a scene, its exact solution, and the error that round-off of its data allows."""
+"""`Extreme`: a scene, its exact solution, and the error that rounded data allow."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from contact.studies.bench.truth import Exact
 class Extreme:
     """One extreme scene.
 
-    `condition` bounds the change of the result (pressure over the peak, ends over widths) per
-    relative change of the load, or of the slopes over the steepest one; `why` says how it is known.
-    The allowed error is 100 round-offs times the condition. `hair` is the narrowest gap over its
+    `condition` bounds the change of the result per relative change of the data. The result is the
+    pressure relative to the peak, and the ends relative to the widths. The data are the load, and
+    the slopes relative to the steepest one. `why` says how the bound is known. The allowed error is
+    100 round-offs times the condition. `hair` is the width of the narrowest gap relative to its
     zone: if the allowed error is larger, two topologies are the same answer. `heavy` scenes take
     more than about a second. `known` is the reason of a known failure.
     """
@@ -33,7 +34,7 @@ class Extreme:
 
     @property
     def allowed(self) -> float:
-        """The allowed error, at least 1e-13: the solver states none below some 5e-14."""
+        """The allowed error; at least 1e-13, because no stated error is below some 5e-14."""
         return max(1e-13, 100 * float(np.finfo(float).eps) * self.condition)
 
     @property

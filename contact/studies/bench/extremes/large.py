@@ -20,7 +20,7 @@ from contact.studies.bench.truth import Exact
 
 
 def equal_zones() -> Iterator[Extreme]:
-    """n waves a period, each in contact on 2 %; a shift removes the mirror symmetry."""
+    """Many equal waves in a period, 2 % in contact; a shift removes the mirror symmetry."""
     why = "positions are rounded to eps L, zones are L/50n wide"
     for count, shift in ((101, 0.0), (1001, 0.0), (1000, 0.3)):
         yield Extreme(
@@ -71,7 +71,7 @@ def noisy() -> Iterator[Extreme]:
 
 
 def _parabola(samples: int, noise: float) -> tuple[Scene, Exact]:
-    """f = x^2/2 with symmetric white noise, in contact on four tenths of the trace."""
+    """A parabola f = x^2/2 with symmetric white noise, four tenths of which is in contact."""
     rng = np.random.default_rng(5)
     x = np.linspace(-1.0, 1.0, samples)
     x = 0.5 * (x - x[::-1])
@@ -83,7 +83,7 @@ def _parabola(samples: int, noise: float) -> tuple[Scene, Exact]:
 
 
 def _rough(samples: int, noise: float) -> tuple[Scene, Exact]:
-    """64 harmonics, 1e-3 of the period high, and white noise, pressed to a fifth of the period."""
+    """A rough profile of 64 harmonics with white noise, at a mean pressure of 1e-3 E*."""
     rng = np.random.default_rng(5)
     k = np.arange(1, 65)
     x = np.arange(samples) / samples

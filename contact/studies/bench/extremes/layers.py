@@ -1,14 +1,15 @@
 """Elastic layers, from very thick to much thinner than the zone.
 
-The kernel (pi/2h) coth(pi r/2h), of symbol coth(q h), has a closed form on one zone. With v = pi
-x/2h and the end at v = V, (1/2h) PV int p coth(pi (x - xi)/2h) dxi = sinh(2v)/2 for p = cosh(v)
-sqrt(sinh^2 V - sinh^2 v) (map sinh v to an interval), so the profile is f = (h/pi E*) cosh(2v) and
-the load h sinh^2 V.
+The kernel (pi/2h) coth(pi r/2h), of symbol coth(q h), has a closed form on one zone. Let v = pi
+x/2h, and let V be the value of v at the end. For the pressure p = cosh(v) sqrt(sinh^2 V - sinh^2 v)
+the integral (1/2h) PV int p coth(pi (x - xi)/2h) dxi is sinh(2v)/2, as sinh v maps the zone to an
+interval. So the profile is f = (h/pi E*) cosh(2v) and the load h sinh^2 V.
 
-For an elastic layer the profile is designed. The half ellipse p = E* sqrt(1 - x^2)/2 on (-1, 1), of
-cosine transform pi E* J1(q)/2q, is the pressure under the profile with f' = x + int_0^inf (L(q) -
-1) J1(q) sin(q x)/q dq. The first term is that of a half-plane. As L - 1 falls like exp(-2qh), the
-second term is smooth, and the gap outside is int sqrt(x^2 - 1), as without a layer.
+For an elastic layer of symbol L(q) the profile is designed. The pressure is the half ellipse
+p = E* sqrt(1 - x^2)/2 on (-1, 1), whose cosine transform is pi E* J1(q)/2q. The profile under it
+has the slope f' = x + int_0^inf (L(q) - 1) J1(q) sin(q x)/q dq. The first term is that of a half-plane.
+The second term is smooth, as L - 1 falls like exp(-2qh). The gap outside is int sqrt(x^2 - 1) dx,
+as without a layer.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ from contact.studies.bench.truth import Exact
 
 Array = NDArray[np.float64]
 
-# Base of the layer, Poisson's ratio, half width of the zone over thickness.
+# Each entry has the base of the layer, Poisson's ratio, and the half width of the zone divided by
+# the thickness.
 ELASTIC = (
     ("smooth", 0.3, 0.01), ("smooth", 0.3, 1.0), ("smooth", 0.3, 10.0), ("smooth", 0.3, 100.0),
     ("bonded", 0.0, 0.1), ("bonded", 0.3, 1.0), ("bonded", 0.3, 30.0), ("bonded", 0.3, 100.0),
@@ -42,7 +44,7 @@ ELASTIC = (
 
 @dataclass(frozen=True)
 class Coth(Substrate):
-    """L = coth(q h)."""
+    """The substrate of symbol L(q) = coth(q h)."""
 
     h: float
     name = "coth"
@@ -53,7 +55,7 @@ class Coth(Substrate):
 
 @dataclass(frozen=True)
 class Cosh(Profile):
-    """The profile of the closed form, E* = 1."""
+    """The profile (h/pi) cosh(pi x/h) less its minimum, of the closed form with E* = 1."""
 
     h: float
     symmetric = True
@@ -68,7 +70,7 @@ class Cosh(Profile):
 
 @dataclass(frozen=True)
 class CothZone(SymmetricZone):
-    """One zone of half width a on the layer."""
+    """The zone [-a, a] of the profile `Cosh` on the substrate `Coth`, E* = 1."""
 
     h: float
     half_width: float
@@ -88,7 +90,7 @@ class CothZone(SymmetricZone):
 
     def _pressure(self, r: Array, d: Array) -> Array:
         unit = 0.5 * np.pi / self.h
-        # sinh^2 V - sinh^2 v = sinh(V - v) sinh(V + v), which does not cancel near an end.
+        # The form sinh^2 V - sinh^2 v = sinh(V - v) sinh(V + v) does not cancel near an end.
         return np.asarray(
             np.cosh(unit * r) * np.sqrt(np.sinh(unit * d) * np.sinh(unit * (self.half_width + r)))
         )
@@ -96,17 +98,20 @@ class CothZone(SymmetricZone):
 
 @dataclass(frozen=True)
 class UnderEllipse(Profile):
-    """The profile that presses half an ellipse over (-1, 1) on a layer, E* = 1."""
+    """The profile under which the pressure is half an ellipse on (-1, 1), E* = 1."""
 
     layer: Layer
     symmetric = True
     name = "under an ellipse"
-    # The quadrature resolves sin(q x) for these x.
+    # The quadrature over q resolves sin(q x) for x in this range only.
     extent = (-3.0, 3.0)
 
     @cached_property
     def _waves(self) -> tuple[Array, Array]:
-        """Nodes q, up to exp(-2 q h) below round-off, and (L - 1) J1/q times the weights."""
+        """Nodes q of the integral over waves, and (L - 1) J1(q)/q times the weights.
+
+        The last q is 22/h, where L - 1 ~ exp(-2 q h) is below round-off.
+        """
         last = 22 / self.layer.thickness
         nodes, weights = np.polynomial.legendre.leggauss(16)
         half = 0.5 * last / np.ceil(last / min(2.0, 0.5 / self.layer.thickness))
@@ -126,7 +131,7 @@ class UnderEllipse(Profile):
         return self._summed(lambda x: x + np.sin(np.outer(x, q)) @ weights, x)
 
     def _summed(self, function: Callable[[Array], Array], x: ArrayLike) -> Array:
-        """A sum over all waves, for some positions at a time to save memory."""
+        """Values of a sum over all waves, computed for some positions at a time to save memory."""
         x = np.asarray(x, dtype=np.float64)
         parts = np.array_split(x.ravel(), 1 + x.size * len(self._waves[0]) // 2_000_000)
         return np.concatenate([function(part) for part in parts]).reshape(x.shape)
@@ -134,7 +139,7 @@ class UnderEllipse(Profile):
 
 @dataclass(frozen=True)
 class Ellipse(SymmetricZone):
-    """The half ellipse of pressure."""
+    """The contact with half an ellipse of pressure on (-1, 1), E* = 1."""
 
     load = 0.25 * np.pi  # type: ignore[assignment]
     max_pressure = 0.5  # type: ignore[assignment]
@@ -148,8 +153,8 @@ class Ellipse(SymmetricZone):
 def layers() -> Iterator[Extreme]:
     """Layers with the kernel coth, and elastic layers.
 
-    For coth, d ln(load)/d ln(a) = 2V coth V is at least 2. The profile's steepness is sinh(2V): at
-    30 thicknesses 1e40, more than heights in double precision can represent.
+    For the kernel coth, d ln(load)/d ln(a) = 2V coth V is at least 2. The steepest slope is
+    sinh(2V). At a half width of 30 thicknesses it is 1e40, too steep for double precision.
     """
     for ratio in (0.01, 0.1, 1.0, 3.0, 10.0):
         yield Extreme(
@@ -161,8 +166,8 @@ def layers() -> Iterator[Extreme]:
         )
     for base, nu, ratio in ELASTIC:
         layer = Layer(1 / ratio, nu, base)
-        # Slopes are sums of terms of order one; the longest waves in the zone are divided by the
-        # smallest L.
+        # Slopes are sums of terms of order one and have their round-off. The pressure follows from
+        # a wave of the slope by division by L, which is smallest for waves as long as the zone.
         condition = max(1.0, 1 / float(layer.symbol(np.ones(1))[0]))
         name = f"{base}, nu = {nu:g}, half width {ratio:g} thicknesses"
         yield Extreme(

@@ -26,9 +26,9 @@ from contact.studies.bench.truth import Exact
 def fractions() -> Iterator[Extreme]:
     """Contact fractions near 0 and near 1.
 
-    Westergaard's wave: p/p* = sin^2 A, A = pi a/L, so d ln a/d ln p = tan(A)/2A. The valleys of
-    periodic wedges, p ~ artanh(sin A), and of parabolas, p ~ -ln cos A, are kinks and close
-    exponentially late: the derivative is below one.
+    Westergaard's wave has p/p* = sin^2 A, A = pi a/L, so that d ln a/d ln p = tan(A)/2A. The
+    valleys of periodic wedges and parabolas are kinks, which close only exponentially as the mean
+    pressure grows. There p ~ artanh(sin A) and p ~ -ln cos A, and d ln a/d ln p is below one.
     """
     group = "contact of the period"
     for rest in (1e-6, 1e-3, 0.1):
@@ -37,7 +37,7 @@ def fractions() -> Iterator[Extreme]:
             group, f"wave, {rest:g}", partial(wave, rest), tan(angle) / (2 * angle), "tan(A)/2A"
         )
     for rest in (0.5, 1e-2, 1e-3, 1e-4, 1e-6):
-        # The datum is the rounded load, so the exact half width is computed from it.
+        # The solver is given the rounded load, so the exact half width is computed from that load.
         angle = 0.5 * pi * (1 - rest)
         yield Extreme(
             group,
@@ -76,8 +76,8 @@ def wave(
 
 
 def near_full(below: float) -> tuple[Scene, Exact]:
-    """The wave at the rounded mean pressure p* (1 - below), with the zone of that pressure."""
-    amplitude = 1 / pi  # p* = E* pi A / L = 1, up to the round-off of pi
+    """The wave at the rounded mean pressure p* (1 - below), and its exact zone."""
+    amplitude = 1 / pi  # p* = E* pi Delta/L = 1 for this amplitude Delta, up to round-off
     pressure = 1.0 - below
     half = 0.5 - np.arcsin(sqrt(_deficit(amplitude, pressure))) / pi
     exact = Westergaard(amplitude=amplitude, period=1.0, E_star=1.0, half_width=float(half))
@@ -85,7 +85,7 @@ def near_full(below: float) -> tuple[Scene, Exact]:
 
 
 def _deficit(amplitude: float, pressure: float) -> float:
-    """(p* - p)/p* of these doubles, with pi in extended precision."""
+    """The relative difference (p* - p)/p* of these numbers, with pi in extended precision."""
     high = np.longdouble(pi) + np.longdouble(1.2246467991473532e-16)
     full = high * np.longdouble(amplitude)
     return float((full - np.longdouble(pressure)) / full)
@@ -123,7 +123,7 @@ def loads_near_full() -> Iterator[Extreme]:
 
 
 def _series_near_full(part: float) -> tuple[Scene, Exact]:
-    """Six random harmonics with one gap left."""
+    """Six random harmonics just below full contact, with one gap left."""
     rng = np.random.default_rng(1)
     profile = Fourier(1.0, 1e-3 * rng.normal(size=6), 1e-3 * rng.normal(size=6))
     full = solve(Scene(profile, 1.0, Periodic(), contact_fraction=1.0)).mean_pressure
@@ -135,7 +135,8 @@ def _series_near_full(part: float) -> tuple[Scene, Exact]:
 def merges() -> Iterator[Extreme]:
     """Loads close to the merging load of two tips.
 
-    Below it the gap g ~ sqrt(part) between the zones of width w has d(g/w) = eps w/g. Above it the
+    At the relative distance `part` below it, the gap between the zones of width w is g ~ w
+    sqrt(part). A relative change eps of the load changes g/w by eps w/g. Above the merging load the
     solution is smooth in the load.
     """
     groups = ("load below a merge by", "load above a merge by")
@@ -155,7 +156,7 @@ def merges() -> Iterator[Extreme]:
 
 
 def _biquadratic(share: float) -> tuple[Scene, Exact]:
-    """The isolated biquadratic at a fraction of its merging load."""
+    """Two isolated tips at the fraction `share` of their merging load."""
     merging = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=1.0).merging_load
     exact = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=share * merging)
     return Scene(Biquadratic(1.0, 2.0), 1.0, Isolated(), load=exact.load), exact

@@ -27,9 +27,10 @@ def designed(
 def gaps() -> Iterator[Extreme]:
     """Narrow gaps between zones.
 
-    A gap g between zones of width w lowers the pressure by about (g/w)^2 of the peak. Slopes with
-    an error eps change the pressure by eps, so that d(g^2/w^2) = eps: an end moves by eps w/g of
-    the width. Below g/w = sqrt(eps), one zone and two zones are the same answer.
+    A gap of width g between zones of width w lowers the pressure by about (g/w)^2 of the peak. An
+    error eps of the slopes changes the pressure by eps, so that (g/w)^2 changes by eps. An end then
+    moves by eps w/g of the width. Below g/w = sqrt(eps), one zone and two zones are the same
+    answer.
     """
     group, why = "gap between zones", "w/g"
     for gap in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
@@ -42,8 +43,8 @@ def gaps() -> Iterator[Extreme]:
                 why,
                 hair=gap,
             )
-    # Between two such gaps a distance r apart the pressure is about (x (r - x))^2. A gap then has
-    # d(g^2) r^2 = eps: its end moves by eps/(g r^2), which is 1/r times more of the width r.
+    # Between two such gaps a distance r apart the pressure is about (x (r - x))^2, so that an error
+    # eps changes g^2 r^2 by eps. An end then moves by eps/(g r^2), or eps/(g r^3) of the width r.
     for gap in (1e-3, 1e-5):
         yield Extreme(
             group,
@@ -58,9 +59,10 @@ def gaps() -> Iterator[Extreme]:
 def scales() -> Iterator[Extreme]:
     """Zones and heights of very different scale.
 
-    A zone of width r next to one of width 1 is a cap of height about r^2. Slopes with an error eps
-    over a distance of order 1 change its level by eps, and so its width by eps/r^2 of itself. Its
-    pressure is about sqrt(r) of the peak: within a larger error, one zone is the same answer.
+    A zone of width r next to one of width 1 is a cap of height about r^2. An error eps of the
+    slopes over a distance of order 1 changes the level of the cap by eps. So the relative change of
+    its width is eps/r^2. Its pressure is about sqrt(r) of the peak: if the allowed error is larger, one
+    zone is the same answer.
     """
     group = "zones of very different width"
     for ratio in (1e-2, 1e-4, 1e-6):

@@ -1,4 +1,4 @@
-"""Very large and small moduli and lengths, and slopes that are steep or nearly jump."""
+"""Very large and small moduli and lengths, and slopes that are steep or almost jump."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _UNITS = "a unit changes nothing"
 
 
 def units() -> Iterator[Extreme]:
-    """The same contacts in very different units."""
+    """The same contacts with moduli and lengths of very different powers of ten."""
     for power in (-12, -6, 6, 12):
         yield Extreme("moduli", f"E* = 1e{power} Pa", partial(wave, 0.4, 10.0**power), 1.0, _UNITS)
         yield Extreme(
