@@ -214,7 +214,7 @@ def _close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] |
 def _mark_close_up(axes: Any, solution: Solution, lo: float, hi: float) -> None:
     """Mark in the first column the interval of the second: a pointer above, shading around it.
 
-    The interval itself is not shaded, as it may be no wider than the line of the peak in it.
+    The pointer shows the interval even if it is no wider than the line of the peak in it.
     """
     along, _ = prefix(max(abs(end) for end in window(solution)))
     for whole in axes[:, 0]:

@@ -225,7 +225,7 @@ def _load_balance(fields: ZoneFields, load: float) -> float:
 
 
 def _law_fault(fields: ZoneFields, load: float | None) -> str:
-    """Description of a violation of the law, such as a too high pressure; empty if there is none."""
+    """Message on a violation of the law, such as too high a pressure; empty if there is none."""
     law = fields.problem.law
     highest = law.pressure_range.highest
     if np.isfinite(highest) and fields.max_pressure > highest * (1.0 + TOLERANCES.balance):

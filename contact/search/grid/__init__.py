@@ -1,1 +1,1 @@
-"""From a scene to its scaled problem and to about where its zones are, by contacts on grids."""
+"""The scaled problem of a scene, and approximate zones of its contact, found on grids."""

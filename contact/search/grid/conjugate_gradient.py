@@ -1,16 +1,17 @@
-r"""Frictionless contact of an elastic body on a uniform grid; it gives the number of zones.
+r"""Frictionless contact of an elastic body on a uniform grid, which yields the number of zones.
 
 On n points with spacing h (one period, or a window of an isolated contact) find the pressure with
 
     p >= 0,   gap = S p + f - level >= 0,   p * gap = 0,   sum p h = load  (or a given level),
 
-where S is the influence of the pressure on the displacement u,
+where the operator S gives the displacement u = S p,
 
     periodic:  u_k = 2 p_k / (E |k|), k = 2 pi j / (n h), u_0 = 0,
     isolated:  u(x) = -(2 / (pi E)) int p(xi) ln(|x - xi| / d) dxi, p constant on a cell.
 
-On other bodies u_k is multiplied by their symbol, and u_0 = 2 p_0 c / E with their compression c;
-isolated, the kernel has a further smooth `rest` of the lag x - xi and the width of a cell.
+These formulas are for half-planes. For other bodies u_k is multiplied by their symbol, and u_0 = 2
+p_0 c / E with their compression c. If isolated, they add to the kernel a smooth function `rest` of
+the lag x - xi and the width of a cell.
 
 The problem is that of Polonsky & Keer (1999), Wear 231, 206-219,
 doi 10.1016/S0043-1648(99)00113-1, and like theirs the method is a conjugate gradient with FFTs. Two
@@ -22,9 +23,10 @@ things differ, so that the number of iterations does not grow with n:
   Hintermueller, Ito & Kunisch (2002), SIAM J. Optim. 13, 865-888, doi 10.1137/S1052623401383558. A
   wrong end moves by a fixed fraction of its error, so that about log2(n) solves suffice.
 * On a contact set the gradient is preconditioned by B' D B. D = E|k|/2, and B interpolates the
-  displacement linearly across the gaps. The exact inverse has the extension of least energy in
-  place of B, so that the quotient is bounded up to logarithms for any number of zones. B keeps
-  constants, hence B' D B keeps the load.
+  displacement linearly across the gaps. The exact inverse of S has the same form, with the
+  extension of least energy in place of B. Therefore the condition number is bounded, up to
+  logarithms, for any number of zones. B maps constants to constants, so that B' D B does not change
+  the load.
 """
 
 from __future__ import annotations
@@ -50,13 +52,14 @@ _EPS = float(np.finfo(np.float64).eps)
 class GridOptions:
     """Tolerances of the linear solves between changes of the contact set."""
 
-    max_iterations: int = 10_000  # of all linear solves together; some hundred are usual
-    # Iterations without a tenth less error: the rounding of f is reached.
+    max_iterations: int = 10_000  # total of all linear solves; some hundred are usual
+    # Iterations in which the error has not decreased by a tenth: the rounding of f is reached.
     max_stalled: int = 60
-    # Tolerance of the first linear solve, and each next one over the last: any error below the
-    # change of the set serves.
+    # Tolerance of the first linear solve, and factor to that of the next one: an error below the
+    # change of the contact set is small enough.
     first_tolerance: float = 1e-2
-    closed: float = 1e-9  # bracket of a load or of a tilt, over it
+    # width of a bracket of a load or tilt, relative to it, below which it is closed
+    closed: float = 1e-9
 
     @property
     def rate_tolerance(self) -> float:
@@ -68,9 +71,10 @@ OPTIONS = GridOptions()
 
 
 class LevelOfFullGrid(OutOfRange):
-    """The level is that of full contact on the grid.
+    """Raised if the given level is that of full contact on the grid.
 
-    The mean of the heights of a grid is not that of the profile.
+    The profile itself may still have a gap, as the mean height of a grid is not that of the
+    profile.
     """
 
 
@@ -82,9 +86,9 @@ _AS_GOOD_AS_FULL = (
 
 @record
 class Influence:
-    """The operator S of one grid: `apply(p)` is the displacement.
+    """The operator S of one grid: `apply(p)` is the displacement under the pressure p.
 
-    `periodic`, `isolated` and `even` make one.
+    The class methods `periodic`, `isolated` and `even` construct it.
     """
 
     n: int
@@ -94,14 +98,17 @@ class Influence:
     images: int
     _compliance: Array = field(repr=False, compare=False)  # S in Fourier space on the padded grid
     stiffness: Array = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
-    # u = ... + _offset * sum p h: the part of the datum, separate to keep the digits of the shape.
+    # The datum adds _offset * sum p h to u. It is added separately, so that u keeps its digits.
     _offset: float = 0.0
-    is_even: bool = False  # values continue as their mirror image beyond either border
-    half: Influence | None = None  # of half a period, where the other half is its mirror image
+    is_even: bool = False  # values beyond either border are the mirror image of those inside
+    # operator of half a period, where the other half is its mirror image
+    half: Influence | None = None
 
     @classmethod
     def even(cls, n: int, h: float, E: float) -> Influence:
-        """Of a half-plane on a period of 2 n points, the second half a mirror image of these n."""
+        """Operator of a half-plane on a period of 2 n points, half of them mirror images of these
+        n.
+        """
         stiffness = _wave_stiffness(2 * n, h, E)[:n]
         return cls(n, h, E, True, 0, _inverse(stiffness), stiffness, is_even=True)
 
@@ -109,7 +116,7 @@ class Influence:
     def periodic(
         cls, n: int, h: float, E: float, symbol: Symbol | None = None, compression: float = 0.0
     ) -> Influence:
-        """Of a body on one period of n points."""
+        """Operator of a body on one period of n points."""
         stiffness = _wave_stiffness(n, h, E)
         if symbol is not None:
             stiffness[1:] /= symbol(
@@ -132,7 +139,7 @@ class Influence:
         datum: float = 1.0,
         rest: Rest | None = None,
     ) -> Influence:
-        """Of a body alone, with `images` shifted copies on either side, n h apart."""
+        """Operator of a single body, with `images` shifted copies on either side, n h apart."""
         lag = np.arange(n + 1.0)
         kernel = sum((_log_cell(lag + j * n) for j in range(-images, images + 1)), np.zeros(n + 1))
         if rest is not None:
@@ -140,7 +147,8 @@ class Influence:
         circulant = np.concatenate((kernel, kernel[n - 1 : 0 : -1]))
         scale = -2.0 / (np.pi * E)
         compliance = scale * h * scipy.fft.rfft(circulant).real
-        # With images the neighbours carry load up to the border, so that the periodic D is better.
+        # With images the neighbours carry load up to the border, so that the stiffness D of a
+        # periodic body is the better preconditioner.
         stiffness = _wave_stiffness(n if images else 2 * n, h, E)
         offset = scale * (2 * images + 1) * np.log(h / datum)
         return cls(n, h, E, False, images, compliance, stiffness, float(offset))
@@ -159,12 +167,12 @@ class Influence:
 
 @record
 class Response:
-    """What pressure does to the surface, on any grid.
+    """The response of the surface to pressure, from which the operator of any grid is made.
 
-    periodic: by the `symbol` and the `compression` of the body. mirrored: the second half of the
-    period is the mirror image of the first, on a half-plane. Otherwise the body is alone on the
-    line, with `images` copies of the cell on either side and heights counted with the length
-    `datum` in the logarithm. rest: the kernel less that of the half-plane.
+    periodic: the response is given by the `symbol` and the `compression` of the body. mirrored: the
+    second half of the period is the mirror image of the first, on a half-plane. If not periodic,
+    the body is alone on the line, with `images` copies of the cell on either side and the length
+    `datum` in the logarithm. rest: the kernel minus that of the half-plane.
     """
 
     E: float
@@ -189,9 +197,9 @@ class Response:
 
 
 def _dot(a: Array, b: Array) -> float:
-    """The dot product by one thread.
+    """The dot product, computed by one thread.
 
-    Threads of BLAS may wait a thousand times as long for each other as such a sum takes.
+    The threads of BLAS may wait for each other a thousand times as long as the sum takes.
     """
     return float(np.einsum("i,i", a, b))
 
@@ -206,19 +214,19 @@ def _multiplied(values: Array, factors: Array, size: int, even: bool) -> Array:
 
 
 def _wave_stiffness(n: int, h: float, E: float) -> Array:
-    """E |k| / 2 for the waves of a period of n cells."""
+    """Stiffness E |k| / 2 of the waves with wave number k in a period of n cells."""
     return np.asarray(0.5 * E * (2.0 * np.pi / (n * h)) * np.arange(n // 2 + 1), dtype=np.float64)
 
 
 def _inverse(stiffness: Array, mean: float = 0.0) -> Array:
-    """The compliance of waves from their stiffness; the mean has its own."""
+    """Compliance of the waves from their stiffness; `mean` is that of the mean pressure."""
     return np.concatenate(([mean], 1.0 / stiffness[1:]))
 
 
 def _log_cell(m: Array) -> Array:
     """int_{-1/2}^{1/2} ln|m - t| dt for integers m.
 
-    The difference of t ln t would cancel for large m.
+    For large m the antiderivative would cancel, so that log1p is used.
     """
     a = np.abs(m)
     far = np.maximum(a, 1.0)
@@ -232,10 +240,11 @@ def _log_cell(m: Array) -> Array:
 
 
 class _Extension:
-    """B: from displacement on the contact set to the whole grid, linear across the gaps.
+    """The map B of displacements on the contact set to the whole grid, linear across the gaps.
 
-    Points are counted from the first one in contact; `along` is a point's part of the way from one
-    point in contact to the next. An even grid is not shifted: nothing varies across its borders.
+    Points are counted from the first one in contact. `along` is the position of a point between two
+    successive points in contact, from 0 to 1. An even grid is not shifted: displacements are
+    constant from its border to the first point in contact.
     """
 
     def __init__(self, influence: Influence, inside: Index) -> None:
@@ -250,7 +259,7 @@ class _Extension:
         ) / np.repeat(reach, self.lengths)
 
     def precondition(self, residual: Array) -> Array:
-        """B' D B times values on the contact set; the result sums to zero."""
+        """The preconditioner B' D B applied to values on the contact set; the result sums to zero."""
         v = np.repeat(np.roll(residual, -1) - residual, self.lengths)
         v *= self.along
         v += np.repeat(residual, self.lengths)
@@ -264,7 +273,7 @@ class _Extension:
 
 @record
 class GridState:
-    """A contact on the grid. iterations: applications of S in the conjugate gradients."""
+    """A contact on the grid. iterations: number of conjugate gradient iterations."""
 
     pressure: Array
     gap: Array
@@ -305,8 +314,8 @@ def solve_grid(
 ) -> GridState:
     """The grid contact under a given load or level.
 
-    f: heights, inf at points that never touch. start: a pressure to begin with; only under a level
-    does its sum matter, as the first guess of the load.
+    f: heights, inf at points that never touch. start: a pressure to begin with. Its sum matters
+    only under a given level, as the first guess of the load.
     """
     shape = np.asarray(f, dtype=np.float64)
     if shape.shape != (influence.n,):
@@ -346,8 +355,8 @@ def solve_grid(
 def turning_rate(state: GridState, x: Array) -> float:
     """d moment / d tilt of a contact on points x, with the load and the contact set fixed.
 
-    It is the moment of the pressure under the shape -x; the pressure is zero at ends, so that they
-    do not matter to first order.
+    It is the moment of the pressure under the shape -x. Motions of the ends have no effect at first
+    order, as the pressure is zero there.
     """
     run = _Run(np.zeros(len(x)), state.influence, OPTIONS.rate_tolerance)
     pressure = run.conjugate_gradient(
@@ -357,13 +366,13 @@ def turning_rate(state: GridState, x: Array) -> float:
 
 
 class _Run:
-    """One problem, a shape and an influence, with its tolerance and its count of iterations."""
+    """One solve of a shape on a grid, with its tolerance and its count of iterations."""
 
     def __init__(self, f: Array, influence: Influence, tol: float) -> None:
         self.f, self.influence, self.tol = f, influence, tol
         self.allowed: Mask = np.isfinite(f)
         self.lowest = float(np.min(f[self.allowed]))
-        # A constant of f does not matter; subtracted here, it costs no digits later.
+        # A constant in f only shifts the level. It is subtracted first, to lose no digits later.
         self.shape = np.where(self.allowed, f - self.lowest, 0.0)
         self.iterations = 0
 
@@ -372,8 +381,8 @@ class _Run:
     ) -> tuple[Array, Array, float, float, bool]:
         """Pressure on `mask` with S p + shape constant there, under the given load.
 
-        Returns p, S p, the constant, the largest error of p as estimated by the preconditioner, and
-        whether the tolerance was met.
+        Returns the pressure p, the displacement S p, the constant, the largest error of p as
+        estimated by the preconditioner, and whether the tolerance was met.
         """
         shape = self.shape if shape is None else shape
         h = self.influence.h
@@ -395,7 +404,8 @@ class _Run:
         converged, steps = False, 0
         best, since = np.inf, 0
         while self.iterations < OPTIONS.max_iterations:
-            # B' D B is about the inverse of S, so that z is about the error of the pressure.
+            # B' D B approximates the inverse of S, so that z approximates the error of the
+            # pressure.
             size = math.sqrt(_dot(z, z))
             converged = size <= tol * math.sqrt(_dot(p, p)) or rz <= 0.0
             best, since = (size, 0) if size < 0.9 * best else (best, since + 1)
@@ -427,9 +437,10 @@ class _Run:
         )
 
     def full_contact(self, load: float, shape: Array) -> tuple[Array, Array, float, float, bool]:
-        """Contact everywhere on a period: p = load / L - D shape, u = level - shape.
+        """Full contact on a period of length L: p = load / L - D shape, u = level - shape.
 
-        The smallest pressure decides whether there is a gap at all, and must have all its digits.
+        It is in closed form: the sign of the smallest pressure decides whether there is a gap, so
+        that the pressure must have all its digits. Returns the same as `conjugate_gradient`.
         """
         n, h = self.influence.n, self.influence.h
         self.iterations += 1
@@ -445,7 +456,7 @@ class _Run:
 
     def at_load(self, load: float, guess: Array | None) -> GridState:
         """The contact under a load. guess: a pressure to begin with."""
-        # From the whole grid the set only shrinks; from a guess it may also grow once.
+        # The contact set begins with the whole grid, or with the points in contact of the guess.
         mask = self.allowed.copy() if guess is None else guess > 0.0
         p, tol = guess, max(self.tol, OPTIONS.first_tolerance)
         converged = False
@@ -458,22 +469,24 @@ class _Run:
             p, u, level, error, solved = self.conjugate_gradient(load, mask, p, tol)
             finer = max(self.tol, OPTIONS.first_tolerance * tol)
             if self.iterations == before and tol > self.tol:
-                # A guess as good as the tolerance: its signs in gaps are those of another grid.
+                # The guess already meets this tolerance. Its errors come from another grid, so that
+                # the signs of its gap are not used until it is solved more precisely.
                 tol = finer
                 continue
             gap = u + self.shape - level
-            # `error` is that of the steepest peaks. A flat part next to them is in tension by
-            # less: if only points below -error were dropped, its end would move by one cell in
-            # each solve.
+            # `error` is the largest one, at the steepest peaks. In a flat part next to them wrong
+            # pressures are smaller. If only points below -error were dropped, the end of that part
+            # would move by one cell in each solve.
             drop = mask & (p < 0.0)
             add = self.allowed & ~mask & (gap < -error * self.influence.h / self.influence.E)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))
-            # The set is right when no sign is wrong by more than the error.
+            # The contact set is right when no sign is wrong by more than the error.
             if tol == self.tol and not np.any(add) and np.all(p >= -error):
                 converged = solved
                 break
-            # Few points change once the set is almost right; it does not settle while the error
-            # of the linear solve exceeds its changes.
+            # The next solve is more precise if few points change, as the set is then almost right.
+            # It is so too if the number of changes hardly decreases: the error of the solve causes
+            # them.
             if changes <= 2 or changes > 0.7 * fewest:
                 tol = finer
             fewest = min(fewest, changes)
@@ -487,7 +500,7 @@ class _Run:
         )
 
     def compliance(self, state: GridState) -> float:
-        """d level / d load; the pressure is zero at the ends, so that these do not matter."""
+        """d level / d load at a fixed contact set: the pressure is zero at the ends that move."""
         mask = state.contact
         if state.full:
             return self.influence.yields / (self.influence.n * self.influence.h)
@@ -499,8 +512,9 @@ class _Run:
     def at_level(self, level: float, guess: Array | None) -> GridState:
         """The contact under a level, by Newton's method on the load.
 
-        The level is concave in the load, as contact grows with it: from below no step overshoots.
-        A step that leaves the bracket is replaced by the geometric mean of its ends.
+        The level is a concave function of the load, as contact grows with the load. So a step from
+        too small a load never overshoots. A step that leaves the bracket is replaced by the
+        geometric mean of its ends.
         """
         inf, E, h = self.influence, self.influence.E, self.influence.h
         depth = level - self.lowest
@@ -525,7 +539,8 @@ class _Run:
                 return replace(state, converged=state.converged and abs(step) <= self.tol * load)
             if slope > 0.0 and step > 0.0:
                 low = load
-            else:  # above the level, or past the maximum of the approach of an isolated contact
+            # the load is too large, or beyond that of the largest approach of an isolated contact
+            else:
                 high = load
             if high < np.inf and high - low <= OPTIONS.closed * high:
                 if inf.is_periodic:

@@ -1,9 +1,10 @@
-r"""Zones proposed by a grid contact, refined until zones and gaps are a few cells wide.
+r"""Zones proposed by a contact on grids, refined until zones and gaps are a few cells wide.
 
 The grid (contact.search.grid.conjugate_gradient) gives the number of zones, and their ends to a
-fraction of a cell; Newton makes them exact. Near an end p ~ A sqrt(d), so that p^2 is linear there
-and its zero is found below the grid. A zone of one or two cells is taken as a Hertz contact: its
-load P and the curvature 1/R of the gap give a = 2 sqrt(P R / (pi E)).
+fraction of a cell; Newton's method then makes them exact. At a distance d from an end p ~ A
+sqrt(d), so that p^2 is linear and its zero is extrapolated between the points. A zone of one or two
+cells is taken as a Hertz contact: its load P and the curvature 1/R of the gap give a = 2 sqrt(P R /
+(pi E)).
 """
 
 import math
@@ -29,20 +30,23 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True)
 class NestedGridOptions:
-    """Points of the grids, and when zones count as resolved."""
+    """Numbers of points of the grids, and their tolerances."""
 
     coarsest: int = 64  # points of the first grid
-    # Cells to the smallest length of a shape: a wave has some 6 zeros of p a length.
+    # Cells per smallest length of a shape: the pressure has up to some 6 zeros in such a length.
     per_feature: int = 16
-    # Of a shape with more features than this the grid takes most of the time: half as many cells
-    # miss one zone in a hundred, which the first check of signs adds.
+    # For a shape with more features than this the grid takes most of the time. Half as many cells
+    # per feature are then used. They miss one zone in a hundred, which the first check of signs
+    # adds.
     many_features: int = 2**15
-    coarse_tolerance: float = 1e-3  # of grids before the last: the next one repairs the error
-    usual_points: int = 2**17  # at most; narrower zones need more than a grid to be found
+    # tolerance of all grids before the last; the next grid corrects the error
+    coarse_tolerance: float = 1e-3
+    # largest number of points, unless the shape states a resolution that needs more
+    usual_points: int = 2**17
 
     @property
     def window_points(self) -> int:
-        """Points of a window."""
+        """Number of points of a window."""
         return 2 * self.coarsest
 
 
@@ -50,36 +54,37 @@ class NestedGridOptions:
 class WindowOptions:
     """The search for a window that an isolated contact fills well."""
 
-    # Contact over the width of a window, in between which the window is taken.
+    # The window is accepted if the width of contact, divided by that of the window, lies in
+    # between.
     least_filled: float = 0.2
     most_filled: float = 0.7
-    max_windows: int = 300  # of growing or shrinking ones, from metres to atoms
-    # Heights above the lowest, over the window: such points never touch, and heights next to them
-    # would have no digits.
+    max_windows: int = 300  # largest number of windows tried: they may shrink from metres to atoms
+    # Points higher than this above the lowest one, divided by the width of the window, never touch.
+    # Their heights would cancel the digits of others.
     towering: float = 1e6
 
     @property
     def usual_filled(self) -> float:
-        """Contact over the width of the next window."""
+        """Width of contact divided by that of the next window."""
         return math.sqrt(self.least_filled * self.most_filled)
 
 
 OPTIONS = NestedGridOptions()
 WINDOW = WindowOptions()
-NARROW = 3  # cells: a narrower zone or gap is not resolved
-MOST_POINTS = 2**23  # of the last grid, however fine the shape is: 64 MB an array
+NARROW = 3  # number of cells; a narrower zone or gap is not resolved
+MOST_POINTS = 2**23  # largest number of points of the last grid: 64 MB for each array
 
 
 class NoWindow(OutOfRange):
-    """However wide a window is, the contact reaches its border."""
+    """Raised if the contact reaches the border of the window, however wide the window is."""
 
 
 @record
 class Proposal:
     """Zones to start Newton from, with the grid that they come from.
 
-    zones: (n, 2) [m]. points: of the last grid. touches_border: contact touches the border of what
-    is known. grid: the contact on it.
+    zones: (n, 2) [m]. points: number of points of the last grid. touches_border: whether contact
+    touches the border of the known part of the profile. grid: the contact on the last grid.
     """
 
     zones: Array
@@ -95,26 +100,26 @@ class Proposal:
 
     @property
     def load(self) -> float:
-        """Load of the grid [N/m]; nan if the grid is not kept."""
+        """Load of the contact on the grid [N/m]; nan if `grid` is None."""
         return np.nan if self.grid is None else self.grid.load
 
     @property
     def state(self) -> GridState:
-        """The contact on the grid, if it is kept."""
+        """The contact on the grid, which must not be None."""
         assert self.grid is not None
         return self.grid
 
 
 def grid_height(profile: Profile, x: Array) -> Array:
-    """Heights f at even, ascending points, up to a constant.
+    """Heights f at evenly spaced, ascending points, up to a constant.
 
-    Where the differences of f are lost in its digits, f is the integral of its slope. Near a summit
-    f varies with the square of the distance and f' with the distance, so that f' keeps more digits.
+    Where rounding hides the differences of f, its slope is integrated instead. Near a summit f
+    varies with the square of the distance and f' with the distance, so that f' keeps more digits.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
         size, range_ = np.max(np.abs(f)), np.ptp(f)
-        if not range_ < 1e8 * _EPS * size:  # f has eight digits of its shape
+        if not range_ < 1e8 * _EPS * size:  # rounding leaves eight digits of the differences of f
             return f
         ends, middle = (
             np.asarray(profile.slope(x)),
@@ -138,10 +143,11 @@ def narrowest(state: GridState) -> int:
     wraps = state.influence.is_periodic
     runs = np.array(runs_of(state.contact, wraps)).reshape(-1, 2)
     if state.full:
-        # About its minimum p is a parabola: below one second difference it may hide a gap.
+        # Near its minimum p is about a parabola. If p is below its second difference there, a gap
+        # may lie between the points.
         p, i = state.pressure, int(np.argmin(state.pressure))
         return n if p[i] > p[i - 1] - 2.0 * p[i] + p[(i + 1) % n] else 0
-    if not len(runs):  # the lowest point of a finer grid may lie deeper
+    if not len(runs):  # there is no contact, but the lowest point of a finer grid may touch
         return 0
     gaps = runs[1:, 0] - runs[:-1, 1] - 1
     if wraps:
@@ -152,8 +158,8 @@ def narrowest(state: GridState) -> int:
 def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Array:
     """Zones (k, 2) of a grid contact; none in full contact.
 
-    In a period left ends lie in the cell, ascending, and a right end may exceed it. between_points:
-    gaps that no point lies in are cut out, for a grid that resolves the pressure.
+    On a period, left ends ascend within the cell, and the last right end may lie beyond it.
+    between_points: gaps that contain no point are cut out; the grid must resolve the pressure.
     """
     points = np.asarray(x, dtype=np.float64)
     h, n, E = state.influence.h, state.influence.n, state.influence.E
@@ -182,7 +188,7 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
 def _gaps_between(x: Array, state: GridState) -> Array:
     """Gaps (k, 2) between two points of a grid x, where a parabola through p is negative.
 
-    Their width is that of a lone gap in that parabola.
+    Their width is that of a single gap under a full-contact pressure of this parabola.
     """
     p, h = state.pressure, state.influence.h
     # Outside a window there is no pressure.
@@ -200,9 +206,9 @@ def _gaps_between(x: Array, state: GridState) -> Array:
 
 
 def _to_end(p_end: Array, p_next: Array) -> Array:
-    """Cells from the last point in contact to the zero of p^2.
+    """Distance in cells from the last point in contact to the zero of p^2.
 
-    Half a cell where p does not fall towards the end.
+    It is half a cell where p does not decrease towards the end.
     """
     rise = p_next**2 - p_end**2
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -210,7 +216,7 @@ def _to_end(p_end: Array, p_next: Array) -> Array:
 
 
 def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> tuple[float, float]:
-    """Centre (in cells) and half width of a zone of one or two cells, as a Hertz contact."""
+    """Centre (in cells) and half width of a zone of one or two cells, taken as a Hertz contact."""
     h, n = state.influence.h, state.influence.n
     p = state.pressure[cells]
     load = float(p.sum()) * h
@@ -231,11 +237,11 @@ def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> 
 
 @record
 class Request:
-    """What is asked of nested grids: the contact under a load or a level, and how fine.
+    """Arguments of `propose`: the load or level, and the fineness of the nested grids.
 
-    resolution: the smallest length of the shape. points: of the last grid; None: as many as the
-    resolution asks for, doubled up to `max_points` while something is not resolved. start: a
-    contact on the same cell, to begin with. between_points: see `zones_of`.
+    resolution: the smallest length of the shape. points: number of points of the last grid; None:
+    as many as the resolution asks for, then doubled up to `max_points` while a zone or a gap is not
+    resolved. start: a contact on the same cell, to begin with. between_points: see `zones_of`.
     """
 
     load: float | None = None
@@ -259,7 +265,7 @@ def propose(
     else:
         target, limit = points_for(width, asked.resolution, asked.max_points)
         if _features(width, asked.resolution) > OPTIONS.many_features:
-            # The first check of signs repairs this error as well.
+            # The first check of signs corrects this error as well.
             tol = max(tol, OPTIONS.coarse_tolerance)
     n, start = target, None
     while n % 2 == 0 and n // 2 >= OPTIONS.coarsest and start is None:
@@ -286,18 +292,18 @@ def propose(
 
 
 def _features(width: float, resolution: float | None) -> float:
-    """Smallest lengths of a shape in a cell of this width."""
+    """Number of smallest lengths of a shape in a cell of this width."""
     return float(OPTIONS.per_feature) if resolution is None else width / resolution
 
 
 def points_for(width: float, resolution: float | None, most: int) -> tuple[int, int]:
-    """Points that a cell of this width asks for, and the most that it may get."""
+    """Number of points that a cell of this width needs, and the largest number allowed."""
     features = _features(width, resolution)
     per_feature = OPTIONS.per_feature
     if features > OPTIONS.many_features:
         per_feature //= 2
     target = 2 ** int(np.ceil(np.log2(max(4 * OPTIONS.coarsest, per_feature * features))))
-    # A shape of known resolution gets as many points as it asks for.
+    # A shape of known resolution gets as many points as it needs.
     limit = most if resolution is None else max(most, min(target, MOST_POINTS))
     return min(target, limit), limit
 
@@ -305,7 +311,7 @@ def points_for(width: float, resolution: float | None, most: int) -> tuple[int, 
 def _refine(p: Array, periodic: bool) -> Array:
     """The pressure on a grid of twice as many points, by linear interpolation.
 
-    Cells beyond an end, where p^2 extrapolates below zero, are left without pressure.
+    The pressure is zero in cells beyond an end, where the extrapolation of p^2 is negative.
     """
     left, right = np.roll(p, 1), np.roll(p, -1)
     if not periodic:
@@ -313,7 +319,7 @@ def _refine(p: Array, periodic: bool) -> Array:
     out = np.stack((0.75 * p + 0.25 * left, 0.75 * p + 0.25 * right), axis=1)
     for side, outer, inner in ((-1, left, right), (1, right, left)):
         ends = np.flatnonzero((p > 0) & (outer == 0))
-        # The half of a free cell that is next to the end.
+        # Half cells next to a point in contact that lie beyond the extrapolated end.
         beyond = (ends[_to_end(p[ends], inner[ends]) < 0.75] + side) % len(p)
         out[beyond, 0 if side > 0 else 1] = 0.0
     return np.asarray(out.ravel(), dtype=np.float64)
@@ -327,7 +333,7 @@ def find_window(
     limits: tuple[float, float] | None = None,
     start: tuple[float, float] | None = None,
 ) -> tuple[float, float]:
-    """A window of the line that an isolated contact fills to between 20 % and 70 %.
+    """A window of the line of which an isolated contact fills between 20 % and 70 %.
 
     The search begins with the window `start`, else with `limits`, which it never leaves, and grows
     or shrinks with the contact. Contact touches the border of the returned window only if it is
@@ -345,7 +351,7 @@ def find_window(
 
 @record
 class _Window:
-    """Windows of one isolated contact."""
+    """The search for a window of one isolated contact."""
 
     height: Height
     response: Response
@@ -408,24 +414,26 @@ class _Window:
                 if window == self.limits:
                     return window, state
                 if shrunk:
-                    # The wider window had asperities between its points: it shrinks no more.
+                    # The points of the wider window missed asperities, so that the window may not
+                    # shrink further.
                     least_width = 1.25 * width
                 shrunk = False
                 wanted_width = (8.0 if extent > 0.9 * width else 3.0) * width
                 centre = 0.5 * (window[0] + window[1])
             else:
-                # A contact of a few cells may be smaller than they are: it keeps some about it.
+                # A contact of a few cells may be narrower than these cells: the window keeps some
+                # around it.
                 wanted_width = max(extent / WINDOW.usual_filled, 12.0 * h, least_width)
                 centre = 0.5 * (left + right)
                 fits = extent <= WINDOW.most_filled * width
                 if fits and (extent >= WINDOW.least_filled * width or wanted_width >= 0.8 * width):
                     return window, state
                 shrunk = wanted_width < width
-            if not wanted_width < 1e60:  # its powers overflow
+            if not wanted_width < 1e60:  # powers of larger widths overflow
                 break
             wanted = self._clip((centre - 0.5 * wanted_width, centre + 0.5 * wanted_width))
             if wanted == window or centre + 0.5 * h == centre:
-                # The limits are reached, or the digits of x.
+                # The window has reached the limits, or the resolution of x by its digits.
                 return window, state
             window = wanted
         raise NoWindow(
@@ -444,7 +452,7 @@ class _Window:
         for _ in range(WINDOW.max_windows):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
-            # So light a load has vanished in the digits of any level.
+            # So light a load changes no digit of any level.
             if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
                     raise OutOfRange(
@@ -468,6 +476,6 @@ class _Window:
         return window
 
     def _compliance(self, state: GridState) -> float:
-        """d level / d load of the contact set, as of a flat punch."""
+        """d level / d load of the contact set, computed as for a flat punch."""
         flat = np.where(state.contact, 0.0, np.inf)
         return solve_grid(flat, state.influence, load=1.0, tol=OPTIONS.coarse_tolerance).level

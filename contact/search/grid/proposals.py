@@ -1,4 +1,4 @@
-"""Zones that a coarse grid proposes, placed as the scaled problem wants them."""
+"""Zones proposed by a coarse grid, in the scaled variables and the order of the problem."""
 
 from __future__ import annotations
 
@@ -22,16 +22,18 @@ from sie import Array
 
 @dataclass(frozen=True)
 class ProposalOptions:
-    """How precise a grid is, and how close to a wanted width its zones come."""
+    """Tolerance of the last grid, and how closely its zones must have a wanted total width."""
 
-    # Of the last grid: ends have an error of parts of a cell, whatever the tolerance.
+    # Tolerance of the last grid. Ends have an error of parts of a cell even at a smaller one.
     tolerance: float = 1e-5
-    max_grids: int = 3  # of one proposal with about a given contact width
-    # Error of a contact width on the first, coarse grids, over the smaller of contact and its
-    # complement.
+    max_grids: int = 3  # largest number of fine grids for one proposal of a given contact width
+    # Error of the contact width on the first, coarse grids, divided by the smaller of contact and
+    # its complement.
     width_error: float = 0.03
-    missing_zones: float = 0.3  # error of the width on the last grid, in zones
-    flattest: float = 0.2  # d log(width) / d log(load); a smaller rate is one of a jump
+    # error of the width on the last grid, in units of the mean zone width
+    missing_zones: float = 0.3
+    # least rate of the width's error with log(load) in a step; a smaller one occurs at a jump
+    flattest: float = 0.2
 
 
 OPTIONS = ProposalOptions()
@@ -46,14 +48,15 @@ def proposed(
 ) -> Proposal:
     """Zones from a grid.
 
-    points: None: as many as the profile's resolution asks for.
-    start: a contact under another load, to begin with.
+    points: number of points; None: as many as the profile's resolution needs. start: a contact
+    under another load, to begin with.
     """
     problem = scaled.problem
     units, profile, by_load = problem.units, problem.profile, control.load is not None
     detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
     if detail is not None:
-        # Newton moves an end by about the length of the kernel in a step: cells are twice as long.
+        # A step of Newton's method may move an end by about the length of the kernel: cells of up
+        # to twice this length are fine enough.
         cells = 2 * nested_grids.OPTIONS.per_feature
         detail = min(detail, cells * problem.kernel.length * units.length)
     return propose(
@@ -71,7 +74,7 @@ def proposed(
 
 
 def whole_response(problem: Problem) -> Response:
-    """The response of the surface on the whole line, or on all of the period of a strip."""
+    """The surface's response on the whole line, or for a strip on the whole period."""
     operator, interaction = problem.operator, problem.interaction
     whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
     return Response(
@@ -85,11 +88,11 @@ def whole_response(problem: Problem) -> Response:
 
 
 def of_width(scaled: ScaledScene, width: float) -> Proposal:
-    """Zones from a grid under a load at which they have about a scaled total width.
+    """Zones from a grid under a load at which their scaled total width is about `width`.
 
     The load is first found on grids that just resolve the width. Up to three grids as fine as the
-    profile asks for then repair the rest: without them a rough contact of more than 30 zones takes
-    two to four times as long.
+    profile needs then correct the remaining error. Without them a rough contact of more than 30
+    zones takes two to four times as long.
     """
     period, length = scaled.problem.repeat_length, scaled.problem.units.length
     load, rate, start = _load_of_width(scaled, width)
@@ -112,9 +115,9 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
 
 
 def _width_error(found: float, width: float, period: float) -> float:
-    """Error of a contact width: of the logarithm of contact over its complement.
+    """Error of a contact width, in the logarithm of contact divided by its complement.
 
-    That is about a straight line over the logarithm of the load.
+    As a function of the logarithm of the load it is about a straight line.
     """
     if not 0.0 < found < period:
         return math.copysign(math.inf, found - width)
@@ -122,7 +125,7 @@ def _width_error(found: float, width: float, period: float) -> float:
 
 
 def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Proposal]:
-    """A scaled load at which zones have about a total width, by false position.
+    """A scaled load at which the zones have about a given total width, by false position.
 
     Returns the load, the rate of the width's error with its logarithm, and the zones.
     """
@@ -144,10 +147,10 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
         contact = found.width / units.length
         error = _width_error(contact, width, period)
         tried.append((math.log(load), error))
-        # A bracket of a tenth of the load is close enough where the width jumps.
+        # Where the width jumps with the load, a bracket of a tenth of the load is close enough.
         if abs(contact - width) < OPTIONS.width_error * smaller or high < 1.1 * low:
             break
-        # An end of the bracket that stays a second time counts half (Illinois method).
+        # The value at an end of the bracket that stays a second time is halved (Illinois method).
         weight = 0.5 if error * last > 0 else 1.0
         if error < 0:
             low, at_low, at_high = load, error, weight * at_high
@@ -155,7 +158,7 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
             high, at_high, at_low = load, error, weight * at_low
         last = error
         if low == 0.0:
-            # The width grows at most with the root of the load.
+            # The width grows at most with the square root of the load.
             factor = min(max((width / contact) ** 2, 1e-3), 0.3) if contact < period else 0.3
             load = high * factor
         elif high == math.inf:
@@ -173,7 +176,7 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
 
 
 def placed(problem: Problem, zones: Array) -> Array:
-    """Zones [m] in scaled variables, in the order that the problem wants.
+    """Zones [m] converted to scaled variables, in the order that the problem needs.
 
     In a strip the period is cut at its widest gap. A body between sharp corners is never cut.
     """
@@ -183,12 +186,13 @@ def placed(problem: Problem, zones: Array) -> Array:
         return scaled
     bounded = np.isfinite(problem.corners).all()
     if problem.profile.symmetric or bounded:
-        # About the origin, so that mirror images are in one period; else between the corners.
+        # The period is centred on the origin, so that mirror images lie in it, or between the
+        # corners.
         middle = 0.5 * sum(problem.corners) if bounded else 0.0
         scaled = ascending(centred_on(scaled, middle, period))
     if problem.interaction.strip and len(scaled) and not bounded:
         gaps = np.diff(gaps_between(scaled, period))[:, 0]
-        # The last gap, over the border, stays the cut among equally wide ones.
+        # Among equally wide gaps the last one, across the border, remains the cut.
         if gaps[-1] < (1 - 1e-6) * gaps.max():
             first = int(np.argmax(gaps)) + 1
             scaled = np.concatenate((scaled[first:], scaled[:first] + period))

@@ -1,9 +1,9 @@
-"""A scene in scaled variables: the origin, the units, and where zones are looked for.
+"""A scene in scaled variables: the origin, the units, and the interval that holds the zones.
 
-A periodic profile is measured in its period, one without a period in the half width of the contact,
-which is found roughly first. So nanometres and kilometres, and loads over tens of decades, lead to
-about the same numbers. Units of length are powers of two. A turned body repeats nothing; where its
-tilt is unknown, a rough one is found together with the contact.
+The unit of length of a periodic profile is about its period. Without a period it is about the half
+width of the contact, which is found roughly first. So nanometres and kilometres, and loads over
+tens of decades, lead to about the same numbers. Units of length are powers of two. A turned body
+has no period; where its tilt is unknown, a rough tilt is found together with the contact.
 """
 
 import math
@@ -38,14 +38,15 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class ScalingOptions:
-    """Where the lowest place of a body alone on the line is looked for."""
+    """The search for the lowest place of a single body on the line."""
 
-    # Ratio of the scales over which places are sampled: half widths of a window, or, for a shape
-    # that states no length and levels off, from 1/scales to scales [m].
+    # Places are sampled up to this many half widths of a window away. For a shape that states no
+    # length and becomes level they are sampled from 1/scales to scales [m].
     scales: float = 1e9
-    places: int = 1024  # sampled on either side
-    max_descents: int = 12  # to ever deeper places
-    light_load: float = 1e-3  # over E* and a length: contact is about the lowest place only
+    places: int = 1024  # number of places sampled on either side
+    max_descents: int = 12  # largest number of moves to a lower place
+    # divided by E* and a length: so light a load has contact near the lowest place only
+    light_load: float = 1e-3
 
 
 OPTIONS = ScalingOptions()
@@ -63,7 +64,7 @@ class ScaledScene:
 def scaled_scene(scene: Scene, single: bool, tilt: float = 0.0) -> ScaledScene:
     """The scaled scene.
 
-    single: the contact begins as one zone about x = 0. tilt: a first guess, where it is unknown.
+    single: whether the first guess is one zone about x = 0. tilt: a first guess of an unknown tilt.
     """
     if scene.turned:
         return _turned(scene, tilt)
@@ -82,7 +83,7 @@ def scaled_scene(scene: Scene, single: bool, tilt: float = 0.0) -> ScaledScene:
 
 
 def scaled_scene_about(scene: Scene, tilt: float, zones: Array) -> ScaledScene:
-    """The scaled scene of a lone body with about these zones [m], turned by about this tilt."""
+    """The scaled scene of a lone body, from approximate zones [m] and an approximate tilt."""
     lo, hi = float(zones[0, 0]), float(zones[-1, 1])
     known = known_part(scene.profile) or (-np.inf, np.inf)
     window = (max(known[0], 2 * lo - hi), min(known[1], 2 * hi - lo))
@@ -101,9 +102,9 @@ def _turned(scene: Scene, guess: float) -> ScaledScene:
 
 
 def _scaled_by(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
-    """The scaled scene by a window that holds the contact.
+    """The scaled scene, with origin and length from a window that holds the contact.
 
-    The approach is that of the place x = 0 of the body before it is turned.
+    The approach is measured at x = 0 of the body before it is turned.
     """
     length = 2.0 ** round(math.log2(0.5 * (window[1] - window[0])))
     units = Units(
@@ -143,7 +144,7 @@ def _window(scene: Scene, profile: Tilted) -> Window:
 
 
 def _lowest_unturned(scene: Scene) -> float:
-    """min f of the body before it is turned."""
+    """Smallest height f of the body before it is turned."""
     profile = scene.profile
     cell = profile.support or profile.extent
     if cell is None and profile.period is None and profile.summits is None:
@@ -154,7 +155,7 @@ def _lowest_unturned(scene: Scene) -> float:
 
 
 def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
-    """`find_window` for a body alone."""
+    """The function `find_window` with the heights' response and limits of a single body."""
     response = response_of(scene, scene.operator.datum or 1.0)
 
     def find(
@@ -171,7 +172,7 @@ def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
 
 
 def _light(scene: Scene) -> float:
-    """A load whose contact is narrow beside the datum."""
+    """A load whose contact is narrow relative to the datum."""
     return OPTIONS.light_load * scene.E_star * (scene.operator.datum or 1.0)
 
 
@@ -180,8 +181,8 @@ def _window_about_lowest(
 ) -> Window:
     """A window of the contact under a load.
 
-    Any contact holds the lowest point. The points of a wide window may miss it, or find a tip that
-    is not the lowest one.
+    Any contact contains the lowest point. The sample points of a wide window may miss it, or find a
+    tip that is not the lowest one.
     """
     window = find(partial(grid_height, profile), load=load, start=start)
     for _ in range(OPTIONS.max_descents):
@@ -229,10 +230,10 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
 
 
 def _window_of_shape(profile: Profile) -> Window | None:
-    """A window about the lowest place of a shape that levels off far away, else None.
+    """A window about the lowest place of a shape that becomes level far away, else None.
 
-    Such a shape has no resolution, and wide windows do not see its dip. The window is as wide as
-    the shape takes to rise by half.
+    Such a shape states no resolution, and the points of a wide window may miss its lowest place.
+    The window extends to where the shape has risen by half.
     """
     if profile.resolution is not None or profile.extent is not None or profile.kinks.size:
         return None
@@ -241,7 +242,7 @@ def _window_of_shape(profile: Profile) -> Window | None:
     with np.errstate(all="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
     rise = f - f.min()
-    outer = OPTIONS.places // 4  # the shape is level there
+    outer = OPTIONS.places // 4  # beyond these samples the shape is level
     if (
         not np.isfinite(rise).all()
         or np.ptp(rise[-outer:]) + np.ptp(rise[:outer]) > 1e-12 * rise.max()
@@ -253,9 +254,9 @@ def _window_of_shape(profile: Profile) -> Window | None:
 
 
 def _deeper_place(profile: Profile, window: Window) -> float | None:
-    """A place outside a window where the profile is lower than in it; None if none was seen.
+    """A place outside a window where the profile is lower than inside; None if none was found.
 
-    Declared tips are looked at, and places ever farther away.
+    Declared tips are tested, and places at increasing distances.
     """
     centre, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
     away = half * np.geomspace(1.0, OPTIONS.scales, OPTIONS.places)
@@ -281,8 +282,8 @@ def _deeper_place(profile: Profile, window: Window) -> float | None:
 def _origin_of(profile: Profile, window: Window) -> float:
     """The origin of x: the lowest sharp tip in a window, else its middle.
 
-    An end that comes close to a tip is known by its distance from it, as of a wedge that stands on
-    its flank.
+    An end may come close to a tip, as for a wedge that touches with its flank. It is then precise
+    as a distance from the tip.
     """
     tips = profile.kinks[profile.kinks[:, 1] > 0, 0]
     tips = tips[(window[0] < tips) & (tips < window[1])]
@@ -292,7 +293,7 @@ def _origin_of(profile: Profile, window: Window) -> float:
 
 
 def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) -> float:
-    """The unit of slopes: the largest one at some places, or that of a load or of adhesion."""
+    """The unit of slopes: the largest sampled slope, or one derived from the load or adhesion."""
     lo, hi = cell
     x = lo + (hi - lo) * (np.arange(32) + 0.4142) / 32
     with np.errstate(over="ignore", invalid="ignore"):
@@ -300,7 +301,7 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     slope = float(np.max(slopes[np.isfinite(slopes)], initial=0.0))
     if slope > 0.0 and not scene.is_flat:
         return slope
-    # The pressure of a flat punch, turned or not, is that of its corners.
+    # A flat punch, turned or not, has its pressure from the load and not from its slope.
     if scene.given_load is None:
         return max(slope, 1.0)
     work = scene.law.tension * scene.law.reach

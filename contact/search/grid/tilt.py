@@ -1,8 +1,9 @@
-"""A rough tilt for a given moment, from contacts on windows of the line at one tilt after another.
+"""A rough tilt for a given moment, from contacts on windows of the line at successive tilts.
 
-A rigid body on a rigid plane rests on the two places between which its load has its centre: the
-edge of the lower convex hull of f there. Its tilt is that of the smallest loads, and is tried after
-the guess at hand. The root is found by contact.search.grid.tilt_rate.
+A rigid body on a rigid plane rests on two places on either side of the centre of its load. They are
+the ends of an edge of the lower convex hull of f. The slope of this edge is the tilt under the
+smallest loads, and is tried after the given guess. The root is found by
+contact.search.grid.tilt_rate.
 """
 
 import math
@@ -27,28 +28,29 @@ Window = tuple[float, float]
 
 @dataclass(frozen=True)
 class TiltOptions:
-    """How precisely and how far a rough tilt is looked for."""
+    """Precision of a rough tilt, and limits of the search for it."""
 
-    precision: float = 0.02  # of the centre of the load, over the extent of the contact
-    max_tilts: int = 24  # on windows about the contact
-    # A contact with another centre is looked for up to this many times farther away, three times.
+    # error of the centre of the load, relative to the extent of the contact
+    precision: float = 0.02
+    max_tilts: int = 24  # largest number of tilts in one search
+    # If no tilt is found, the limits of the search are widened by this factor, up to three times.
     farther: float = 1e3
-    hull_points: int = 4097  # for the convex hull
+    hull_points: int = 4097  # number of samples for the convex hull
 
 
 OPTIONS = TiltOptions()
 
 
 def known_part(profile: Profile) -> Window | None:
-    """The part of the line [m] on which a turned body is known, None for the whole line.
+    """The interval [m] on which a turned body is defined; None for the whole line.
 
-    It ends at the corners, at the ends of the one cell, or at those of the trace.
+    It ends at the corners, at the ends of the single cell, or at those of the trace.
     """
     return profile.support or Tilted(profile, 0.0).extent
 
 
 def held_by(profile: Tilted) -> Window | None:
-    """The window of any contact of a punch or of one cell; None where it must be found."""
+    """The window that holds any contact of a punch or of one cell; None where it must be found."""
     return profile.support or (None if profile.profile.period is None else profile.extent)
 
 
@@ -59,7 +61,7 @@ def window_at_load(
     limits: Window | None = None,
     start: Window | None = None,
 ) -> Window:
-    """A window that holds the contact of the profile at its tilt."""
+    """A window that holds the contact of the tilted profile under a load."""
     return held_by(profile) or find_window(
         partial(grid_height, profile),
         response_of(scene),
@@ -76,12 +78,12 @@ def first_window(profile: Profile) -> Window | None:
 
 
 def response_of(scene: Scene, datum: float = 1.0) -> Response:
-    """The response of the surface of a body alone."""
+    """The response of the surface of a single body."""
     return Response(scene.E_star, False, datum=datum, rest=scene.operator.rest)
 
 
 def tilt_search(scene: Scene, guess: float) -> AtTilt:
-    """A rough tilt at which the load has the moment, and the window of its contact."""
+    """A rough tilt at which the load has the given moment, with the window of its contact."""
     load = scene.given_load
     assert scene.moment is not None and load is not None
     centre, known = scene.moment / load, known_part(scene.profile)
@@ -120,8 +122,8 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
             # The centre of a load lies between places of contact, and none came close to it.
             break
         if missed and len(search.windows) > 1:
-            # A window about one asperity hid another one: the next contacts are those of a window
-            # that holds both, however far apart they are.
+            # A window about one asperity did not contain another one. The search is repeated with a
+            # window that holds both, however far apart they are.
             search = replace(search, whole=(lo, hi))
             best = balanced(search, centre, (best.tilt, resting), 2 * OPTIONS.max_tilts)
         if known is not None or best.window != search.limits:
@@ -134,10 +136,10 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
 
 @dataclass
 class _Tilting:
-    """Contacts at one tilt after another.
+    """The function from a tilt to its contact, which remembers the windows of former tilts.
 
-    Between two tilts the contact lies between theirs. A window about both shows asperities far
-    apart together.
+    At a tilt between two others, the contact lies between theirs. A window about both therefore
+    also contains asperities that are far apart.
     """
 
     scene: Scene
@@ -219,7 +221,7 @@ def hull_edge(x: Array, f: Array, at: float) -> tuple[int, int]:
     while True:
         rest = f - (f[j] - f[i]) / (x[j] - x[i]) * x
         k = int(np.argmin(rest))
-        # Each step moves one end of the edge to a corner of the hull closer to the place.
+        # Each step moves one end of the edge to a corner of the hull that is closer to x = at.
         nearer = (k > i and x[k] <= at) or (k < j and x[k] > at)
         if not nearer or rest[k] >= min(rest[i], rest[j]):
             return i, j

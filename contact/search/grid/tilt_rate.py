@@ -1,9 +1,10 @@
-"""The tilt under which a load has a given centre, moment / load: a bracketed Newton method.
+"""Bracketed Newton method for the tilt at which a load has a given centre, moment / load.
 
 Under a given load the moment grows with the tilt, as both belong to one convex energy. So any tilt
 with too small a moment and any with too large a one bracket the root. Newton's steps, with the
 contact fixed, converge fast; a step that leaves the bracket, or does not halve the error, is
-replaced by the middle of the bracket. A tilt at which the body finds no hold bounds it as well.
+replaced by the middle of the bracket. A tilt at which the body has no equilibrium also bounds the
+root.
 """
 
 import math
@@ -20,8 +21,8 @@ from sie import record
 class AtTilt:
     """A contact on a grid at one tilt.
 
-    centre: of the load [m]. rate: d centre / d tilt [m]. fineness: the distance to the wanted
-    centre that is close enough [m]. window: of the grid [m].
+    centre: centre of the load [m]. rate: d centre / d tilt [m]. fineness: distance to the wanted
+    centre that counts as reached [m]. window: window of the grid [m].
     """
 
     tilt: float
@@ -34,7 +35,7 @@ class AtTilt:
     def of(
         cls, tilt: float, window: tuple[float, float], state: GridState, fineness: float
     ) -> "AtTilt":
-        """From the contact of a grid. fineness: in cells."""
+        """The contact at a tilt, from its solution on a grid. fineness: here in cells."""
         h = state.influence.h
         x = np.asarray(window[0] + h * (np.arange(state.influence.n) + 0.5), dtype=np.float64)
         centre = float(state.pressure @ x) * h / state.load
@@ -48,9 +49,9 @@ class AtTilt:
 def balanced(
     measure: Callable[[float], AtTilt], centre: float, tilts: Sequence[float], most: int
 ) -> AtTilt:
-    """The contact whose load has its centre there, or the closest of `most` contacts.
+    """The contact whose load has the given centre, or else the closest of `most` contacts.
 
-    tilts: some to try first. Raises what `measure` raises if it does so at all of these.
+    tilts: tilts to try first. Raises the error of `measure` if it fails at all of these.
     """
     low, high = -math.inf, math.inf
     best: AtTilt | None = None
@@ -84,7 +85,8 @@ def balanced(
             return lean
         low, high = (max(low, tilt), high) if lean.centre < centre else (low, min(high, tilt))
         if miss <= before:
-            # With more places in contact the rate is another one, and Newton is tried again.
+            # Newton's step is tried next if the error was halved, if the bracket is still infinite,
+            # or if the rate has doubled because more places came into contact.
             newton = (
                 miss <= 0.5 * before
                 or high - low == math.inf
