@@ -3,7 +3,7 @@ r"""The transform of a density, its derivative, and the potential at complex poi
     F(z) = (1/pi) int phi K(z - xi) dxi,      F'(z),
     W(z) = (1/pi) int phi Lambda(z - xi) dxi,   W' = F.
 
-F is analytic off the zones. On their upper side it is the transform on the line less i phi (J.
+F is analytic off the zones. On their upper side it is the transform on the line minus i phi (J.
 Plemelj, Monatsh. Math. Phys. 19, 1908, 205-210). Everything is computed in the closed upper half
 plane; phi is real, so that the lower half plane has the conjugate values.
 

@@ -135,8 +135,8 @@ class Series(DensityBase):
         `DensityOptions.end_distance` do not count, because they are unbounded.
 
         To first order, a motion of an end leaves a bounded density unchanged at fixed places. Only
-        a part K / sqrt(d) appears, which the density at the new ends does not have. At equal t =
-        cos(theta), a motion of the right end by eps widths changes the density by
+        the moved end gains a part K / sqrt(d), and the density on the new zone lacks this part. At
+        equal t = cos(theta), a motion of the right end by eps widths changes the density by
 
             eps (1 + t) phi'(t) + K's part = -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)).
         """

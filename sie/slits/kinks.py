@@ -5,27 +5,38 @@ derivative for q = 1, 2. It causes a density (h/pi)(t - s)^q kappa(t) on the wid
 singular at s. So is the slack of the slit. Its singular part psi is known and given here.
 
 Let bar(f(.)) be the mean of f over the slit's equilibrium measure, where the dot is the place in
-the slit. Let chi = arccos(-z)/pi be the distribution function of that measure. For q = 0, psi = h
-(H(t - s) - chi). For q = 1, with m the middle of the slit, psi = h ((t - s)_+ - bar((t - .)_+) - (m
-- s) chi). psi vanishes at both ends of the slit. P[psi] is the density that psi causes, and
+the slit. Let chi = arccos(-z)/pi be the distribution function of that measure, H the unit step and
+m the middle of the slit. Then
+
+    psi = h (H(t - s) - chi)                                for q = 0,
+    psi = h ((t - s)_+ - bar((t - .)_+) - (m - s) chi)      for q = 1.
+
+psi vanishes at both ends of the slit. P[psi] is the density that psi causes, and
 
     (h/pi) kappa + P[psi] = (h/pi) bar(kappa) + (a_0 + a_1 t) / X,
     (h/pi) (t - s) kappa + P[psi]
         = (h/pi)(bar((t - .) kappa) + (m - s) bar(kappa) - (phi - bar(phi)) X) + (a_0 + a_1 t) / X,
     a_0 = (1/pi) int psi tau / X,   a_1 = (1/pi) int psi / X.
 
-Let r be the slit's half width. In these means, the logarithm ln|t - .| has the mean ln(r/2), and (t
-- .) ln|t - .| the mean r z (ln(r/2) + 1), on the slit. Both are smooth, so that a smooth function
-  is
-left for the slit's series. Off the slit, with |z| = cosh u, they are ln(r/2) + u and r sgn(z) (|z|
-(ln(r/2) + 1 + u) - sinh u).
+Let r be the slit's half width. The means that occur are smooth on the slit, so that its series
+represents a smooth function:
 
-For q = 2, with t - m = r z, s - m = r zeta, b_k = bar((z - .)_+^k), psi = h r^2 ((z - zeta)_+^2 -
-b_2 + 2 zeta b_1 - (zeta^2 - 1/2) b_0), and (t - s)^2 kappa is spread as bar((t - .)^2 kappa) - 2 r
-zeta bar((t - .) kappa) + r^2 (zeta^2 - 1/2) bar(kappa). The mean of (z - .)^2 ln|z - .| is z^2 (3/2
-- ln 2) + 1/4 - (ln 2)/2 on the slit, and (z^2 + 1/2) (u - ln 2) + 2 |z| e^-u - e^-2u / 4 off it.
-The transforms of both differ by a polynomial, which X times another polynomial cancels. With D =
-phi - phi(.), y = t - m and c = cos over the slit, that is (derived here)
+    bar(ln|t - .|) = ln(r/2),   bar((t - .) ln|t - .|) = r z (ln(r/2) + 1)     on the slit,
+    ln(r/2) + u   and   r sgn(z) (|z| (ln(r/2) + 1 + u) - sinh u)              off it, |z| = cosh u.
+
+For q = 2, let t - m = r z, s - m = r zeta and b_k = bar((z - .)_+^k). Then
+
+    psi = h r^2 ((z - zeta)_+^2 - b_2 + 2 zeta b_1 - (zeta^2 - 1/2) b_0),
+
+and (t - s)^2 kappa is replaced by
+
+    bar((t - .)^2 kappa) - 2 r zeta bar((t - .) kappa) + r^2 (zeta^2 - 1/2) bar(kappa).
+
+The mean of (z - .)^2 ln|z - .| is z^2 (3/2 - ln 2) + 1/4 - (ln 2)/2 on the slit. It is (z^2 + 1/2)
+(u - ln 2) + 2 |z| e^-u - e^-2u / 4 off the slit. The transforms of (t - s)^2 kappa and of its
+replacement differ by a polynomial, which X times another polynomial cancels. Let D be the
+difference phi - phi(.), y = t - m, and c the place in the slit, from -1 to 1, over which the mean
+is taken. That term is (derived here)
 
     -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)).
 """

@@ -1,9 +1,9 @@
 """Narrow gaps between zones as slits of wide zones.
 
-A density on one of two zones a gap g apart has a singularity of its own one g beyond its end, and
-needs n ~ sqrt(width / g) modes. A wide zone therefore spans both zones and the gap, which becomes a
-*slit* of the wide zone. Without the share of the slit, the density on the wide zone is as smooth as
-the right side.
+Consider two zones with a gap g between them. The series of either zone's density has a singularity
+at the near end of the other zone, so that it needs n ~ sqrt(width / g) modes. A wide zone therefore
+spans both zones and the gap, which becomes a *slit* of the wide zone. Without the share of the
+slit, the density on the wide zone is as smooth as the right side.
 
 On a wide zone with slits the equation is T[phi] = g - s, where T is the transform. The slack s is
 an unknown function. It vanishes off the slits, and its integral over each slit is zero. The density
