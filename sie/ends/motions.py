@@ -284,7 +284,7 @@ class IteratedMotions(FreeEnds):
             return np.asarray(out - by_value * (normal @ out) / (normal @ by_value))
 
         def along(d: Array) -> Array:
-            """The part of a motion that meets the condition on the ends."""
+            """The component of a motion that keeps the condition on the ends."""
             return (
                 d if normal is None else np.asarray(d - normal * (normal @ d) / (normal @ normal))
             )

@@ -43,7 +43,7 @@ from sie.jumps.poles import NO_POLES
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import QuadraticSpline
 
-# Number of coefficients of the potential of a spline of the density. They fall as l^-3.
+# Number of coefficients of the potential of a spline of the density. They decrease as l^-3.
 _POTENTIAL_TERMS = SPLINES.coefficients_per_knot * SPLINES.min_density_jumps
 
 

@@ -2,8 +2,8 @@
 
 Moments of a density phi, (1/pi) int phi T_k dxi, are passed up the tree, from children to parents.
 Chebyshev series of the transform are passed down it, from parents to children. See L. Greengard and
-V. Rokhlin, J. Comput. Phys. 73, 1987, 325-348, here in one dimension
-and with Chebyshev series in place of powers.
+V. Rokhlin, J. Comput. Phys. 73, 1987, 325-348, here in one dimension and with Chebyshev series in
+place of powers.
 """
 
 from functools import cached_property

@@ -1,14 +1,15 @@
-"""A smooth kernel between even panels of the line, as a short Chebyshev series on each pair.
+"""A smooth kernel between panels of equal length, as a short Chebyshev series on each pair.
 
-Nothing is known of a user's kernel but that it is smooth; its length is found by sampling. The
-panels over all zones are halved until the coefficients have decayed between any two of them,
+A user's kernel k(x, xi) is known to be smooth, but on which length it varies is found by sampling.
+The line is divided into panels, which are halved until the coefficients have decayed on any pair,
 
     k(x, xi) = sum_kl K^(d)_kl T_k(t) T_l(tau),
 
-where d is the number of panels by which x lies to the right of xi. This is one matrix for each lag
-d. The field of zones at points follows from moments of the panels, sum_q w_q T_l(tau_q) over the
-quadrature nodes of the zones, and from series on the panels, in time linear in zones and points. A
-kernel of both places has a skeleton instead, so that it is called on zones only.
+where d is the number of panels by which x lies to the right of xi. The coefficients are one matrix
+K^(d) for each lag d. The moments of a panel are sum_q w_q T_l(tau_q), over the quadrature nodes of
+the zones on it. The field at points follows from the moments by series on the panels, in time
+linear in zones and points. A kernel that does not depend on x - xi alone is treated by a skeleton
+instead, so that it is called for positions on zones only.
 """
 
 from __future__ import annotations
@@ -36,28 +37,29 @@ Function = Callable[[Array, Array], Array]
 class PanelOptions:
     """Options of the panels of a smooth kernel."""
 
-    # Panels over the zones, or over half a period, at most: a kernel that varies faster is summed
-    # directly. Very many zones may have `panels_per_zone` panels each. From `min_zones_of_skeleton`
-    # zones on, a kernel that does not depend on the lag alone has a skeleton.
+    # Largest number of panels on the zones, or on half a period. A kernel that varies faster is
+    # summed directly.
     max_panels: int = 512
+    # For very many zones there may be this number of panels for each.
     panels_per_zone: int = 8
+    # From this number of zones on, a kernel that does not depend on x - xi alone has a skeleton.
     min_zones_of_skeleton: int = 32
-    # Decayed coefficients, relative to the largest. Coefficients below `SKELETON.max_error` that
-    # halving a panel does not reduce to `noise_fall` are the kernel's own rounding.
+    # Last coefficients below `SKELETON.max_error` are the kernel's own round-off if halving the
+    # panels does not reduce them to this fraction.
     noise_fall: float = 0.3
-    # Rounding of a place, relative to a panel.
+    # Round-off of a position, relative to a panel.
     place_rounding: float = 1e-9
 
 
 OPTIONS = PanelOptions()
 
-# A series that falls by SKELETON.decayed in TERMS terms has no singularity closer to the line than
-# this many widths of a panel.
+# If a series decays by the factor SKELETON.decayed in TERMS terms, the kernel has no singularity
+# closer to the line than this number of panel widths.
 _REACH = 0.5 * math.sinh(-math.log(SKELETON.decayed) / TERMS)
 
 
 def panels_over(kernel: Kernel, zones: Zones) -> Panels | Skeleton | None:
-    """Fast sums of a kernel's regular part over all zones; None if they do not serve it."""
+    """Panels or skeleton for fast sums of a kernel's regular part; None if they do not apply."""
     if (
         kernel.regular is None
         or kernel.sure
@@ -80,8 +82,8 @@ def panels_of(
     """At most `most` panels of the regular part over [lo, hi]; None if these are too few."""
     if kernel.regular is None or kernel.sure or not hi > lo:
         return None
-    # Without a period the panels end where the zones do, since the kernel need not hold beyond.
-    # With one they also serve other zones.
+    # Without a period the panels end where the zones end, since the kernel need not be defined
+    # beyond. With a period they have fixed positions, so that they can be reused for other zones.
     whole, origin = (
         (hi - lo, lo)
         if kernel.period is None
@@ -100,7 +102,7 @@ def panels_of(
         if key not in kernel.kept_panels:
             if (
                 len(kernel.kept_panels) >= SKELETON.kept_with_kernel
-            ):  # those of zones that have moved since
+            ):  # the stored panels may be those of zones that have moved since
                 kernel.kept_panels.clear()
             kernel.kept_panels[key] = Panels(kernel, step, origin, first, count, farthest)
         found: Panels = kernel.kept_panels[key]
@@ -114,9 +116,10 @@ def panels_of(
 
 @record
 class Panels(Kept):
-    """Panels origin + [p step, (p + 1) step], p = first ... first + count - 1, of the sources.
+    """Panels of equal length that cover the sources.
 
-    farthest: the largest lag between panels for which the kernel is tabulated.
+    Panel p is the interval from origin + p step to origin + (p + 1) step, for p = first ... first +
+    count - 1. farthest: largest lag between panels for which the kernel is tabulated.
     """
 
     kernel: Kernel
@@ -127,15 +130,19 @@ class Panels(Kept):
     farthest: int
 
     def modes(self, half: Array) -> Index:
-        """Number of modes by which the kernel acts on zones of given half widths, or sees them."""
+        """Number of Chebyshev modes that resolve the kernel on zones of given half widths.
+
+        It holds both for the field on a zone and for the effect of the density of a zone.
+        """
         fall = np.arcsinh(_REACH * self.step / half)
         return np.asarray(np.ceil(-math.log(SKELETON.decayed) / fall), dtype=np.intp) + 2
 
     @cached_property
     def tail(self) -> float:
-        """The last coefficients in either variable, over the largest.
+        """Largest of the last coefficients in either variable, relative to the largest of all.
 
-        Only neighbouring panels are sampled at first, and all if these have decayed.
+        Neighbouring panels are sampled first, and all others only if these coefficients have
+        decayed.
         """
         few = _tail(self._few())
         return (
@@ -145,17 +152,18 @@ class Panels(Kept):
         )
 
     def _few(self) -> Array:
-        """K between neighbouring panels."""
+        """The matrices K^(d) of neighbouring panels."""
         return self._made(False, -min(1, self.farthest), min(1, self.farthest) + 1)
 
     def _made(self, potential: bool, low: int, high: int) -> Array:
-        """K^(d) for low <= d < high, (d, TERMS, TERMS)."""
+        """The matrices K^(d) for low <= d < high, (high - low, TERMS, TERMS)."""
         nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
         out = np.empty((high - low, TERMS, TERMS))
-        with np.errstate(all="ignore"):  # too far off, until panels are short enough
+        with np.errstate(all="ignore"):  # values may overflow while panels are too long
             for start in range(low, high, CACHED // TERMS):
                 lags = np.arange(start, min(start + CACHED // TERMS, high))
-                # Panels are counted from the first one, where the kernel holds.
+                # One of the two panels is the first one, so that both lie where the kernel is
+                # defined.
                 target, source = np.maximum(lags, 0)[:, None], np.maximum(-lags, 0)[:, None]
                 out[lags - low] = self._coefficients(
                     potential, self.place(target) + nodes, self.place(source) + nodes
@@ -163,11 +171,14 @@ class Panels(Kept):
         return out
 
     def place(self, panel: Index) -> Array:
-        """Middles of panels, counted from the first one."""
+        """Middles of panels; panel 0 is the first one."""
         return np.asarray(self.origin + (self.first + panel + 0.5) * self.step)
 
     def _coefficients(self, potential: bool, x: Array, xi: Array) -> Array:
-        """K by its values at nodes: x (n, TERMS) of several panels, xi of as many or of one."""
+        """The matrices K^(d) from values of the kernel at nodes.
+
+        x: nodes (n, TERMS) of n target panels; xi: those of n source panels, or of one.
+        """
         function, to_series = (
             self.kernel.regular_potential if potential else self.kernel.regular,
             chebyshev.to_series(TERMS),
@@ -189,12 +200,13 @@ class Panels(Kept):
         return self._tables[potential]
 
     def _all(self, potential: bool) -> Array:
-        """K^(d) for all tabulated lags, (2 farthest + 1, TERMS, TERMS)."""
+        """The matrices K^(d) for all tabulated lags, (2 farthest + 1, TERMS, TERMS)."""
         return self._made(potential, -self.farthest, self.farthest + 1)
 
     def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
-        """Series on the panels low ... high, (panels, TERMS, n), by a convolution of moments over
-        the panels.
+        """Series of the field on the panels low ... high, (panels, TERMS, n).
+
+        They are a convolution of the matrices K^(d) and the moments, computed by FFT.
         """
         kernel, length = self._waves(potential, low, high)
         moments = moments.reshape(self.count, TERMS, -1)
@@ -202,7 +214,10 @@ class Panels(Kept):
         return np.asarray(fft.irfft(waves, length, axis=0)[: high - low + 1])
 
     def _waves(self, potential: bool, low: int, high: int) -> tuple[Complex, int]:
-        """(Fourier transform of K^(d) over all lags to the panels low ... high, its length)."""
+        """(Fourier transform of K^(d) with respect to the lag d, its length).
+
+        The lags are those from the sources to the panels low ... high.
+        """
         key = potential, low, high
         if key not in self._transforms:
             wanted = high - low + 1
@@ -210,7 +225,7 @@ class Panels(Kept):
             lag = np.arange(1 - self.count, wanted)
             kernel = np.zeros((length, TERMS, TERMS))
             kernel[lag % length] = self._table(potential)[lag + low - self.first + self.farthest]
-            # Only the last transform is kept: zones ask for the same one again and again.
+            # Only the last transform is stored: the same zones use the same one again and again.
             self._transforms.pop(
                 next((k for k in self._transforms if k[0] == potential), key), None
             )
@@ -223,15 +238,15 @@ class Panels(Kept):
 
     @property
     def size(self) -> int:
-        """Number of moments."""
+        """Number of moments on all panels."""
         return self.count * TERMS
 
     def spread(self, x: Array) -> Spread:
-        """Points with their panels."""
+        """The points x with the panels that they lie on."""
         return Spread.of(self, x)
 
     def moments(self, spread: Any, weights: Array) -> Array:
-        """Moments (count TERMS, ...) of weights (n, ...) at points."""
+        """Moments (count TERMS, ...) of sources with the given weights (n, ...) at points."""
         shape = weights.shape[1:]
         out = np.zeros((self.count, TERMS, *shape))
         for panel, here in spread.groups:
@@ -290,7 +305,11 @@ def _tail(blocks: Array) -> float:
 
 @record
 class Spread(Kept):
-    """Points (n,) on the panels: T_k at each, (n, TERMS), and the points of each panel."""
+    """Points on the panels.
+
+    x: the points (n,); table: T_k at each of them (n, TERMS); groups: (panel, indices of its
+    points) of each panel with points.
+    """
 
     x: Array
     table: Array
@@ -300,7 +319,7 @@ class Spread(Kept):
     def of(cls, panels: Panels, x: Array) -> Spread:
         place = (x - panels.origin) / panels.step
         panel = np.floor(place)
-        # The right end of the last panel belongs to it.
+        # The last panel includes its right end.
         last = panels.first + panels.count - 1
         panel = np.where(
             (panel == last + 1) & (place - panel < OPTIONS.place_rounding), last, panel

@@ -1,10 +1,11 @@
 """The transform of a piecewise quadratic function at many points, in time linear in their number.
 
-The transform is (1/pi) PV int f(xi) K(x - xi) dxi. A jump J of f'' at s gives it the term (J/2 pi)
-(x - s)^2 ln|x - s|, and one of f' the term (J/pi) (x - s) ln|x - s|. The line is cut into cells:
-the pieces of f, halved where more than a few jumps are near. On a cell the near jumps are closed
-forms, and the rest is analytic, a Chebyshev series. It is computed once, from a fast sum over the
-pieces (`far`) and from closed forms of the pieces near the cell,
+The transform is (1/pi) PV int f(xi) K(x - xi) dxi. A jump J of f'' at s adds the term
+(J/2 pi) (x - s)^2 ln|x - s| to it, and a jump of f' the term (J/pi) (x - s) ln|x - s|. The line is
+cut into cells: the pieces of f, halved where more than a few jumps are near. On a cell the terms of
+the near jumps are evaluated in closed form. The rest is analytic, and a Chebyshev series represents
+it. The series is computed once, from a fast sum over the pieces (`sie.trees.far`) and from closed
+forms of the pieces near the cell,
 
     int_-1^1 (p_0 + p_1 u + p_2 u^2) / (z - u) du
         = (p_0 + p_1 z + p_2 z^2) ln|(z + 1)/(z - 1)| - 2 p_1 - 2 p_2 z.
@@ -24,8 +25,8 @@ from sie.basis.kernels import Kernel
 from sie.trees.far import FarSum, Nested
 from sie.trees.tree import CACHED, SEPARATION, TERMS, Tree
 
-# Jumps closer to a cell than this part of its length are closed forms: series of TERMS terms
-# resolve the others.
+# Jumps closer to a cell than this fraction of its length are evaluated in closed form. Series of
+# TERMS terms resolve the effect of all others.
 _MARGIN = 0.5 * SEPARATION
 
 
@@ -33,41 +34,45 @@ _MARGIN = 0.5 * SEPARATION
 class CellOptions:
     """Options of the cells of a piecewise function."""
 
-    # A cell is halved where more jumps than this are near, or two that are closer to each other
-    # than `min_distance` of it: their closed forms over its length would be much larger than f.
+    # A cell is halved if more jumps than this are near it, or if two near jumps are closer to each
+    # other than `min_distance` of its length. On a longer cell their terms would be much larger
+    # than f.
     max_jumps: int = 12
     min_distance: float = 0.2
 
 
 _OPTIONS = CellOptions()
 
-# Beyond this distance, in half widths, the closed form of a piece cancels, and moments serve.
+# Beyond this distance from the middle of a piece, in half widths, its closed form cancels. Its
+# moments are used instead.
 _CLOSE = 1 + SEPARATION
 
 
 class PiecewiseTransform:
-    """The transform of f = p_0 + p_1 (xi - s) + p_2 (xi - s)^2 on [s_i, s_i+1], zero beyond and
-    continuous.
+    """The transform of a continuous piecewise quadratic function f.
+
+    f is p_0 + p_1 (xi - s_i) + p_2 (xi - s_i)^2 on the interval [s_i, s_i+1]. It is zero beyond the
+    first and the last end.
 
     Parameters
     ----------
     kernel : Kernel
-        By which it is taken.
+        The kernel of the transform.
     ends : array_like
-        s (n + 1,), ascending; a kernel with a period has that from the first to the last, and f
-        repeats.
+        Ends s_i of the pieces (n + 1,), ascending. If the kernel has a period, they cover exactly
+        one period, and f repeats.
     pieces : array_like
-        The coefficients p (n, 3).
+        The coefficients p of each piece (n, 3).
     at, jumps : array_like
-        Places, of which no two are one, and heights (k,) of the jumps of f'', with a period those
-        of one.
+        Distinct positions and heights (k,) of the jumps of f''; those of one period, if there is
+        one.
     kinks : array_like or None
-        Heights (k,) of the jumps of f' there; None: it has none.
+        Heights (k,) of the jumps of f' at the same positions; None if f' does not jump.
 
     Examples
     --------
-    Of f = 1 - (2 x - 1)^2 on [0, 1]: f'' = -8 between its ends, and f' does not jump if f is put
-    together with smaller pieces.
+    A quadratic B-spline on [0, 3]: f is symmetric about x = 1.5, so that its transform is zero
+    there.
 
     >>> import numpy as np, sie
     >>> ends = np.array([0.0, 1.0, 2.0, 3.0])
@@ -110,7 +115,7 @@ class PiecewiseTransform:
 
     @property
     def most_near(self) -> int:
-        """Largest number of jumps that are closed forms at a point."""
+        """Largest number of jumps that are evaluated in closed form at a point."""
         return int(self._count.max())
 
     def _made(self, ends: Array, pieces: Array) -> Array:
@@ -152,8 +157,9 @@ class PiecewiseTransform:
         after = (a[target] + b[target]) >= (a[source] + b[source]) + 2 * shift
         own = (target == source) & (shift == 0.0)
         wide, size = w[target][:, None], w[source][:, None]
-        # Distances from both ends of the source over its half width, seen from the closer end of
-        # the target.
+        # Distances of the target's nodes from the nearer end of the source. They are sums of the
+        # gap between the two cells and the distance from the nearer end of the target, divided by
+        # the half width of the source.
         past_b = (a[target] - (b[source] + shift))[:, None] + wide * left
         before_a = ((a[source] + shift) - b[target])[:, None] + wide * right
         outside = np.where(after[:, None], past_b, before_a) / size
@@ -177,9 +183,9 @@ class PiecewiseTransform:
         return np.asarray(out)
 
     def _near(self, cell: Index, from_left: Array, from_right: Array) -> Array:
-        """Closed forms of the jumps near the cells of points.
+        """Terms at points of the jumps near the points' cells, in closed form.
 
-        Points are given by their distances from both ends of their cells.
+        Points are given by their cells and their distances from both ends of these.
         """
         shape = np.broadcast_shapes(cell.shape, from_left.shape)
         cell, x = np.broadcast_to(cell, shape).ravel(), np.broadcast_to(from_left, shape).ravel()
@@ -233,7 +239,7 @@ def clenshaw(table: Array, cell: Index, t: Array) -> Array:
 
 
 def _cells(ends: Array, at: Array) -> Array:
-    """The pieces, halved until few jumps are near any of them."""
+    """Ends of the cells: the pieces, halved until few of the jumps `at` are near any of them."""
     between = np.append(np.diff(at), np.inf)
     while True:
         length = np.diff(ends)
@@ -250,7 +256,7 @@ def _cells(ends: Array, at: Array) -> Array:
 
 
 def _monomials() -> Array:
-    """int_-1^1 u^j T_k du, (3, TERMS)."""
+    """Integrals of u^j T_k(u) from -1 to 1, (3, TERMS)."""
     u, weight = np.polynomial.legendre.leggauss(TERMS)
     table = np.cos(np.arccos(u)[:, None] * np.arange(TERMS))
     return np.asarray(np.array([weight, weight * u, weight * u * u]) @ table)

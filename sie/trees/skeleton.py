@@ -1,12 +1,13 @@
-"""The low rank of a smooth kernel of both places: a few places on zones stand for all of them.
+"""Low-rank interpolation of a smooth kernel k(x, xi) from a few source positions on the zones.
 
     k(x, xi) = sum_j k(x, s_j) P_j(xi)        x, xi on zones,
 
-and the same for its potential, with the same P. The places s_j are the columns that a pivoted QR of
-k on a few hundred places picks, and P_j(xi) solves the equation at as many rows (H. Cheng, Z.
-Gimbutas, P. G. Martinsson and V. Rokhlin, SIAM J. Sci. Comput. 26, 2005, 1389-1404). The field of
-zones follows from the moments sum_q w_q P_j(xi_q), charges at s_j. So the kernel is called on zones
-only, and off them where a value there is asked for.
+with interpolating functions P_j, which hold for the potential of the kernel, too. A pivoted QR
+decomposition of k at a few hundred positions selects the columns s_j and as many rows. P_j(xi)
+solves this equation in the selected rows (H. Cheng, Z. Gimbutas, P. G. Martinsson and V. Rokhlin,
+SIAM J. Sci. Comput. 26, 2005, 1389-1404). The field of zones is that of point sources at s_j, with
+the moments sum_q w_q P_j(xi_q) as strengths, for sources w_q at xi_q. So the kernel is called for
+positions on zones only, unless the field off the zones is wanted.
 """
 
 from __future__ import annotations
@@ -28,16 +29,18 @@ from sie.basis.zones import Zones
 class SkeletonOptions:
     """Options of the skeleton of a smooth kernel."""
 
-    # A column that adds less than this, relative to the largest, is rounding. `max_error` is the
-    # largest error of the skeleton at other places.
+    # A pivot of the QR decomposition below this, relative to the largest, is round-off.
     decayed: float = 1e-15
+    # Largest accepted error at other positions, relative to the largest value of the kernel.
     max_error: float = 1e-12
-    # Nodes on each zone, in turn, that show the number of modes of the kernel there; coefficients
-    # below `rounding` are noise; `sampled_places` places of the skeleton are sampled for that.
+    # Numbers of nodes on each zone that are tried in turn to find the number of modes of the kernel
+    # there, and numbers of positions that are tried for the skeleton.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
+    # Coefficients of the kernel below this, relative to the largest value, are noise.
     rounding: float = 1e-14
+    # Number of positions of the skeleton at which these coefficients are computed.
     sampled_places: int = 8
-    # Skeletons kept with a kernel.
+    # Number of skeletons stored with a kernel.
     kept_with_kernel: int = 24
 
 
@@ -46,10 +49,11 @@ SKELETON = SkeletonOptions()
 
 @record
 class Skeleton(Kept):
-    """Places s (r,) that stand for all sources, and rows that determine the shares of others.
+    """Source positions s_j of the skeleton, and rows that determine the interpolating functions.
 
-    of_row, x_of_row: function (0: regular part, 1: potential) and place x of each row; factors: LU
-    factors of the kernel there; scale: largest values of both functions.
+    places: positions s_j (r,); of_row: function of each row (0: regular part, 1: potential);
+    x_of_row: position x of each row; factors: LU factors of the functions in these rows at the
+    places; scale: largest values of both functions, by which they are divided.
     """
 
     kernel: Kernel
@@ -66,7 +70,10 @@ class Skeleton(Kept):
         return len(self.places)
 
     def modes(self, half: Array) -> Index:
-        """Number of modes by which the kernel acts on each zone of `zones`."""
+        """Number of Chebyshev modes that resolve the kernel on each zone of `zones`.
+
+        half: not used; it is the argument of `Panels.modes`.
+        """
         return self._modes
 
     @cached_property
@@ -94,11 +101,11 @@ class Skeleton(Kept):
         return out
 
     def spread(self, x: Array) -> Seen:
-        """Points, as sources or as targets."""
+        """The points x with the skeleton's matrices for them, as sources or as targets."""
         return Seen(self, x)
 
     def shares(self, xi: Array) -> Array:
-        """P_j at sources xi (n,), (n, r)."""
+        """The interpolating functions P_j at sources xi (n,), shape (n, r)."""
         functions = _functions(self.kernel)
         rows = np.empty((len(self.x_of_row), len(xi)))
         for number, function in enumerate(functions):
@@ -108,7 +115,7 @@ class Skeleton(Kept):
         return np.asarray(linalg.lu_solve(self.factors, rows, check_finite=False).T)
 
     def moments(self, spread: Any, weights: Array) -> Array:
-        """Moments (r, ...) of weights (n, ...) at points."""
+        """Moments (r, ...) of sources with the given weights (n, ...) at points."""
         return np.asarray(np.tensordot(spread.as_sources, weights, axes=(0, 0)))
 
     def at(self, spread: Any, moments: Array, potential: bool) -> Array:
@@ -125,11 +132,11 @@ class Seen:
 
     @cached_property
     def as_sources(self) -> Array:
-        """P_j at the points (n, r)."""
+        """The interpolating functions P_j at the points, shape (n, r)."""
         return self.skeleton.shares(self.x)
 
     def as_targets(self, potential: bool) -> Array:
-        """The kernel or its potential between the points and the places of the skeleton (n, r)."""
+        """The kernel or its potential at the points, for sources at the places s_j (n, r)."""
         if potential not in self._targets:
             kernel = self.skeleton.kernel
             function = kernel.regular_potential if potential else kernel.regular
@@ -143,7 +150,8 @@ class Seen:
 
 def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
     """The skeleton of the kernel's regular part on zones; None if its rank is too high."""
-    # To find that the rank is too high takes longest, so it is not tried again for as many zones.
+    # A rank that is too high takes longest to find out. So a failure is stored for this number of
+    # zones, and the skeleton is not tried again.
     key, too_high = zones.table.tobytes(), ("rank", len(zones))
     if too_high in kernel.kept_panels:
         return None
@@ -174,7 +182,7 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
             continue
         chosen = table[:, order[:rank]]
         rows = linalg.qr(chosen.T, mode="r", pivoting=True, check_finite=False)[1][:rank]
-        # For a kernel that is zero, any place serves.
+        # For a kernel that is zero, the rows are singular and any factors serve.
         factors = linalg.lu_factor(
             chosen[rows] if size[0] > 0.0 else np.eye(rank), check_finite=False
         )
@@ -187,7 +195,7 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
 
 
 def _misses(skeleton: Skeleton, x: Array, xi: Array) -> float:
-    """Largest error of the skeleton at other places, over the kernel's largest value."""
+    """Largest error of the skeleton at x and xi, relative to the kernel's largest value."""
     shares, worst = skeleton.shares(xi), 0.0
     for function, size in zip(_functions(skeleton.kernel), skeleton.scale, strict=True):
         off = np.asarray(function(x[:, None], skeleton.places)) @ shares.T - function(
@@ -208,10 +216,10 @@ def _functions(kernel: Kernel) -> list[Any]:
 
 
 def _some(zones: Zones, count: int, shift: int) -> Array:
-    """About `count` places on zones; another shift gives other places.
+    """About `count` positions on zones; another shift gives other positions.
 
-    Each zone gets places in proportion to its width, but at least two. Of very many zones only some
-    are taken.
+    Each zone gets a number of positions in proportion to its width, but at least two. If there are
+    very many zones, only some of them are used.
     """
     number = min(len(zones), count // 3)
     chosen = np.unique(
