@@ -1,4 +1,4 @@
-"""The equilibrium of a scene on the branch that its context asks for."""
+"""The equilibrium of a scene on the branch that its context names."""
 
 from contact.adhesion import cohesive_branch, edge_branch
 from contact.adhesion.full_contact import as_not_converged
@@ -9,7 +9,7 @@ from contact.search.strategies.guesses import Outcome
 
 
 def found(context: SolveContext) -> Outcome:
-    """The contact of the context's scene; OutOfRange past pull-off."""
+    """The contact of the context's scene. Raises OutOfRange past pull-off."""
     refuse_unbounded(context.scene)
     with one_blas_thread(), as_not_converged():
         if context.scene.law.tension:

@@ -129,7 +129,7 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
     if rest is not None:
         return pull_off(curve, rest)
     problem, pulled = curve.problem, curve.everywhere
-    # Without contact the load is that of the tension, which also moves the base of a spring.
+    # Without contact the only load is the tension's; the approach includes the motion it causes.
     load = -pulled.pulling.total
     lost = (
         load

@@ -61,7 +61,7 @@ _SEEN_ON_GRID = "; on a coarse grid it ends in full contact, and was not followe
 def closing_foreseen(context: SolveContext, curve: Curve, value: float) -> Iterator[None]:
     """Raise `Closed` if the contact that advances under a value of the control ends full.
 
-    The test is made before the contact is followed if that takes long, else only after that has
+    The test is made before the contact is followed if that takes long, and after following it has
     failed.
     """
     if _is_followed_slowly(context) and _closes(context, curve, value, _OPTIONS.work_share):

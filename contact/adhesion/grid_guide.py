@@ -1,15 +1,15 @@
-"""The grid guide: intervals of tension that grow or shrink to rest on a grid, all at once.
+"""The grid guide: first guesses of intervals of tension, grown or shrunk on a grid.
 
 Under the tension on intervals I the contact is that of the deformed surfaces
-(contact.search.grid.conjugate_gradient), and the map
+(contact.search.grid.conjugate_gradient). With the reach h, the map
 
     I -> {gap < h}
 
-keeps order on a half-plane under a held load, h the reach. Intervals whose ends are all driven
-outward grow to the least equilibrium that holds them; those driven inward shrink to the greatest
-one inside. On a grid a round costs a few transforms. A reach a little smaller for growth, and a
-little larger for shrinking, makes up for the error of the grid: the intervals then lie inside the
-ones that are searched for, or hold them.
+is monotone on a half-plane under a fixed load. Intervals whose ends are all driven outward grow to
+the least equilibrium that contains them. Those driven inward shrink to the greatest one inside. On
+a grid an iteration of the map costs a few transforms. The reach is taken a little smaller for
+growth and a little larger for shrinking. In spite of the error of the grid, the intervals then lie
+inside those of the equilibrium, or contain them.
 """
 
 import math
@@ -33,19 +33,20 @@ from sie import Array, Mask, record
 
 @dataclass(frozen=True)
 class GridOptions:
-    """The grid on which intervals of tension are guided."""
+    """Options of the grid on which intervals of tension are moved."""
 
-    # Cells for each feature of the profile, and for the strip that adhesion without range leaves.
+    # Cells for each feature of the profile, and for the strip of tension next to a wide zone.
     cells_per_feature: int = 16
     cells_per_strip: int = 32
     least_points: float = 256.0
-    # A grid is too fine beyond few points if the strips ask for so many times the profile's points.
+    # Up to `few_points` any grid is used. A finer one has at most `max_refinement` times the points
+    # that the profile needs, and at most `max_points`.
     few_points: int = 2**14
     max_refinement: int = 8
     max_points: int = 2**18
-    # Window on either side of the intervals of a lone body, over their span.
+    # Window on either side of the intervals of a lone body, relative to their span.
     window: float = 0.25
-    # Change of a cell's share at rest, and accuracy of a contact on the way.
+    # Change of the covered fraction of a cell at rest, and accuracy of contacts on the way.
     resting_share: float = 0.02
     tolerance: float = 1e-4
     # Halvings between a control with a contact and one without.
@@ -142,7 +143,7 @@ class GridGuide(sie.Kept):
         reach: float,
         warm_start: GridState | None = None,
     ) -> GridRest:
-        """Where intervals come to rest that grow (sign 1) or shrink (-1).
+        """The intervals and zones at rest, after growth (sign 1) or shrinking (sign -1).
 
         reach: factor of the law's reach. table: None for tension in all of a period. Raises
         ContactLost, Closed, or NotConverged at the border of the window.
@@ -164,7 +165,7 @@ class GridGuide(sie.Kept):
         return GridRest(found, placed(self.problem, zones_of(state, self.x)), state)
 
     def least_value(self, table: Array | None, value: float) -> float:
-        """About the lowest value of the control at which shrinking intervals come to rest."""
+        """Approximately the lowest value of the control at which shrinking intervals come to rest."""
         high, low = value, self._lost(value)
         warm_start: GridRest | None = None
         for _ in range(GRID.max_halvings):
@@ -221,7 +222,7 @@ class GridGuide(sie.Kept):
         return state
 
     def _shares(self, table: Array) -> Array:
-        """Part of each cell that intervals cover."""
+        """Fraction of each cell that the intervals cover."""
         rows = np.asarray(self.problem.units.x(table)) - self.x0
         edges = self.cell * np.arange(self.points + 1)
         out = np.zeros(self.points)
@@ -256,13 +257,13 @@ class GridGuide(sie.Kept):
 
 
 def shares_below(above: Array) -> Array:
-    """Part of each cell where a function, linear between their middles, is negative."""
+    """Fraction of each cell in which a function, linear between cell middles, is negative."""
     half = 0.5 * (above + np.roll(above, -1))
     return 0.5 * (_part_below(above, half) + np.roll(_part_below(half, np.roll(above, -1)), 1))
 
 
 def _part_below(a: Array, b: Array) -> Array:
-    """Part of a length on which a linear function from a to b is negative."""
+    """Fraction of a length on which a linear function from a to b is negative."""
     with np.errstate(divide="ignore", invalid="ignore"):
         crossing = a / (a - b)
     return np.where(

@@ -60,7 +60,7 @@ def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> Cohesiv
 
 
 def _curve_without_range(curve: CohesiveCurve, zones: Array, share: float) -> Curve | None:
-    """The curve of a law without range and with this share of the work.
+    """The curve of a law without range whose work of adhesion is multiplied by `share`.
 
     None where strips are wider than zones, or there is no such law.
     """
@@ -75,9 +75,10 @@ def _curve_without_range(curve: CohesiveCurve, zones: Array, share: float) -> Cu
 def _with_range(
     curve: CohesiveCurve, short: Curve, tips: State, margin: float
 ) -> CohesiveState | None:
-    """The state with range about an equilibrium without, all ends driven one way.
+    """A state of the law with range, about an equilibrium of the law without range.
 
-    margin: part of the work left out; negative: added. None where the ends are driven both ways.
+    All its ends are driven one way. margin: fraction of the work left out, or added if negative.
+    None where the ends are driven both ways.
 
     Near a tip, p = A sqrt(v) - K/sqrt(v) at a depth v. The contact ends where a strip of width d
     takes up K = 2 s sqrt(d)/pi, and at the end of the strip the gap is the reach h, 4 s d/pi + 4
@@ -120,7 +121,7 @@ def near_pull_off(
     here: State,
     recede: Callable[[CohesiveCurve, Array, float], CohesiveState | None],
 ) -> CohesiveState | None:
-    """The equilibrium near the least control of a little more adhesion without range.
+    """An equilibrium near the least control, from a law without range and a little more work.
 
     recede: brings ends driven inward to rest. None where the guide fails.
     """

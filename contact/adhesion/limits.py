@@ -1,4 +1,4 @@
-"""Numbers that all of the room shares: caps of its loops, and round-off."""
+"""Numbers that all modules of contact.adhesion share: limits of loops, and round-off."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ EPS = float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True)
 class SearchLimits:
-    """Caps of loops that converge or fail long before: larger ones only delay a failure."""
+    """Limits of loops that usually end long before: larger limits only delay a failure."""
 
     max_newton_steps: int = 80
     # Halvings and doublings: about as many as a double has bits.

@@ -2,15 +2,16 @@
 
     rising     the contact grows along its curve, until the surfaces come together somewhere else,
                or the curve turns (gaps snap shut, ends jump on)
-    falling    it shrinks along its curve, until that turns (zones vanish, ends jump back)
+    falling    the contact shrinks along its curve, until the curve turns (zones vanish, ends jump
+               back)
 
-After a jump the ends come to rest at the nearest equilibrium beyond
-(contact.adhesion.gradient_flow). What begins elsewhere, and whether closed surfaces open again,
+After a jump the ends come to rest at the next equilibrium in their direction
+(contact.adhesion.gradient_flow). Where new zones begin, and whether closed surfaces open again,
 depends on the law (contact.adhesion.events). Without a range of adhesion, surfaces that are
 closed over the whole period stay closed, and zones never split: a gap inside a zone begins
-without width, and the intensity of its ends is sqrt(width) times the tension there. To open it
-takes a flaw whose width goes with 1/tension^2 (A. A. Griffith, Phil. Trans. R. Soc. Lond. A 221,
-1921, 163), and these surfaces have none.
+without width, and the intensity of its ends is sqrt(width) times the tension there. It
+opens only from a flaw whose width is proportional to 1/tension^2 (A. A. Griffith, Phil. Trans. R.
+Soc. Lond. A 221, 1921, 163), and these surfaces have no flaws.
 """
 
 from collections.abc import Callable, Generator, Iterator
@@ -29,7 +30,7 @@ from contact.errors import NotConverged
 class LoadingPath:
     """The path of a problem's surfaces under a control.
 
-    note: called with every equilibrium on the way.
+    note: a function that is called with every equilibrium on the way.
     """
 
     law: Events
@@ -142,7 +143,7 @@ class LoadingPath:
         return end
 
     def _aside(self, lost: SymmetryLost) -> Jump:
-        """The jump where a symmetry is lost, to one side: the other one is its mirror image."""
+        """The jump to one side where a symmetry is lost; the other side is its mirror image."""
         try:
             after = self.law.shrunk(pushed_off(lost.at), lost.at.value)
         except NotConverged:
@@ -163,7 +164,7 @@ class LoadingPath:
         )
 
     def _let_go(self, step: Step) -> Jump:
-        """The jump of ends that let go of sharp corners."""
+        """The jump of ends that leave sharp corners."""
         last = step.end.at
         assert step.after is not None
         return self.law.jump(

@@ -1,4 +1,4 @@
-"""How a loading path of surfaces that adhere begins, goes on, and is solved where it stands."""
+"""Routes of adhesive loading paths: how a path begins, its events, and its solutions."""
 
 import math
 from collections.abc import Callable
@@ -36,11 +36,11 @@ _FARTHEST = 1e6
 
 @dataclass(frozen=True)
 class PathRoute:
-    """What a path needs of its law.
+    """The functions of a loading path that depend on the law.
 
-    law: its events. started: the path state at a value of the control, not below first touch.
-    fields: of an equilibrium. outcome: what is solved where the path stands. separation: where a
-    contact held by its approach alone is lost; None where it was not followed so far.
+    law: the events. started: the path state at a value of the control, not below first touch.
+    fields: the fields of an equilibrium. outcome: the solution at the present state of the path.
+    separation: where a contact under a fixed approach is lost; None if it was not followed so far.
     """
 
     law: Events
@@ -142,7 +142,7 @@ class _CohesivePath:
         )
 
     def _at(self, value: float) -> SolveContext:
-        """The context under a value of a load or of an approach."""
+        """The context at a value of the load or the approach, whichever is the control."""
         held = self.curve.control
         name = "approach" if held.load is None else "load"
         return replace(
@@ -158,7 +158,7 @@ class _CohesivePath:
         if self.curve.control.yields:
             if known and len(known[-1].zones) and value < self._full[0] - self._full[1]:
                 return known[-1].zones
-            # Below full contact the spring holds about the load there.
+            # Near full contact the load of the spring is about that of full contact.
             scene = context.scene
             assert scene.period is not None and scene.law.bare is not None
             full = FullLimit(scene.profile, scene.E_star, context.operator, scene.law.bare).pressure
@@ -174,8 +174,9 @@ class _CohesivePath:
 
     @cached_property
     def _full(self) -> tuple[float, float]:
-        """(value of the control at which surfaces under tension everywhere close, unit of such
-        values).
+        """(value at which surfaces under tension everywhere close, scale of the values).
+
+        Both are values of the control.
         """
         scene, held, units = self.context.scene, self.curve.control, self.scaled.problem.units
         period, law = scene.period, scene.law
@@ -198,7 +199,7 @@ class _CohesivePath:
     def separation(self, here: State) -> State | None:
         """The state at which the surfaces separate as the approach falls.
 
-        None where it was not followed so far.
+        None if it was not followed so far.
         """
         value = -here.level
         if isinstance(here, CohesiveState) and here.everywhere:

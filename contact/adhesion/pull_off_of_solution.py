@@ -24,7 +24,7 @@ from contact.solution.quantities import PullOff
 class PullOffFinder:
     """Finds the pull-off of a contact on a branch.
 
-    control: holds the contact.
+    control: the control under which the contact was found.
     """
 
     control: Control
@@ -45,9 +45,9 @@ class PullOffFinder:
 
 
 def _by_edge_intensity(fields: ZoneFields, control: Control) -> State:
-    """The last equilibrium of a contact outside which nothing acts."""
+    """The last equilibrium of a contact without tension outside its zones."""
     curve = Curve(fields.problem, control)
-    # Under a held approach ends that recede may drive others on.
+    # Under a fixed approach ends that recede may make others advance.
     recede = receded if control.load is not None else relaxed
     here = curve.at(fields.density.zones.table, control.value)
     return _on_its_zones(
@@ -56,12 +56,11 @@ def _by_edge_intensity(fields: ZoneFields, control: Control) -> State:
 
 
 def _on_its_zones(curve: Curve, last: State) -> State:
-    """The last equilibrium, the value of its control found anew on its zones.
+    """The last equilibrium, with the value of its control recomputed from its zones.
 
-    The curve may begin at values 1e10 times as large, to whose digits its own value is rounded.
-    At a turning point the residual r changes with the zones in all directions but one, y, the
-    left null vector of the rates: y r = 0 gives the value up to the square of the error of the
-    zones.
+    The curve may begin at values 1e10 times as large, whose round-off the value would keep. At a
+    turning point the residual r changes with the zones in all directions but one, y, the left null
+    vector of the rates: y r = 0 gives the value up to the square of the error of the zones.
     """
     here = curve.at(last.table, last.value)
     y = np.linalg.svd(here.rates)[0][:, -1]

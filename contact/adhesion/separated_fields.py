@@ -67,8 +67,9 @@ def _integral(
 class SeparatedFields(NoZones):
     """The fields of surfaces without contact under a tension.
 
-    problem: with the scene's law; pulled: with the tension that acts; level: minus the scaled
-    approach. The stiffness is None, since the ends of the tension move with the approach.
+    problem: the problem with the scene's law; pulled: the one with the tension that acts; level:
+    minus the scaled approach. The stiffness is None, since the ends of the tension move with the
+    approach.
     """
 
     problem: Problem
@@ -125,7 +126,7 @@ class SeparatedFields(NoZones):
 
     @cached_property
     def borne_beside(self) -> float:  # type: ignore[override]
-        """Scaled int p (F - gap) dx."""
+        """Scaled integral of the pressure p times the height F of the profile less the gap."""
         return -self.tension.stress * integral_outside(
             lambda x: self.pulled.own_shape(x) - self.scaled_gap(x),
             self.pulled,

@@ -1,7 +1,7 @@
 """An end of a uniform tension that is spread over a zone (a, b) of contact.
 
-It is spread as the equilibrium measure mu of the zone, d mu = d xi/(pi sqrt((xi - a)(b - xi))).
-With z = (x - middle)/half,
+The tension ends with the distribution mu, the equilibrium measure of the zone: d mu = d xi/(pi
+sqrt((xi - a)(b - xi))). With z = (x - middle)/half,
 
     int ln|x - xi| d mu = ln(half/2) + arcosh|z|,
     int (x - xi)(ln|x - xi| - 1) d mu
@@ -42,11 +42,11 @@ class SpreadEnd:
         return 0.5 * (self.b - self.a)
 
     def log(self, x: Array) -> Array:
-        """int ln|x - xi| d mu."""
+        """The potential int ln|x - xi| d mu of the spread end at points x."""
         return np.asarray(np.log(0.5 * self.half) + np.arccosh(self._beyond(x)[1]))
 
     def primitive(self, x: Array) -> Array:
-        """Its antiderivative, odd about the middle."""
+        """The antiderivative of `log`, odd about the middle of the zone."""
         z, size = self._beyond(x)
         outside = size * np.arccosh(size) - np.sqrt((size - 1) * (size + 1))
         return np.asarray(self.half * (z * np.log(0.5 * self.half) + np.sign(z) * outside))
@@ -56,13 +56,13 @@ class SpreadEnd:
         return z, np.maximum(np.abs(z), 1.0)
 
     def mean(self, function: Callable[[Array], Array], x: Array) -> Array:
-        """int function(x - xi) d mu of a smooth function."""
+        """The mean int function(x - xi) d mu of a smooth function over the spread end."""
         angle = np.pi * (np.arange(_SMOOTH_NODES) + 0.5) / _SMOOTH_NODES
         xi = self.middle + self.half * np.cos(angle)
         return np.asarray(function(x[:, None] - xi).mean(axis=1))
 
     def periodic_log(self, x: Array, period: float) -> Array:
-        """int ln|2 sin(pi (x - xi)/L)| d mu."""
+        """The periodic potential int ln|2 sin(pi (x - xi)/L)| d mu of the spread end."""
         x = nearest_image(x, self.middle, period)
 
         def remainder(lag: Array) -> Array:
@@ -97,7 +97,9 @@ class SpreadEnd:
         return of_poles(x, self.primitive) + rate * (x - self.middle) + self.mean(remainder, x)
 
     def lacking(self, end: int, panels: int, breaks: Array) -> tuple[Array, Array]:
-        """(points, weights) of a quadrature rule for int (1 - eta) ... dx over the zone.
+        """(points, weights) of a rule for integrals with the factor 1 - eta over the zone.
+
+        Here eta is the local fraction of the tension.
 
         end: 0 if the left end of the tension is spread, -1 if the right one is. The rule has panels
         between the `breaks`.
@@ -115,5 +117,5 @@ class SpreadEnd:
 
 
 def _log_primitive(y: Array) -> Array:
-    """y (ln|y| - 1), the antiderivative of ln|y|."""
+    """The antiderivative y (ln|y| - 1) of ln|y|."""
     return np.asarray(y * (np.log(np.maximum(np.abs(y), 1e-300)) - 1.0))

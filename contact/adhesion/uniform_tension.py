@@ -204,7 +204,7 @@ class UniformTension(sie.Kept):
         return np.asarray(out if self.plain else out + self._regular_log(lag))
 
     def _regular_log(self, lag: Array) -> Array:
-        """The potential Lambda without that of the poles, or of the Hilbert kernel with a period."""
+        """The potential Lambda without its poles; with a period, without the Hilbert kernel's."""
         whole = self.kernel.regular_potential
         assert whole is not None
         rest = whole(lag, np.zeros(1))
@@ -216,7 +216,7 @@ class UniformTension(sie.Kept):
         return np.asarray(rest)
 
     def _primitive(self, lag: Array) -> Array:
-        """Antiderivative of the singular part of the potential Lambda (poles, or Hilbert kernel)."""
+        """Antiderivative of the singular part (poles, or Hilbert kernel) of the potential."""
         if self.period is not None:
             turns = np.asarray(lag) / self.period
             return -self.period / (2 * np.pi) * clausen2(turns - np.round(turns))
@@ -227,7 +227,7 @@ class UniformTension(sie.Kept):
         return out
 
     def _regular(self, x: Array) -> Array:
-        """Integral of the regular part of the potential Lambda over the intervals, by Gauss's rule."""
+        """Integral of the potential's regular part over the intervals, by Gauss quadrature."""
         at, weights = self._panels
         flat, out = x.ravel(), np.zeros(x.size)
         block = max(1, 2**20 // len(at))
