@@ -369,7 +369,7 @@ class Rippled(contact.Profile):
 
 @dataclass(frozen=True, eq=False)
 class RippledSlope(Rippled):
-    """The same profile with its slope."""
+    """The profile of `Rippled`, given by heights and slopes."""
 
     def slope(self, x: ArrayLike) -> Array:
         """Slopes f'(x)."""

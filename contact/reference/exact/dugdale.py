@@ -56,7 +56,7 @@ class _DugdaleState(AdhesiveZone):
     cohesive_end: float
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa]: -stress on the cohesive intervals, 0 outside of them."""
+        """Pressure p(x) [Pa]: -stress on the cohesive intervals, 0 outside of them."""
         r = np.abs(self._reduced(x))
         cohesive = (r >= self.half_width) & (r < self.cohesive_end)
         return np.where(cohesive, -self.stress, super().pressure(x))
@@ -125,7 +125,7 @@ class DugdaleZone(_DugdaleState):
     # The next formulas are the closed forms at the head of this file.
     @property
     def root(self) -> float:
-        """sqrt(c^2 - a^2); with a period sqrt(sin^2(pi c/L) - sin^2(pi a/L))."""
+        """The root sqrt(c^2 - a^2), or with a period sqrt(sin^2(pi c/L) - sin^2(pi a/L))."""
         a, c = self.half_width, self.cohesive_end
         return sqrt(float(sine(c - a, self.period) * sine(c + a, self.period)))
 
@@ -153,7 +153,7 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def end_gap(self) -> float:
-        """The gap at c [m]."""
+        """The gap at the end c of the cohesive interval [m]."""
         return float(self._gap(np.array(self.cohesive_end - self.half_width)))
 
     @property
@@ -224,7 +224,8 @@ class DugdaleZone(_DugdaleState):
         """Energy -2 c w + 2 stress int_a^c gap dx of the interface [J/m], w the work."""
 
         def gap(e: Array, f: Array) -> Array:
-            # The gap is an integral itself: int_a^c int_a^x = int_a^c (c - x).
+            # The gap is itself an integral from a to x of some F(y). The order of the integrals is
+            # exchanged: int_a^c int_a^x F(y) dy dx = int_a^c (c - y) F(y) dy.
             return self.zone._gap(e) + self._unit * f * self.opening_rate(e, f)
 
         area = float(integrated(gap, self.cohesive_end - self.half_width))
@@ -310,7 +311,7 @@ class MetDugdaleZone(_DugdaleState):
 
     @property
     def cohesive_end(self) -> float:  # type: ignore[override]
-        """L/2 [m]."""
+        """End of the cohesive intervals, which is L/2 here [m]."""
         return 0.5 * self._length()
 
     @property
@@ -348,7 +349,7 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
 
     @property
     def end_gap(self) -> float:
-        """w/s, the largest gap with tension [m]."""
+        """Largest gap with tension, work divided by stress [m]."""
         return self.work / self.stress
 
     def _half_width(self, c: float) -> float:
@@ -445,7 +446,7 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
 
     @property
     def tabor(self) -> float:
-        """lambda = 4s/(pi^2 E*^2 w/R)^(1/3); large values are JKR's limit."""
+        """Maugis's parameter lambda = 4s/(pi^2 E*^2 w/R)^(1/3); if it is large, JKR's law holds."""
         cube = pi**2 * self.E_star**2 * self.work / self.radius
         return 4.0 * self.stress / float(cube ** (1.0 / 3.0))
 

@@ -176,7 +176,7 @@ class LocalizedZone(SymmetricZone):
 
     half_width = property(lambda self: self.isolated.half_width)  # type: ignore[assignment]
     E_star = property(lambda self: self.isolated.E_star)  # type: ignore[assignment]
-    # The closures do not fix a common level of u.
+    # The closures do not fix the constant of the displacement u, so there is no approach.
     approach = property(lambda self: None)
     stiffness = property(lambda self: None)
 

@@ -242,7 +242,7 @@ class AdhesiveDesign(GivenZones):
         return np.asarray(np.where(np.isnan(p), -np.inf, p), dtype=float)
 
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
-        """+-|X| R on interval i: slope of the gap (-1: left of all zones), or 2 p/E* on a zone."""
+        """Slope of the gap on gap i (-1: left of all zones), or p divided by E*/2 on zone i."""
         return np.asarray(self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr))
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
@@ -325,7 +325,7 @@ def second_variation(design: AdhesiveDesign) -> Array:
     # [i, j]: T at end i as end j moves
     smooth = _low_modes(design, modes) @ _low_coefficients(design, strength, unit).T
     regular = modes @ design._smooth.astype(float) + poles @ q
-    change = (sigma / root)[:, None] * (strength * poles + smooth)  # d k_i/d e_j
+    change = (sigma / root)[:, None] * (strength * poles + smooth)  # change of k at end i by end j
     # At the end that moves, the change of k comes from the next power of X R, sqrt|factor|. The
     # moved end contributes half of its coefficient, and the derivatives of the other factors
     # cancel.

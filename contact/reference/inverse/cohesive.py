@@ -345,7 +345,7 @@ class CohesiveDesign:
         return float(self._series[-1] / self._load_unit)
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa]: -stress on the strips, 0 outside the cohesive intervals."""
+        """Pressure p(x) [Pa]: -stress on the strips, 0 outside the cohesive intervals."""
         t = self._scaled(x)
         zone = np.searchsorted(self._ends, t)
         out, inside = np.where(self._is_cohesive(x), -self.stress, 0.0), zone % 2 == 1
@@ -382,7 +382,7 @@ class CohesiveDesign:
             difference = (1 - h[:, None] / strip.h) / (at[:, None] - strip.nodes)
             out[close] = difference @ strip.weights
             if strip.direction:
-                # zeta is imaginary on the zone, so that artanh becomes arctan.
+                # On the zone zeta is the root of a negative number, so that artanh becomes arctan.
                 eta = np.sqrt(distance[close] / strip.width)
                 unit = strip.direction * 2 / np.sqrt(strip.width)
                 out[close] -= unit * h * np.arctan(1 / eta) / eta

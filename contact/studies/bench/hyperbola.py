@@ -63,7 +63,7 @@ class IsolatedBluntedWedge(SymmetricZone):
     def _load_rate(self, s: Array) -> Array:
         """Derivative dP/ds of the load by the half width s.
 
-        With m = -q, dE/dm = (E - K)/2m and dK/dm = (E - (1 - m) K)/(2 m (1 - m)).
+        With m = -q = -s^2/d^2, dE/dm = (E - K)/2m and dK/dm = (E - (1 - m) K)/(2 m (1 - m)).
         """
         q = (s / self.rounding) ** 2
         e, k = ellipe(-q), ellipkm1(1 + q)

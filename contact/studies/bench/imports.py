@@ -28,7 +28,7 @@ _TIMED = (
 
 
 def seconds(program: str, runs: int = 5) -> float:
-    """Least processor time [s] of a new interpreter that runs the program, of some runs."""
+    """Least processor time [s], of several runs, of a new interpreter with the program."""
     # The first run must write the compiled files, which the others read.
     environment = {
         name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"

@@ -154,7 +154,7 @@ def _measured(
 
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
-    """Least time of the runs from which on all finer runs have at most this error.
+    """Least time of a run whose error, and that of all finer runs, is at most `error`.
 
     The rows go from coarse to fine. It is None if the last run does not reach the error.
     """

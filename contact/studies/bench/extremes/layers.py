@@ -7,9 +7,9 @@ interval. So the profile is f = (h/pi E*) cosh(2v) and the load h sinh^2 V.
 
 For an elastic layer of symbol L(q) the profile is designed. The pressure is the half ellipse
 p = E* sqrt(1 - x^2)/2 on (-1, 1), whose cosine transform is pi E* J1(q)/2q. The profile under it
-has the slope f' = x + int_0^inf (L(q) - 1) J1(q) sin(q x)/q dq. The first term is that of a half-plane.
-The second term is smooth, as L - 1 falls like exp(-2qh). The gap outside is int sqrt(x^2 - 1) dx,
-as without a layer.
+has the slope f' = x + int_0^inf (L(q) - 1) J1(q) sin(q x)/q dq. The first term is that of a
+half-plane. The second term is smooth, as L - 1 falls like exp(-2qh). The gap outside is
+int sqrt(x^2 - 1) dx, as without a layer.
 """
 
 from __future__ import annotations
