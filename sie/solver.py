@@ -1,4 +1,4 @@
-"""`solve`: one call for fixed and free ends, with a stated error or the reason for a failure."""
+"""`solve`: one call for fixed and free ends, with a stated error or a reason for failure."""
 
 import math
 from collections.abc import Iterator

@@ -148,7 +148,7 @@ def _t_matrix(n: int, count: int) -> Array:
 
 @lru_cache(maxsize=8)
 def to_series(n: int) -> Array:
-    """Matrix from values at the n Gauss nodes to T coefficients: coefficients = values @ matrix."""
+    """Matrix from values at the n Gauss nodes to T coefficients, as values @ matrix."""
     out = t_matrix(n, n) * (2 / n)
     out[:, 0] *= 0.5
     return out
@@ -191,9 +191,9 @@ def slopes_at_ends(c: Array) -> tuple[Array, Array]:
 
 
 def bounded_part(c: Array) -> tuple[Array, Array, Array]:
-    """(alpha, beta, u): sum c_j T_j / X = (alpha + beta t) / X + X sum u_k U_k, X = sqrt(1 - t^2).
+    """(alpha, beta, u): sum c_j T_j / X = (alpha + beta t) / X + X sum u_k U_k.
 
-    The identity T_j - T_{j-2} = -2 (1 - t^2) U_{j-2} gives them; c has the shape (zones, n + 1).
+    X = sqrt(1 - t^2). The identity T_j - T_{j-2} = -2 (1 - t^2) U_{j-2} gives them; c has the shape (zones, n + 1).
     Close to a bounded end this form keeps digits that the sum over T_j loses to cancellation.
     """
     c = widened(c, 2)

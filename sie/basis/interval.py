@@ -408,7 +408,7 @@ def own_potential(divided: Array, row: Index, left: Array, right: Array, width: 
 
 
 def integral_on(c: Array, row: Index, angle: Array) -> Array:
-    """Integral of sum c_l T_l / X from the left end to the angle theta, divided by the half width.
+    """Integral of sum c_l T_l / X from the left end to an angle, divided by the half width.
 
     The integral of T_l / X is -sin(l theta) / l, and pi - theta for l = 0.
     """

@@ -1,4 +1,4 @@
-"""Tables of a smooth kernel that depends on the lag x - xi only: polynomials on cells of the lag.
+"""Tables of a smooth kernel of the lag x - xi: polynomials on cells of the lag.
 
 If the kernel's singularities are at least `length` away from the real axis, polynomials of degree 7
 on cells of width length/25 represent it to round-off. On such a cell, each coefficient of the

@@ -1,4 +1,4 @@
-"""Series evaluated at many points on many zones: powers, and sines and cosines of multiples."""
+"""Sums of power, sine and cosine series at many points on many zones."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -322,7 +322,7 @@ def from_zones(
 
 
 def regular_at(density: Series, x: Array, regular: Regular) -> Array:
-    """Field through the kernel's regular part, or potential through that of Lambda, at points x.
+    """Transform or potential at points x through the kernel's regular part `regular`.
 
     It is summed by panels if the kernel has any, else by Gauss-Chebyshev quadrature on every zone.
     """

@@ -100,9 +100,9 @@ class Treecode:
 
 
 def _cells(zones: Zones, lo: float, hi: float) -> Array:
-    """Ends of the cells: the zones, and parts of the gaps that double in length away from a zone.
+    """Ends of the cells, which are the zones and parts of the gaps.
 
-    This way few zones are near any cell.
+    The parts double in length away from a zone. This way few zones are near any cell.
     """
     before = np.diff(
         np.concatenate(([2 * lo - zones.a[0]], zones.b[:-1], zones.a)).reshape(2, -1), axis=0

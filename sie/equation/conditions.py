@@ -23,7 +23,7 @@ Linear = tuple[Array, Array]
 
 
 class Rows(Protocol):
-    """Quantities of the assembled system that a condition may use, for the solved zones in order.
+    """Quantities of the assembled system that a condition may use, for each solved zone.
 
     Each method returns (matrix, constants): the quantities are matrix @ unknowns + constants.
 
@@ -170,7 +170,7 @@ def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
 
 @record
 class ByZone:
-    """Coefficients of a condition that acts on every solved zone, or every two neighbours, alone.
+    """Coefficients of a condition with a row for each solved zone, or each pair of neighbours.
 
     `by_zone` finds them from the response of its rows to levels and to densities c_0 / sqrt(1 -
     t^2). Row i of the condition is
@@ -389,7 +389,7 @@ def moment(value: float, about: float = 0.0) -> Weighted:
 
 @dataclass(frozen=True)
 class ZoneMoments(Condition):
-    """The sum over zones of the density's first moment about the zone's middle has a given value.
+    """The sum of the density's first moments about each zone's middle has a given value.
 
     If the total of every zone is zero, the sum is minus the integral of the opening, which is the
     primitive of the density.
@@ -467,7 +467,7 @@ class ZoneTotals(Condition):
 
 @dataclass(frozen=True)
 class EqualPotential(Condition):
-    """The potential minus the primitive of the right side is the same on all zones, and unknown.
+    """The potential minus the primitive of the right side has one unknown value on all zones.
 
     These are n - 1 conditions for n zones. The right side needs its primitive.
 

@@ -134,7 +134,7 @@ class SlitPlane:
 
 
 def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Complex, Complex]:
-    """(value, derivative by zeta) of (1/pi) int sigma / (zeta - tau) dtau over one zone's slits."""
+    """(value, derivative by zeta) of (1/pi) int sigma / (zeta - tau) dtau over a zone's slits."""
     value, slope = np.zeros((2, len(x)), dtype=complex)
     first = np.zeros(len(x), dtype=np.intp)
     for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):

@@ -1,4 +1,4 @@
-"""Solutions on zones with narrow gaps: the system of the wide zones, with a slack in their slits.
+"""Solutions on zones with narrow gaps, treated as slits of wide zones.
 
 A slit is a narrow gap inside a wide zone, and its slack s is an unknown function (see
 `sie.slits.slits`). The slack changes the right side of the wide zones' system by -s, and the level
