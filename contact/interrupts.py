@@ -1,4 +1,4 @@
-"""Ctrl-C in a command: it prints one line and exits with status 130, at any moment of its run.
+"""Ctrl-C in a command prints one line and exits with status 130, at any moment of its run.
 
 During an import, KeyboardInterrupt does not work: no code catches it yet, and a half-imported
 module may raise another error or ignore it. There the process ends at once; nothing has been

@@ -27,7 +27,7 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class ClaimOptions:
-    """Numbers of the check. None is sensitive: twice or half of each finds the same false claims.
+    """Numbers of the check; twice or half of each one finds the same false claims.
 
     few, many: least and largest number of panels, and of kinks; between these limits there are two
     panels per length `resolution`. If the slope is derived from heights, `few` is the largest
@@ -148,7 +148,7 @@ def _rules(count: int) -> tuple[Array, Array]:
 
 @record
 class _Panels:
-    """Panels from a to b (n,), with the rise of the height and the integral of the slope on each.
+    """Panels from a to b (n,), with the rise of the height and integral of the slope on each.
 
     size: integral of |f'|. doubt: possible error of rise and integral. x, slope: all nodes and the
     slope there. heights: at both ends (2, n). noise: rounding of a height.
@@ -198,8 +198,7 @@ class _Panels:
 
     @property
     def relative(self) -> Array:
-        """Difference of rise and integral, less their possible error, divided by the integral of
-        |f'|.
+        """Difference of rise and integral beyond their error, divided by the integral of |f'|.
 
         Zero where values are not finite.
         """
@@ -209,7 +208,7 @@ class _Panels:
 
 
 def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
-    """Largest relative error of the slope found on several parts of a panel, and its description."""
+    """Largest relative error of the slope seen on several parts of a panel, and a description."""
     missing = panels.relative
     which = np.flatnonzero(missing > 0.0)
     least, a, b = missing[which], panels.a[which], panels.b[which]

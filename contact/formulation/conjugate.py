@@ -333,7 +333,7 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
 
 @record
 class _PeriodicPoles:
-    """Poles of the algebraic points of a periodic slope: tanh(pi eta/L) and coefficient c of each.
+    """Poles of the algebraic points of a periodic slope, each by tanh(pi eta/L) and c.
 
     With s = sin(pi y/L), k = cos(pi y/L), T = tanh(pi eta/L): cot(pi (y - i eta)/L) = (s k (1 -
     T^2) + i T) / (s^2 + k^2 T^2).

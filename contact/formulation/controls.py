@@ -130,7 +130,7 @@ class Approach(Control):
 
 @dataclass(frozen=True)
 class Machine(Control):
-    """Control by the approach of the far end of a spring: approach of the contact + give * load."""
+    """Control by the approach of a spring's far end: approach of the contact + give * load."""
 
     give: float
     name, counted_in = "machine", "height"

@@ -82,7 +82,7 @@ def _shape_moment_of_period(fields: FullFields) -> float:
 def _integral(
     function: Callable[[Array], Array], cuts: Array, smooth: bool, max_nodes: int = 2**17
 ) -> float:
-    """Integral from the first to the last of ascending cuts; nodes are doubled until it converges.
+    """Integral over ascending cuts, with nodes doubled until it converges.
 
     smooth: the function is smooth and periodic, so that evenly spaced nodes are best.
     """

@@ -129,7 +129,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def levels(self) -> Array:
-        """Level of each solved zone, scaled: potential - columns - F, equal on all in a solution."""
+        """Scaled level potential - columns - F of each solved zone; all are equal in a solution."""
         zones = self.density.zones
         if len(zones) == 1:
             end = zones.b
@@ -296,7 +296,7 @@ class ZoneFields(sie.Kept):
         return float(self.density.amplitudes[-1])
 
     def _relative_displacement(self, x: Array) -> Array:
-        """Scaled displacement -V + lambda C by the potential V and the columns, without the level."""
+        """Scaled displacement by the potential V and the columns, -V + lambda C, without level."""
         return self._raised(x, self.density.potential(x))
 
     def _raised(self, x: Array, potential: Array) -> Array:
@@ -345,7 +345,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def largest_shape(self) -> float:
-        """Scaled estimate of the largest displacement on the zones: shape at their ends plus level."""
+        """Scaled estimate of the largest displacement on the zones: shape at ends plus level."""
         zones = self.density.zones
         return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(
             self.level
@@ -505,7 +505,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Highest pressure [Pa]: sampled on all zones, located between samples on the highest ones."""
+        """Highest pressure [Pa], from samples and, on the highest zones, maxima between them."""
         density = self.density
         if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
             left, right = density.intensities
@@ -565,6 +565,6 @@ class ZoneFields(sie.Kept):
 
 
 def mean_shape(problem: Problem) -> float:
-    """Mean of the scaled profile F over its period, by Gauss-Legendre panels between breakpoints."""
+    """Mean of the scaled profile F over its period, by Gauss panels between breakpoints."""
     x, _, weights = over_period(problem.profile)
     return float(problem.shape(problem.units.scaled(x)) @ weights)

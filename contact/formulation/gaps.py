@@ -95,15 +95,14 @@ class GapFields(sie.Kept):
             return np.where(inside, 0.0, self.bearing(x))
 
     def bearing(self, x: Array) -> Array:
-        """Scaled pressure pbar - R + G s at scaled places; in the gaps it is zero but for the
-        error.
+        """Scaled pressure pbar - R + G s at scaled places; about zero in the gaps.
 
         pbar is the mean pressure, R the relief, G s the transform of the slope of the gap.
         """
         return np.asarray(self.mean - self.relief(x) + self.gap_slope.transform(x))
 
     def pressure_in(self, zone: int | Index, left: Array, right: Array) -> Array:
-        """Scaled pressure at given distances from the ends of zones, divided by their half width."""
+        """Scaled pressure at places in zones, given by distances / half width from both ends."""
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)
         x = np.where(left <= right, a + half * left, b - half * right)
@@ -131,7 +130,7 @@ class GapFields(sie.Kept):
         return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.mean
 
     def rates(self, x: Array) -> tuple[Array, Array]:
-        """Scaled outward rates of the ends (n, 2) and of the gap at places x, per unit of ln(load)."""
+        """Scaled outward rates of the ends (n, 2) and rates of the gap at x, per unit of ln(load)."""
         response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
         return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(
             response.whole.integral(x) * self.mean
@@ -193,8 +192,7 @@ class GapFields(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """Evenly spaced places over the period, from the first gap on, and the scaled pressure
-        there.
+        """Evenly spaced places over the period from the first gap on, and the pressure there.
 
         Their spacing is smaller than the length on which the profile varies.
         """
@@ -265,7 +263,7 @@ class GapFields(sie.Kept):
 
     @cached_property
     def stiffness(self) -> float:
-        """d load / d approach [N/m^2], from the response of the gaps at fixed ends and compression."""
+        """d load / d approach [N/m^2], by the response of the gaps at fixed ends and compression."""
         response = self.state.response(self.state.values())
         rate = (
             response.moment() / self.period + self.problem.compression

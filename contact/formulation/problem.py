@@ -59,7 +59,7 @@ class Problem(sie.Kept):
 
     @property
     def tilt(self) -> float:
-        """Angle by which the profile is turned; a first guess of that angle if the moment is given."""
+        """Angle by which the profile is turned; a first guess of it where the moment is given."""
         return self.profile.tilt if isinstance(self.profile, Tilted) else 0.0
 
     @property
@@ -110,7 +110,7 @@ class Problem(sie.Kept):
 
     @property
     def round(self) -> float | None:
-        """Scaled period across whose border zones may lie; None without a period or with corners."""
+        """Scaled period if zones may lie across its border; else None, as with corners."""
         return self.period if self.corners == (-np.inf, np.inf) else None
 
     @cached_property
@@ -242,7 +242,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def compression(self) -> float:
-        """Scaled displacement per unit of scaled uniform pressure; 0 where the operator has none."""
+        """Scaled displacement per unit of scaled uniform pressure; 0 if the operator has none."""
         return (self.operator.compression or 0.0) / self.units.length
 
     def bearing(

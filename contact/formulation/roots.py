@@ -80,7 +80,7 @@ def _inverse(points: dict[float, float]) -> float:
 
 
 def reaches(value: Array) -> Array:
-    """Upper bound of a function near each sample that is a local maximum; -inf at other samples.
+    """Upper bound of a function near samples that are local maxima; -inf at the others.
 
     Samples are along the last axis. The bound lies above the sample twice as far as the top of the
     parabola through it and its neighbours.

@@ -1,4 +1,4 @@
-"""The context of one search: scene, tolerance, similar solutions, and the plan to be filled in.
+"""The context of one search: scene, tolerance, similar solutions, and the plan.
 
 Solves of one profile and model under many controls share a `SceneCache`.
 """

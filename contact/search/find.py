@@ -116,7 +116,7 @@ def _as_given(context: SolveContext, refused: Failure | None) -> Outcome | Failu
 
 
 def _by_loads(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """The contact under an approach, from a solution under a load that has nearly this approach."""
+    """The contact under an approach, from one under a load that has nearly this approach."""
     if _tilt_and_load_unknown(context):
         context.plan.decide("control", "loads", "neither tilt nor load is known")
         return _under_loads(context)

@@ -1,4 +1,4 @@
-"""A `Solution` from the result of a search: zones in metres, stated error, entries of the plan."""
+"""A `Solution` from the result of a search: zones in metres, stated error, plan."""
 
 from __future__ import annotations
 
@@ -219,7 +219,7 @@ def profile_fault(scene: Scene, zones: Array | None = None) -> str:
 
 
 def undeclared_corner(scene: Scene, zones: Array | None) -> str:
-    """Message on an undeclared corner of a user's profile in the zones [m]; empty if there is none."""
+    """Message on an undeclared corner of a user's profile in zones [m]; else empty."""
     profile = scene.profile
     if zones is None or len(profile.bodies) > 1 or is_of_package(profile):
         return ""

@@ -1,4 +1,4 @@
-"""Warnings where a scene or a solution is outside the model: slopes, pressures, moduli, traces.
+"""Warnings if slopes, pressures, moduli or lengths are outside the model.
 
 The model assumes half-planes and small elastic strains. Slopes, and pressures divided by E*, have
 no unit, so that they are checked in any system of units. Lengths are checked in files, whose

@@ -212,7 +212,7 @@ def _close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] |
 
 
 def _mark_close_up(axes: Any, solution: Solution, lo: float, hi: float) -> None:
-    """Mark in the first column the interval of the second: a pointer above, shading around it.
+    """Mark in the first column the interval of the second: shading behind, a pointer above.
 
     The pointer shows the interval even if it is no wider than the line of the peak in it.
     """

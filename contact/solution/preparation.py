@@ -1,4 +1,4 @@
-"""Warnings about load in the unmeasured intervals of a trace (contact.model.traces.unmeasured).
+"""Warnings about load in unmeasured intervals of a trace (contact.model.traces.unmeasured).
 
 They need only the zones of a solution, their loads and the pressure.
 """
@@ -27,7 +27,7 @@ class ShareOptions:
 
 
 class Borne(NamedTuple):
-    """Share of the load in intervals of one kind. highest: whether the peak lies in one of them."""
+    """Share of the load in intervals of one kind. highest: whether one holds the peak."""
 
     place: str
     kind: Any

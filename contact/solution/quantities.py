@@ -1,4 +1,4 @@
-"""Numbers of a solution that are objects of their own: energies, the pull-off point, zone peaks."""
+"""Quantities of a solution: energies, the pull-off point and the peaks of zones."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

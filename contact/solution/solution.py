@@ -210,7 +210,7 @@ class Solution(sie.Kept):
     def zone_peaks(self) -> Array:
         """Highest pressure of each zone (n,) [Pa]; the error is at most error p.
 
-        inf at a sharp corner or a convex kink.
+        It is inf at a sharp corner or a convex kink.
         """
         return peaks(self.scene, self.zones, self.pressure_at)
 
@@ -218,7 +218,7 @@ class Solution(sie.Kept):
     def max_pressure(self) -> float:
         """Highest pressure [Pa]; the relative error is at most `error`.
 
-        inf at a sharp corner or a convex kink.
+        It is inf at a sharp corner or a convex kink.
         """
         return self.fields.max_pressure
 

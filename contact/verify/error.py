@@ -104,9 +104,9 @@ def _kernel_rounding(problem: Problem, table: Array) -> float:
 
 
 def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
-    """Reason why the body's kernel limits the error of scaled zones (n, 2) to above a tolerance.
+    """Message that the body's kernel limits the error of scaled zones (n, 2).
 
-    It is empty if the tolerance can be reached.
+    It is empty if the tolerance can be reached all the same.
     """
     operator = problem.operator
     if (
@@ -201,7 +201,7 @@ def limit(
     end: sie.End = sie.FREE,
     error: float = 0.0,
 ) -> str:
-    """Message on the rounding that keeps the ends from reaching `tol`; empty if it is not rounding.
+    """Message on the rounding that keeps the ends from reaching `tol`; else empty.
 
     of: "zone" or "gap". positions: see `position_rounding`. end: kind of the free ends. error:
     stated error of a contact whose unknowns are the gaps.

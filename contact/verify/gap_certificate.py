@@ -62,7 +62,7 @@ def _openings(fields: GapFields) -> tuple[Signs, Array]:
 
 
 def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:
-    """Signs of the pressure in the zones, of p / sin(angle) so that it is positive up to the ends.
+    """Signs of p / sin(angle) in the zones, which is positive up to the ends.
 
     Returns the least value, the intervals where it is negative, the least minimum between samples,
     and the number of points. The minimum is relative to the largest value in its zone.

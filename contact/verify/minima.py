@@ -72,7 +72,7 @@ def follow(
     scale: Array,
     rounding: Array,
 ) -> Dips:
-    """Locate the minimum of p / sqrt(1 - t^2), t = cos(angle), in each bracket of angles (lo, hi).
+    """Locate the minimum of p / sqrt(1 - t^2), t = cos(angle), in each bracket (lo, hi).
 
     over_root: returns the values at zones (n, 1) and angles (n, k). zone, scale, rounding: index of
     the zone, scale and rounding of the values for each bracket (n,).

@@ -1,4 +1,4 @@
-"""`Tolerances`: the one place for what the certificate allows and what the stated error adds."""
+"""`Tolerances`: the numbers of the certificate and of the stated error."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-r"""Frictionless contact of an elastic body on a uniform grid, which yields the number of zones.
+r"""Frictionless contact of an elastic body on a uniform grid, for the number of zones.
 
 On n points with spacing h (one period, or a window of an isolated contact) find the pressure with
 
@@ -259,7 +259,7 @@ class _Extension:
         ) / np.repeat(reach, self.lengths)
 
     def precondition(self, residual: Array) -> Array:
-        """The preconditioner B' D B applied to values on the contact set; the result sums to zero."""
+        """The preconditioner B' D B applied to values on the contact set; its sum is zero."""
         v = np.repeat(np.roll(residual, -1) - residual, self.lengths)
         v *= self.along
         v += np.repeat(residual, self.lengths)

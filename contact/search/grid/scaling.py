@@ -1,4 +1,4 @@
-"""A scene in scaled variables: the origin, the units, and the interval that holds the zones.
+"""A scene in scaled variables: the origin, the units, and an interval with all zones.
 
 The unit of length of a periodic profile is about its period. Without a period it is about the half
 width of the contact, which is found roughly first. So nanometres and kilometres, and loads over

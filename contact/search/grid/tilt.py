@@ -1,4 +1,4 @@
-"""A rough tilt for a given moment, from contacts on windows of the line at successive tilts.
+"""A rough tilt for a given moment, from contacts on grids at successive tilts.
 
 A rigid body on a rigid plane rests on two places on either side of the centre of its load. They are
 the ends of an edge of the lower convex hull of f. The slope of this edge is the tilt under the
@@ -191,9 +191,9 @@ def _hull(windows: Iterable[Window]) -> Window:
 def _resting(
     profile: Profile, centre: float, known: Window | None, about: Window
 ) -> tuple[float, Window | None]:
-    """Slope of the edge of the lower convex hull of f that spans the centre, and the edge itself.
+    """Slope and ends of the edge of the lower convex hull of f above the centre.
 
-    The edge is None if it ends where the sampled points do.
+    The ends are None if one of them is the first or the last sample.
     """
     if known is not None:
         count = (

@@ -86,7 +86,7 @@ def _decide(context: SolveContext, way: str, changes: int) -> None:
 
 
 def _is_followed(context: SolveContext) -> bool:
-    """Whether the curve can be followed: one scaled problem, and signs that determine the zones.
+    """Whether one scaled problem serves at all values and signs determine the zones.
 
     A strip, or an unknown tilt, changes the scaled problem with the value.
     """

@@ -97,7 +97,7 @@ def search(context: SolveContext, scaled: ScaledScene, start: Array | None = Non
 def _similar_solution(
     context: SolveContext, scaled: ScaledScene, start: Array | None
 ) -> Outcome | Failure:
-    """The contact from zones of a similar solution; given up as soon as they prove too far away."""
+    """The contact from zones of a similar solution; given up early if they are too far away."""
     if start is None:
         return NOT_APPLICABLE
     problem, control = scaled.problem, scaled.control

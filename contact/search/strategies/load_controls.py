@@ -58,7 +58,7 @@ _ROUNDING = 64 * float(np.finfo(np.float64).eps)
 
 
 def at_approach(context: SolveContext, nearness: float) -> Solution:
-    """A solution under a load that has the scene's approach to a relative `nearness` of the load.
+    """A solution under the load of the scene's approach, with a relative error `nearness`.
 
     Raises OutOfRange if no load has that approach.
     """

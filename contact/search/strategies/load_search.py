@@ -166,7 +166,7 @@ class _Bracket:
         return _newton(here.load, rate, miss, last_rate)
 
     def is_over(self, step: float) -> bool:
-        """Choose the next load, Newton's or one in the bracket; return whether the search is over."""
+        """Choose the next load, Newton's or one in the bracket; return whether the search ends."""
         is_closed_above, is_closed_below = self.high < math.inf, self.low > 0.0
         stalled = self.slow_steps > 2 and is_closed_above and is_closed_below
         if not self.low < step < self.high or stalled:

@@ -1,4 +1,4 @@
-"""`Failure`: the reason why a strategy found no contact, returned so that the next one runs."""
+"""`Failure`: the reason why a strategy found no contact, returned and not raised."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which intervals there are: guess them, find their ends by Newton, check signs, correct, repeat.
+"""The loop that finds the number of intervals: Newton on the ends, check of signs, correction.
 
 The intervals are the zones, with the pressure as the unknown, or the gaps, with the slope of the
 gap; a `Formulation` holds what differs. The frictionless problem is convex, so intervals whose
