@@ -1,4 +1,4 @@
-"""Numbers of modes of each zone: those of the right side on it, and those coupled to other zones.
+"""Numbers of modes of each zone: of the right side on it, and coupled to other zones.
 
 The right side is sampled with a number of nodes that doubles until its coefficients have decayed.
 This is cheap, because a zone's own operator is diagonal. The coefficients of the field of the other

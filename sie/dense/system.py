@@ -147,7 +147,7 @@ class Places:
     x: Array
 
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
-        """See `Targets.seen`."""
+        """The points relative to the zones `sources` moved by `shift`; see `Targets.seen`."""
         return outside(zones.a[sources] + shift, zones.b[sources] + shift, self.x[:, None]), None
 
 

@@ -1,4 +1,4 @@
-"""Limits of free ends: an interval that they must not leave, and the domain of the right side."""
+"""Limits of free ends: an interval given by the user, and the domain of the right side."""
 
 from dataclasses import replace
 

@@ -224,7 +224,7 @@ class IteratedMotions(FreeEnds):
         return at_ends, levels
 
     def responses(self, d: Array) -> list[Array]:
-        """See `DirectMotions.responses`."""
+        """Unknowns of the responses to motions of the free ends; see `DirectMotions.responses`."""
         none = np.zeros(self.solver.size)
         folded = [self.solver(-self._applied(none, one)[0], None, OPTIONS.response) for one in d.T]
         return [self.system.symmetry.unfold(one) for one in folded]
@@ -517,9 +517,9 @@ class DirectMotions(FreeEnds):
 
 
 def motions_of(state: State) -> DirectMotions | IteratedMotions:
-    """Relations between motions and intensities: by iteration if the state was found by iteration.
+    """Relations between motions and intensities, by the matrix of the rates or by iteration.
 
-    Else they use the matrix of the rates.
+    They use iteration if the state was found by iteration.
     """
     return (
         DirectMotions(state) if state.iteration is None else IteratedMotions(state, state.iteration)

@@ -1,4 +1,4 @@
-"""Response of a solution to unit sources outside its zones, in closed form close to the zones.
+"""Response of a solution to unit sources outside its zones, in closed form close to zones.
 
 A unit source at c adds K(x, c)/pi to the right side, with the kernel K(x, c). With rho of the
 position c relative to a zone of half width w (`sie.basis.interval`),

@@ -1,1 +1,1 @@
-"""The equation of many zones without its matrix: fast sums over trees, and preconditioned GMRES."""
+"""The equation of many zones without its matrix: fast sums and preconditioned GMRES."""

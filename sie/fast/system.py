@@ -182,8 +182,9 @@ class IterativeSystem(System):
 
     @cached_property
     def step_constants(self) -> Array:
-        """Differences of `level_constants` between neighbours, without the cancellation of the
-        values.
+        """Differences of `level_constants` between neighbours.
+
+        They are computed without the cancellation of large values.
         """
         return (
             np.diff(self.known_field[1]) + np.diff(self._known_rest) - self._forcing_differences()

@@ -41,8 +41,9 @@ class ExteriorLogarithms(PerZone):
     def near(
         cls, zones: Zones, at: Array, weights: Array, period: float | None
     ) -> "ExteriorLogarithms":
-        """Select the logarithms at `at` (repeated with the period) that lie outside a zone but
-        close to it.
+        """Select the logarithms that lie outside a zone but close to it.
+
+        at: their positions, repeated with the period; weights: their factors J/pi.
         """
         which = np.arange(len(at))
         if period is not None:

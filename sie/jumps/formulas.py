@@ -264,7 +264,7 @@ def raised(away: Any, q: int) -> Any:
 
 
 def of_sines(beta: Array) -> Array:
-    """Coefficients of T_l / sqrt(1 - t^2), l = 0, 1, ..., from those of sin(j theta), j = 1, 2, ...
+    """Coefficients of T_l / sqrt(1 - t^2), l >= 0, from those of sin(j theta), j >= 1.
 
     The sum acts along the last axis.
     """

@@ -1,4 +1,4 @@
-"""Effect of rounding and truncation of the rows on the density and on the intensities at the ends.
+"""Effect of round-off and truncation of the rows on the density and on the intensities.
 
 The round-off of each row of A y = b is that of the root of the sum of its terms' squares, because
 the round-off of different terms is independent. The intensities K are linear in the unknowns,

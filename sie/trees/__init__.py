@@ -1,1 +1,1 @@
-"""Sums over very many intervals in linear time: trees, far sums, GMRES, hierarchical inverses."""
+"""Sums over many intervals in linear time: trees, far sums, GMRES, hierarchical inverses."""

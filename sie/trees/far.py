@@ -1,4 +1,4 @@
-"""Far sums: fields of intervals on far intervals, by a tree and Chebyshev series, in linear time.
+"""Fields of intervals on far intervals in linear time, by a tree and Chebyshev series.
 
 Moments of a density phi, (1/pi) int phi T_k dxi, are passed up the tree, from children to parents.
 Chebyshev series of the transform are passed down it, from parents to children. See L. Greengard and

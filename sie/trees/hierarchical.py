@@ -1,4 +1,4 @@
-"""Approximate inverse of a matrix whose off-diagonal blocks have low rank, by recursive halving.
+"""Approximate inverse of a matrix with off-diagonal blocks of low rank, by recursive halving.
 
 With A = [[A1, U1 V1'], [U2 V2', A2]], W1 = A1^-1 U1 and W2 = A2^-1 U2, the unknowns are x1 = y1 -
 W1 s2 and x2 = y2 - W2 s1, where y_i = A_i^-1 b_i, and s2 = V1' x2, s1 = V2' x1 solve a small system

@@ -1,4 +1,4 @@
-"""The transform of a piecewise quadratic function at many points, in time linear in their number.
+"""The transform of a piecewise quadratic function at many points, in linear time.
 
 The transform is (1/pi) PV int f(xi) K(x - xi) dxi. A jump J of f'' at s adds the term
 (J/2 pi) (x - s)^2 ln|x - s| to it, and a jump of f' the term (J/pi) (x - s) ln|x - s|. The line is

@@ -1,4 +1,4 @@
-"""Low-rank interpolation of a smooth kernel k(x, xi) from a few source positions on the zones.
+"""Low-rank interpolation of a smooth kernel k(x, xi) from a few source positions on zones.
 
     k(x, xi) = sum_j k(x, s_j) P_j(xi)        x, xi on zones,
 

@@ -1,4 +1,4 @@
-"""A binary tree over ascending intervals, and which pairs of its nodes are far from each other.
+"""A binary tree over ascending intervals, and the pairs of nodes far from each other.
 
 Nodes are the hulls of the intervals they hold. A node is split at the middle of its hull, and a
 leaf is one interval. Two nodes are *far* if the gap between them is at least `SEPARATION` times the
