@@ -85,7 +85,7 @@ class Cells(sie.Kept):
 
 
 class EndSum:
-    """The function x -> sum_k weights_k function(x - ends_k).
+    """The sum over all ends, sum_k weights_k function(x - ends_k), as a function of x.
 
     The two ends of an interval have weights of opposite signs, so they are added in pairs.
     """
@@ -113,7 +113,7 @@ class EndSum:
     def _inside(self, x: Array, given: Array) -> Array:
         """The sums at points x within the cells.
 
-        given: the same points before a shift by periods, which rounds them.
+        given: the points before a shift by periods, in which they were rounded.
         """
         edges, (near, count) = self._cells.edges, self._cells.near
         cell = np.searchsorted(edges, x, side="right") - 1

@@ -165,7 +165,7 @@ class GridGuide(sie.Kept):
         return GridRest(found, placed(self.problem, zones_of(state, self.x)), state)
 
     def least_value(self, table: Array | None, value: float) -> float:
-        """Approximately the lowest value of the control at which shrinking intervals come to rest."""
+        """Approximate lowest value of the control at which shrinking intervals come to rest."""
         high, low = value, self._lost(value)
         warm_start: GridRest | None = None
         for _ in range(GRID.max_halvings):

@@ -1,4 +1,4 @@
-"""Operations on the intervals of tension and on the zones within them, with or without a period."""
+"""Operations on intervals of tension and on the zones inside, with or without a period."""
 
 import numpy as np
 

@@ -80,9 +80,9 @@ def _with_range(
     All its ends are driven one way. margin: fraction of the work left out, or added if negative.
     None where the ends are driven both ways.
 
-    Near a tip, p = A sqrt(v) - K/sqrt(v) at a depth v. The contact ends where a strip of width d
-    takes up K = 2 s sqrt(d)/pi, and at the end of the strip the gap is the reach h, 4 s d/pi + 4
-    A d^(3/2)/3 = E* h.
+    Near a tip the pressure is p = A sqrt(v) - K/sqrt(v) at a distance v from it. A strip of width d
+    under the tension s takes up K = 2 s sqrt(d)/pi. At the end of the strip the gap is the reach h,
+    4 s d/pi + 4 A d^(3/2)/3 = E* h.
     """
     wide = (1.0 - margin) * curve.strip
     by_slope = (

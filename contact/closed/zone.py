@@ -1,4 +1,4 @@
-"""One symmetric zone under a control, for one load or for several at once: Newton's method on ln h.
+"""One symmetric zone under a control, for one or several loads, by Newton's method on ln h.
 
 h is the half length of the zone on the line of `contact.closed.line`. A tip may have a kink
 J = f'(0+) - f'(0-): its part J/2 sgn(x) is subtracted from the slope f'. With the half width a, the

@@ -1,4 +1,4 @@
-"""The two contacts of the first-order closure, and their derivatives by centre, pressure and load.
+"""The two contacts of the first-order closure: derivatives by centre, pressure and load.
 
 One contact is that of the strip under a nominal pressure, the other that of its profile alone. A
 unit change of an unknown adds a density on the same zones. From it follow the motions of the ends.

@@ -2,10 +2,11 @@
 
     W(q) = W0(q L)
 
-W is the total width of the zones of the strip under the scene's own control and the nominal
-pressure q beyond the strip. W0 is that of its profile alone, cut off at the borders of the strip,
-under the load q L. Both are contacts of convex problems. W falls with q, W0 grows, so there is one
-root. One evaluation solves two contacts; the root is found by Newton's method in a bracket.
+The function W is the total width of the zones of the strip, under the scene's own control and the
+nominal pressure q beyond the strip. W0 is the total width for the profile alone, cut off at the
+borders of the strip, under the load q L. Both are contacts of convex problems. W falls with q, W0
+grows, so there is one root. One evaluation solves two contacts; the root is found by Newton's
+method in a bracket.
 """
 
 from __future__ import annotations
