@@ -527,7 +527,7 @@ class ZoneFields(sie.Kept):
             self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak]
         )
         if self.problem.algebraic is not None:
-            # At the tips of power laws the pressure has a cusp.
+            # The samples may miss the cusp that the pressure has at the tip of a power law.
             highest = max(highest, float(self.density(np.asarray(self.problem.algebraic.at)).max()))
         return highest * self.problem.units.pressure
 

@@ -184,7 +184,7 @@ class GapFields(sie.Kept):
         x, value = self.samples
         highest = maximum(self.formal_pressure, x, value=value)[1]
         if self.problem.algebraic is not None:
-            # At the tips of power laws the pressure has a cusp.
+            # The samples may miss the cusp that the pressure has at the tip of a power law.
             highest = max(
                 highest, float(self.formal_pressure(np.asarray(self.problem.algebraic.at)).max())
             )

@@ -195,9 +195,7 @@ class Problem(sie.Kept):
         return np.asarray(self.profile.slope(self.units.x(x))) / self.units.slope
 
     def shape(self, x: Array) -> Array:
-        """Scaled profile F = (f - min f) / (slope length), plus the column if its amplitude is
-        given.
-        """
+        """Scaled profile F = (f - min f) / (slope length), plus a column of given amplitude."""
         shape = self._profile_shape(x)
         return shape + self.raised(x) if self.amplitude else shape
 

@@ -178,9 +178,7 @@ class ScaledRelief(sie.Kept):
         return np.asarray(self.relief.smooth(self.units.x(x)) / self.units.slope)
 
     def forcing(self, x: Array) -> Array:
-        """R without the contribution of the kinks, (J/pi) times the inverse kernel's potential
-        each.
-        """
+        """R without the inverse kernel's potential, times J/pi, of each kink of jump J."""
         return np.asarray(self.smooth(x) - self.relief.of_waves(self.units.x(x)) / self.units.slope)
 
     def __call__(self, x: Array) -> Array:

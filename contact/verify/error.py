@@ -253,9 +253,7 @@ class SolvedGaps(Solved):
 
     @cached_property
     def error(self) -> float:
-        """Larger of the errors of the pressure over its unit and of the zones' ends over their
-        width.
-        """
+        """Relative error of the pressure or of the ends of zones, whichever is larger."""
         return self._error(self.fields.relief.error)
 
     @property
@@ -272,7 +270,7 @@ class SolvedGaps(Solved):
         divided by the distance. It changes the pressure close to the gap, which varies on the
         length of the gap's width, by delta divided by that width.
         """
-        # The total of every gap is given, so that there are no slits.
+        # The integral of the unknown over every gap is given, so that `state` has no slits.
         fields, state, gaps = self.fields, self.fields.state.whole, self.fields.gap_slope.zones
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]

@@ -170,8 +170,8 @@ def _sampled(fields: GapFields) -> _Samples:
     left = np.concatenate((left, from_left[inner] / half[inside[inner]]))
     right = np.concatenate((right, from_right[inner] / half[inside[inner]]))
     run = np.concatenate((run, len(of_run) + inside[inner]))
-    # The pressure is a difference of numbers as large as R, so that next to an end only their
-    # rounding is left.
+    # The pressure is a difference of numbers as large as the relief R. Next to an end it is small,
+    # and may consist of their rounding only.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
     over_sine = 1 / np.sqrt(left * right)
     return _Samples(run, zone, left, right, pressure * over_sine, 64 * EPS * size * over_sine)

@@ -106,9 +106,7 @@ class Influence:
 
     @classmethod
     def even(cls, n: int, h: float, E: float) -> Influence:
-        """Operator of a half-plane on a period of 2 n points, half of them mirror images of these
-        n.
-        """
+        """Operator of a half-plane on a period of n points and their n mirror images."""
         stiffness = _wave_stiffness(2 * n, h, E)[:n]
         return cls(n, h, E, True, 0, _inverse(stiffness), stiffness, is_even=True)
 

@@ -119,7 +119,8 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
         missed = abs(best.centre - centre) > best.fineness
         lo, hi = _hull(search.windows.values() or [search.limits])
         if missed and known is None and best.window != search.limits and not lo <= centre <= hi:
-            # The centre of a load lies between places of contact, and none came close to it.
+            # The centre of a load lies between places of contact, but all contacts found lie to one
+            # side.
             break
         if missed and len(search.windows) > 1:
             # A window about one asperity did not contain another one. The search is repeated with a
@@ -191,7 +192,7 @@ def _hull(windows: Iterable[Window]) -> Window:
 def _resting(
     profile: Profile, centre: float, known: Window | None, about: Window
 ) -> tuple[float, Window | None]:
-    """Slope and ends of the edge of the lower convex hull of f above the centre.
+    """Slope and ends of the edge of the lower convex hull of f that spans the centre.
 
     The ends are None if one of them is the first or the last sample.
     """
