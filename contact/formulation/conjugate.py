@@ -42,7 +42,7 @@ from sie import Array, Complex, record
 
 @dataclass(frozen=True)
 class ConjugateOptions:
-    """How H f' of a sampled slope is computed, and how its error is estimated."""
+    """Numbers for the Hilbert transform H f' of a sampled slope, and for its error estimate."""
 
     min_samples: int = 256
     max_samples: int = 2**18

@@ -23,7 +23,7 @@ from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 @dataclass(frozen=True)
 class FieldOptions:
-    """Where the fields of a contact are sampled, and to what tolerance they are solved again."""
+    """Sampling of the fields of a contact, and tolerances of further solutions on its zones."""
 
     peak_zones: int = 16  # zones in which the highest pressure is located between samples
     far_from: float = 1e3  # half-lines are sampled closely up to this many spans of the zones,

@@ -130,7 +130,7 @@ class GapFields(sie.Kept):
         return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.mean
 
     def rates(self, x: Array) -> tuple[Array, Array]:
-        """Scaled outward rates of the ends (n, 2) and rates of the gap at x, per unit of ln(load)."""
+        """Scaled outward rates of the ends (n, 2) and rates of the gap at x, per ln(load)."""
         response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
         return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(
             response.whole.integral(x) * self.mean
@@ -263,7 +263,7 @@ class GapFields(sie.Kept):
 
     @cached_property
     def stiffness(self) -> float:
-        """d load / d approach [N/m^2], by the response of the gaps at fixed ends and compression."""
+        """d load / d approach [N/m^2], by the gaps' response at fixed ends and compression."""
         response = self.state.response(self.state.values())
         rate = (
             response.moment() / self.period + self.problem.compression

@@ -64,7 +64,7 @@ class SceneCache(sie.Kept):
 
     @cached_property
     def full(self) -> FullLimit:
-        """Where full contact begins."""
+        """The mean pressure at which full contact begins, see `FullLimit`."""
         return FullLimit(self.scene.profile, self.scene.E_star, self.operator, self.scene.law)
 
     @cached_property
@@ -162,7 +162,7 @@ class SolveContext:
 
     @property
     def full(self) -> FullLimit:
-        """Where full contact begins."""
+        """The mean pressure at which full contact begins, see `FullLimit`."""
         return self.cache.full
 
     @property

@@ -105,7 +105,7 @@ class Formulation(Protocol[Kind]):
 
 @record
 class NewtonSettings:
-    """How Newton's method finds the ends of the intervals.
+    """Settings of Newton's method for the ends of the intervals.
 
     tolerance: of the ends. load_guess: the load, or the mean pressure, where the control does not
     give it. max_steps: limit of Newton steps; 0 leaves it to the formulation. max_rounds: limit of
