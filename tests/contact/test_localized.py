@@ -581,18 +581,6 @@ class TestFirstOrderOfSeveralZones:
         solution = contact.solve(contact.Scene(profile, 1e9, FIRST, load=part * full))
         assert solution.certificate.holds and solution.error <= 1e-8
 
-    @pytest.mark.slow
-    def test_near_full_contact_zones_may_come_and_go_on_the_way(self):
-        profile = drawn(np.random.default_rng([1, 3]), "plateaus", 200)
-        scene = contact.Scene(profile, 1e11, contact.Periodic(), contact_fraction=1.0)
-        full = contact.solve(scene).mean_pressure
-        solution = contact.solve(contact.Scene(profile, 1e11, FIRST, mean_pressure=0.7 * full))
-        assert (
-            solution.certificate.holds
-            and solution.error <= 1e-8
-            and solution.contact_fraction > 0.95
-        )
-
 
 @pytest.mark.parametrize("seed", [21479, 23180])
 def test_zones_of_a_body_between_corners_lie_between_those_of_its_own_period(seed):

@@ -37,6 +37,8 @@ class ContinuationOptions:
 
     # of successive values; beyond it the units of the last solution are unsuitable
     max_ratio: float = 16.0
+    # ratio of successive loads; beyond it a grid's zones are closer than extrapolated ones
+    max_ratio_beside_grid: float = 1.3
     max_rounds: int = 3  # of corrections by the topology loop
     max_changes: int = 4  # zones that come or go; with more a grid is faster than corrections
 
@@ -60,7 +62,8 @@ def from_previous(context: SolveContext) -> Outcome | Failure:
     # Under other controls a grid needs several loads.
     grid_possible = context.scene.profile.period is not None and control.load is not None
     recent = _recent_changes(context.previous)
-    if grid_possible and recent > 2 * OPTIONS.max_changes:
+    far = log_ratio > math.log(OPTIONS.max_ratio_beside_grid)
+    if grid_possible and (far or recent > 2 * OPTIONS.max_changes):
         _decide(context, "a grid", recent)
         return _by_grid(context, problem, control)
     zones, changes = extrapolated(context.previous, math.log(value))
