@@ -68,10 +68,10 @@ def figure_13() -> Figure:
         "pair alone (32)": full.isolated.zones[1],
     }
     apart = max(float(np.max(np.abs(ends[name] - e)) / (e[1] - e[0])) for name, e in closed.items())
+    c = _SCENE.half_spacing
     lines = [
-        f"{name}: a/c = {e[0] / _SCENE.half_spacing:.5f}, b/c = {e[1] / _SCENE.half_spacing:.5f}, (b - a)/c = "
-        f"{(e[1] - e[0]) / _SCENE.half_spacing:.5f}, (a^2 + b^2)/2c^2 = "
-        f"{0.5 * np.sum(e**2) / _SCENE.half_spacing**2:.4f}, "
+        f"{name}: a/c = {e[0] / c:.5f}, b/c = {e[1] / c:.5f}, (b - a)/c = {(e[1] - e[0]) / c:.5f}, "
+        f"(a^2 + b^2)/2c^2 = {0.5 * np.sum(e**2) / c**2:.4f}, "
         f"peak = {made[name].max_pressure:.7f} E*"
         for name, e in ends.items()
     ]
