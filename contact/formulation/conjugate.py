@@ -52,6 +52,9 @@ class ConjugateOptions:
     # Error of H f' relative to the residual and its conjugate at the samples: the peaks of noise
     # between the samples need 2.
     residual_margin: float = 2.0
+    # The same for a residual of terms that fall like those of a jump, or slower: at 1e-5 of the
+    # period from a corner the conjugate is 4 times the jump.
+    jump_margin: float = 8.0
     # relative to the largest term: terms above this that do not decay are not noise
     max_noise: float = 1e-9
     no_decay: float = 0.6  # ratio of terms one octave apart, above which they do not decay
@@ -295,15 +298,21 @@ def _series_error(coefficients: Array, used: int, rounding: float) -> float:
 
     coefficients: of the slope at even places; used: number of terms in use. The terms that are
     left out, at least the last octave, make up a residual: the noise of the slope, an undeclared
-    jump, or the truncation. The error of H f' is the conjugate of the residual, which grows like a
-    logarithm near a jump; both are evaluated at the samples.
+    jump, or the truncation. The error of H f' is the conjugate of the residual; both are evaluated
+    at the samples. Near a jump the conjugate grows like a logarithm between the samples: the
+    margin is larger the less the terms fall faster than those of a jump, by half in an octave.
     """
     n = len(coefficients) - 1
     left_out = np.where(np.arange(n + 1) < min(used, n // 2), 0.0, coefficients)
-    largest = max(
+    largest, conjugate = (
         float(np.abs(fft.irfft(factor * left_out, 2 * n)).max()) * (2 * n) for factor in (1, 1j)
     )
-    return OPTIONS.residual_margin * largest + rounding
+    last, before = (float(np.linalg.norm(coefficients[k : 2 * k])) for k in (n // 2, n // 4))
+    # In an octave of twice as many terms, those of a jump have 2^-1/2 of the norm.
+    like_jump = min(1.0, 2.0 * (last / before) ** 2) if before > 0 else 1.0
+    margin = OPTIONS.residual_margin
+    of_jump = (OPTIONS.jump_margin - margin) * like_jump * largest
+    return margin * max(largest, conjugate) + of_jump + rounding
 
 
 def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str:
