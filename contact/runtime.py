@@ -30,7 +30,9 @@ _KEEP_ALL = {_Mallopt.TRIM_THRESHOLD: -1, _Mallopt.MMAP_MAX: 0}
 
 
 class SharedState:
-    """A setting of the process: made by its first user, undone by its last, in any thread.
+    """A setting of the process that `with` blocks of any thread share.
+
+    The first block to begin calls `enter`, the last one to end calls `leave`.
 
     `leave` is called with what `enter` returned.
     """

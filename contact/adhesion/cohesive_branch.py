@@ -177,7 +177,10 @@ def _pulled_off(context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve
 def advancing(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> CohesiveState:
-    """The least equilibrium about first touch under a value of the control, at least 0."""
+    """The smallest contact in equilibrium that contains the point of first touch.
+
+    value: of the control, not negative.
+    """
     with closing_foreseen(context, curve, value):
         return _advanced_from_touch(context, scaled, curve, value)
 

@@ -126,7 +126,7 @@ class SeparatedFields(NoZones):
 
     @cached_property
     def borne_beside(self) -> float:  # type: ignore[override]
-        """Scaled integral of the pressure p times the height F of the profile less the gap."""
+        """Scaled integral of p (F - gap): pressure times (profile height minus gap)."""
         return -self.tension.stress * integral_outside(
             lambda x: self.pulled.own_shape(x) - self.scaled_gap(x),
             self.pulled,

@@ -39,7 +39,8 @@ class OctaveOptions:
     drop_below: float = 4.0
     # Round-off level of a series without visible round-off, over its largest coefficient.
     min_round_off: float = 2e-17
-    # A derivative whose error is below this part of it needs no power law in its place.
+    # Relative error of the derivative below which it is used. Above, a power law fitted to the next
+    # octave may replace it.
     exact: float = 1e-13
     # Two series whose difference is below this multiple of their noise are equal.
     same: float = 30.0

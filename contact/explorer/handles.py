@@ -30,7 +30,8 @@ UNITS = {**TURNING, **dict.fromkeys(_LENGTHS, "m"), "E_star": "Pa", "work": "J/m
 class HandleOptions:
     """Ranges of the sliders, and the trials that find what a list of numbers does."""
 
-    # A control goes from and to these multiples of its value: far down, since contact soon is full.
+    # The smallest and the largest value of the control's slider, relative to the present value. The
+    # range is long downwards, since at ten times the load most contacts are full.
     control_range: tuple[float, float] = (1e-3, 10.0)
     # The same for the other numbers.
     number_range: tuple[float, float] = (0.1, 10.0)

@@ -39,7 +39,10 @@ def outward(before: Array, after: Array) -> Array:
 
 
 def located(table: Array, x: Array) -> tuple[Index, Mask]:
-    """The last row that begins at or before each place (else row 0), and whether it contains it."""
+    """For each place: the last row that begins at or before it, and whether the row contains it.
+
+    Places before all rows get row 0.
+    """
     row = np.maximum(np.searchsorted(table[:, 0], x, side="right") - 1, 0)
     return row, np.asarray((x > table[row, 0]) & (x < table[row, 1]))
 

@@ -32,7 +32,7 @@ class CentringOptions:
     # bound of a secant step, relative to the last step and to the residual
     longest_step: float = 4.0
     max_halvings: int = 3  # of a step of the centre after which the zones are not found
-    # residual over the narrowest width; below it round-off may keep it from falling
+    # residual relative to the narrowest width; a smaller residual that does not fall is round-off
     round_off: float = 1e-7
 
 

@@ -22,7 +22,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class HiddenEventOptions:
-    """When the motion of an end disagrees with its rates."""
+    """Thresholds above which the motion of an end contradicts its rates."""
 
     # Relative error of the trapezoidal rule above which a jump is possible. Smooth ends leave
     # several times less between loads that differ by less than a third.
