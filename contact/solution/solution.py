@@ -48,7 +48,7 @@ class Solution(sie.Kept):
         Zone ends [m], (n, 2), ascending; with a period, left ends in [x0, x0 + L); (0, 2) in full
         contact.
     fields : Fields
-        Pressure, gap and displacement as functions (`contact.fields.Fields`).
+        Pressure, gap and displacement as functions (`contact.formulation.protocol.Fields`).
     error : float
         Stated bound of two relative errors: (i) that of the pressure, at equal normalised positions
         in corresponding zones, divided by p; (ii) that of each end, divided by its zone's width.

@@ -62,7 +62,7 @@ class Routes:
 
     gaps: nothing acts where the bodies do not touch, so that the gaps may be the unknowns.
     full_contact: full contact begins where the least pressure is zero. module: dotted name of a
-    module whose function `found(task)` solves every scene under this law; None for the general
+    module whose function `found(context)` solves every scene under this law; None for the general
     search.
     """
 
