@@ -79,11 +79,9 @@ def followed(context: SolveContext) -> Outcome:
     if rest is None:
         assert start is not None
         raise OutOfRange(past_pull_off(curve, pull_off(curve, start), context))
-    table = curve.settled(rest).table
-    found = context.refine_topology(problem, control, table, abandon_if_far=True)
-    if isinstance(found, Failure):
-        # Round-off of a long curve may look like a distance from the equilibrium.
-        found = context.refine_topology(problem, control, table)
+    found = context.refine_topology(
+        problem, control, curve.settled(rest).table, abandon_if_far=True
+    )
     if isinstance(found, Failure):
         raise context.error(found, problem)
     return found

@@ -166,10 +166,13 @@ class Progress:
         return same and self.trace[-1].move > 0.7 * self.trace[-5].move
 
     def is_close(self) -> bool:
-        """Whether the last step is one of Newton's method close to a solution."""
+        """Whether the last step is one of Newton's method close to a solution.
+
+        A step below the tolerance of the first solution may undo the error of that solution.
+        """
         before = 1.0 if len(self.trace) == 1 else self.trace[-2].move
         return self.trace[-1].move <= max(
-            self.options.close_step * before, self.options.rounding_step
+            self.options.close_step * before, self.options.first_solution
         )
 
     def vanished(
