@@ -62,17 +62,20 @@ def from_previous(context: SolveContext) -> Outcome | Failure:
     # Under other controls a grid needs several loads.
     grid_possible = context.scene.profile.period is not None and control.load is not None
     recent = _recent_changes(context.previous)
-    far = log_ratio > math.log(OPTIONS.max_ratio_beside_grid)
-    if grid_possible and (far or recent > 2 * OPTIONS.max_changes):
-        _decide(context, "a grid", recent)
+    if grid_possible and log_ratio > math.log(OPTIONS.max_ratio_beside_grid):
+        because, limit = "the last value differs by a factor of {}", OPTIONS.max_ratio_beside_grid
+        context.plan.decide("first guess", "a grid", because, math.exp(log_ratio), limit)
+        return _by_grid(context, problem, control)
+    if grid_possible and recent > 2 * OPTIONS.max_changes:
+        _decide(context, "a grid", recent, 2 * OPTIONS.max_changes)
         return _by_grid(context, problem, control)
     zones, changes = extrapolated(context.previous, math.log(value))
     if len(zones) == 0:
         return NOT_APPLICABLE
     if grid_possible and changes > OPTIONS.max_changes:
-        _decide(context, "a grid", changes)
+        _decide(context, "a grid", changes, OPTIONS.max_changes)
         return _by_grid(context, problem, control)
-    _decide(context, "the previous zones, extrapolated", changes)
+    _decide(context, "the previous zones, extrapolated", changes, OPTIONS.max_changes)
     use_gaps = gaps_are_better(context, problem, float(np.diff(zones, axis=1).sum()))
     correct = _by_gaps if use_gaps else _by_zones
     outcome: Outcome | Failure = attempted(lambda: correct(context, problem, control, zones))
@@ -82,10 +85,10 @@ def from_previous(context: SolveContext) -> Outcome | Failure:
     return outcome
 
 
-def _decide(context: SolveContext, way: str, changes: int) -> None:
-    """Note in the plan from where the first guess was taken."""
+def _decide(context: SolveContext, way: str, changes: int, limit: int) -> None:
+    """Note in the plan from where the first guess was taken, and the limit of the changes."""
     because = "{} zones come or go from the last value"
-    context.plan.decide("first guess", way, because, changes, OPTIONS.max_changes)
+    context.plan.decide("first guess", way, because, changes, limit)
 
 
 def _is_followed(context: SolveContext) -> bool:
