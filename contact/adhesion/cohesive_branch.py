@@ -48,13 +48,14 @@ from contact.adhesion.events import EVENTS
 from contact.adhesion.full_contact import closing_foreseen
 from contact.adhesion.inner_contact import TIGHT, ContactLost, edge_slopes
 from contact.adhesion.intervals import below, sample_points, united_about
-from contact.adhesion.limits import EPS, LIMITS
+from contact.adhesion.limits import LIMITS
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import room_beside
+from contact.model.profiles.noise import EPS
 from contact.model.scene import Scene
 from contact.search.context import SceneCache, SolveContext
 from contact.search.grid.proposals import placed

@@ -40,12 +40,12 @@ from contact.adhesion.inner_contact import (
     signs_hold,
 )
 from contact.adhesion.intervals import fitted, interval_of
-from contact.adhesion.limits import EPS
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import outward
+from contact.model.profiles.noise import EPS
 from sie import Array, Mask, record
 
 

@@ -18,12 +18,12 @@ from typing import Self
 import numpy as np
 
 import sie
-from contact.adhesion.limits import EPS
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import ascending, centred_on, gaps_between, room_beside
+from contact.model.profiles.noise import EPS
 from sie import Array, Index, Mask, record
 
 

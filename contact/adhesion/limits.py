@@ -1,10 +1,6 @@
-"""Numbers that all modules of contact.adhesion share: limits of loops, and round-off."""
+"""Limits of loops that all modules of contact.adhesion share."""
 
 from dataclasses import dataclass
-
-import numpy as np
-
-EPS = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,8 @@ import numpy as np
 
 from contact.closed.line import Value, column, everywhere, largest, least
 from contact.closed.series import SAMPLES_PER_DEGREE, off, off_integral, table
-from contact.closed.zone import EPS, ROUND_OFF, ClosedZone
+from contact.closed.zone import ROUND_OFF, ClosedZone
+from contact.model.profiles.noise import EPS
 from sie import Array
 
 

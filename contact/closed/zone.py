@@ -22,9 +22,9 @@ from contact.closed.line import LineMap, Value, choose, column, everywhere, larg
 from contact.closed.series import orders, powers, table
 from contact.formulation.full_contact import lowest
 from contact.model.profiles.base import Profile
+from contact.model.profiles.noise import EPS
 from sie import Array, Mask, record
 
-EPS = float(np.finfo(float).eps)
 # Round-off of a sum of a few terms.
 ROUND_OFF = 4 * EPS
 # Smaller numbers lose digits.

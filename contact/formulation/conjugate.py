@@ -34,8 +34,8 @@ from scipy.special import zeta
 import sie
 from contact.errors import SceneError
 from contact.formulation.pieces import Pieces
-from contact.formulation.units import EPS
 from contact.model.profiles.base import Profile, is_of_package
+from contact.model.profiles.noise import EPS
 from contact.model.profiles.trigonometric import Sum
 from sie import Array, Complex, record
 
@@ -307,12 +307,18 @@ def _series_error(coefficients: Array, used: int, rounding: float) -> float:
     largest, conjugate = (
         float(np.abs(fft.irfft(factor * left_out, 2 * n)).max()) * (2 * n) for factor in (1, 1j)
     )
-    last, before = (float(np.linalg.norm(coefficients[k : 2 * k])) for k in (n // 2, n // 4))
-    # In an octave of twice as many terms, those of a jump have 2^-1/2 of the norm.
-    like_jump = min(1.0, 2.0 * (last / before) ** 2) if before > 0 else 1.0
+    last, before = _last_octaves(np.abs(coefficients))
+    like_jump = min(1.0, (2.0 * last / before) ** 2) if before > 0 else 1.0
     margin = OPTIONS.residual_margin
     of_jump = (OPTIONS.jump_margin - margin) * like_jump * largest
     return margin * max(largest, conjugate) + of_jump + rounding
+
+
+def _last_octaves(size: Array) -> tuple[float, float]:
+    """Root mean square of the terms in the last octave of a series, and in the one before."""
+    n = len(size) - 1
+    last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
+    return last, before
 
 
 def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str:
@@ -320,8 +326,7 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
 
     smooth: the slope at even places x, without its declared jumps. size: of all terms.
     """
-    n = len(size) - 1
-    last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
+    last, before = _last_octaves(size)
     if settled or last >= OPTIONS.no_decay * before:
         return (
             f"the slope of the profile is known to {last * np.sqrt(len(x)):.1e} only, as where it "
@@ -400,8 +405,7 @@ def _noise(size: Array, scale: float) -> float:
     The terms of noise are as large in the last octave as in the one before, while those of a
     profile decrease.
     """
-    n = len(size) - 1
-    last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
+    last, before = _last_octaves(size)
     return 6 * last if OPTIONS.no_decay * before < last < OPTIONS.max_noise * scale else 0.0
 
 

@@ -16,7 +16,7 @@ from contact.formulation.full_contact import ApartFields, FullFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.protocol import Fields
 from contact.formulation.quadrature import IN_PANEL, panels, sides
-from contact.formulation.units import EPS
+from contact.model.profiles.noise import EPS
 from sie import Array, wrapped
 
 

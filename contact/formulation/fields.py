@@ -16,8 +16,8 @@ from contact.formulation.controls import Load
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import cuts_between, over_period, panels, sides
 from contact.formulation.roots import maximum, reaches
-from contact.formulation.units import EPS
 from contact.model.profiles.derive import detail_of
+from contact.model.profiles.noise import EPS
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 

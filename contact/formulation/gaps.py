@@ -35,7 +35,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
 from contact.formulation.roots import maximum
 from contact.formulation.tables import gaps_between
-from contact.formulation.units import EPS
+from contact.model.profiles.noise import EPS
 from sie import Array, Index, record
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.formulation.units import EPS
+from contact.model.profiles.noise import EPS
 from sie import Array
 
 

@@ -6,8 +6,6 @@ import numpy as np
 
 from sie import Array
 
-EPS = float(np.finfo(np.float64).eps)
-
 
 @dataclass(frozen=True)
 class Units:

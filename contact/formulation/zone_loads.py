@@ -22,7 +22,7 @@ import numpy as np
 from contact.formulation.conjugate import clausen2, over_jumps
 from contact.formulation.quadrature import IN_PANEL, panels
 from contact.formulation.relief import ScaledRelief
-from contact.formulation.units import EPS
+from contact.model.profiles.noise import EPS
 from sie import Array, wrapped
 
 

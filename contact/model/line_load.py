@@ -23,6 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.model.profiles.noise import EPS
 from contact.model.symbols import ONE, WAVES, Symbol
 from sie import Array, record
 
@@ -42,7 +43,6 @@ class LineLoadOptions:
 
 
 _OPTIONS = LineLoadOptions()
-EPS = float(np.finfo(np.float64).eps)
 
 
 @record

@@ -21,7 +21,7 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import chebyshev_nodes, sides
 from contact.formulation.tables import located
-from contact.formulation.units import EPS
+from contact.model.profiles.noise import EPS
 from contact.verify.certificate import Solved
 from contact.verify.tolerances import TOLERANCES
 from sie import Array, record, wrapped

@@ -10,7 +10,7 @@ from contact.formulation.full_contact import NARROWEST
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import sides
 from contact.formulation.tables import located, runs_of
-from contact.formulation.units import EPS
+from contact.model.profiles.noise import EPS
 from contact.verify.certificate import Certificate, unresolved_gaps_note
 from contact.verify.minima import SAMPLING, Signs, follow, lowest, may_be_negative, signs_on
 from contact.verify.tolerances import TOLERANCES

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import norm
 
-from sie.basis.data import Array
+from sie.basis.data import EPS, Array
 from sie.dense.system import condition_rows
 from sie.fast.coarse import CoarseOperator
 from sie.fast.preconditioner import TwoLevelPreconditioner
@@ -33,7 +33,6 @@ class IterationOptions:
 
 
 _OPTIONS = IterationOptions()
-EPS = float(np.finfo(float).eps)
 
 
 class Iterative:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sie.basis.chebyshev import bounded_part
-from sie.basis.data import Array, Index, by_rows, root_of_squares
+from sie.basis.data import EPS, Array, Index, by_rows, root_of_squares
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.dense.lu import Factored
@@ -21,8 +21,6 @@ from sie.dense.modes import conformal_radius, gaps
 from sie.equation.conditions import speaks_of_levels
 from sie.equation.equation import Forcing
 from sie.states.base import Solved
-
-EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)

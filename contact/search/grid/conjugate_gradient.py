@@ -40,12 +40,11 @@ import scipy.fft
 from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange
+from contact.model.profiles.noise import EPS
 from sie import Array, Index, Mask, record
 
 Rest = Callable[[Array, float], Array]
 Symbol = Callable[[Array], Array]
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True)
@@ -447,7 +446,7 @@ class _Run:
         p = load / (n * h) - _multiplied(
             shape - mean, self.influence.stiffness, n, self.influence.is_even
         )
-        roundoff = _EPS * (
+        roundoff = EPS * (
             self.influence.E / h * float(np.max(np.abs(shape - mean))) + load / (n * h)
         )
         return p, level - shape, level, roundoff, True

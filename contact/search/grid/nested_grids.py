@@ -19,13 +19,12 @@ from contact.errors import OutOfRange
 from contact.formulation.tables import in_cell, runs_of
 from contact.model.plugin_checks.declarations import require_numbers
 from contact.model.profiles.base import Profile
+from contact.model.profiles.noise import EPS
 from contact.search.grid.conjugate_gradient import GridState, Response, solve_grid
 from contact.search.topology.intervals import without
 from sie import Array, record
 
 Height = Callable[[Array], ArrayLike]
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True)
@@ -119,7 +118,7 @@ def grid_height(profile: Profile, x: Array) -> Array:
     with np.errstate(over="ignore", invalid="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
         size, range_ = np.max(np.abs(f)), np.ptp(f)
-        if not range_ < 1e8 * _EPS * size:  # rounding leaves eight digits of the differences of f
+        if not range_ < 1e8 * EPS * size:  # rounding leaves eight digits of the differences of f
             return f
         ends, middle = (
             np.asarray(profile.slope(x)),
