@@ -149,8 +149,7 @@ def guided(
                 raise
             continue
         except ContactLost:
-            # Where the intervals on the grid vanish, the equilibrium inside them has vanished,
-            # too.
+            # If the intervals on the grid vanish, so does the equilibrium inside them.
             if sign < 0 and margin == OPTIONS.guide_margins[-1]:
                 raise
             continue

@@ -29,7 +29,7 @@ from sie import Array, Index, Mask, record
 
 @dataclass(frozen=True)
 class StateTolerances:
-    """How a state on given intervals is solved, and when an equilibrium is reached.
+    """Tolerances of a state on given intervals, and of an equilibrium.
 
     Lengths are relative to the width of the interval of each end.
     """

@@ -88,7 +88,7 @@ def followed(context: SolveContext) -> Outcome:
 
 
 def described_way(context: SolveContext) -> str:
-    """How the contact is reached, in words."""
+    """Text for the plan: the path of loading on which the contact is reached."""
     scene = context.scene
     if context.branch == "receding":
         return (

@@ -54,7 +54,10 @@ def cuts_between(a: float, b: float, spacing: float, breaks: Array) -> Array:
 
 
 def panels(cuts: Array, count: int = 1) -> tuple[Array, Array]:
-    """About `count` crowded nodes and weights between ascending cuts, at least one panel each."""
+    """Nodes and weights on panels between ascending cuts, crowded towards the ends of each panel.
+
+    There are about `count` nodes, and at least one panel between two cuts.
+    """
     u, weight = crowded()
     parts = max(1, -(-count // (IN_PANEL * (len(cuts) - 1))))
     at = np.arange(parts + 1) / parts

@@ -209,7 +209,7 @@ def _ooura_mori(density: float = 40.0, reach: float = 7.0) -> tuple[Array, Array
     zero = np.abs(t) < 1e-12
     first, second = 2 + alpha + beta, (alpha - beta)
     phi[zero], slope[zero] = 1 / first, 0.5 * (1 + second / first**2)
-    # Where the exponential overflows phi is 0.
+    # phi is 0 if the exponential overflows.
     tiny = ~np.isfinite(phi) | ~np.isfinite(slope)
     phi[tiny], slope[tiny] = 0.0, 0.0
     x = density * phi

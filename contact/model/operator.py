@@ -53,7 +53,7 @@ Rest = Callable[[Array, float], Array]
 
 @dataclass(frozen=True)
 class OperatorOptions:
-    """How the kernel of a user's interaction is sampled for grids."""
+    """Samples of the kernel of a user's interaction, from which the grid's operator is made."""
 
     places: int = 4096  # of a period, at which it is compared with Hilbert's
     rounding: float = 1e-13  # a difference from Hilbert's kernel that counts as none

@@ -1,9 +1,9 @@
-"""What an interaction model is: how the rest of the surface acts on the zones that are solved.
+"""Base class of the interaction models: the action of the rest of the surface on the solved zones.
 
-What a line load does is the substrate's; a model says whether it acts alone, with all periods, or
-with the images of a strip, and names right-hand-side terms of unknown amplitude and the conditions
-that close them. It works in scaled lengths: `period` and `unit` (metres per scaled length) are
-given to it.
+The substrate gives the effect of a line load; a model says whether it acts alone, with all periods,
+or with the images of a strip, and names right-hand-side terms of unknown amplitude and the
+conditions that close them. It works in scaled lengths: `period` and `unit` (metres per scaled
+length) are given to it.
 """
 
 from __future__ import annotations

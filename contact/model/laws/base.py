@@ -40,7 +40,7 @@ class PressureRange:
 
 @dataclass(frozen=True)
 class Equilibria:
-    """How many contacts answer one value of the control.
+    """The number of equilibrium contacts at one value of the control, and a start of their branch.
 
     unique: right signs of pressure and gap make a contact the only one. start: where there are
     several, the law whose contact lies within the one that is reached by growing; a branch is

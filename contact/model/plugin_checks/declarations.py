@@ -21,7 +21,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class DeclarationLimits:
-    """Where the heights of a profile are checked, and how large they may be.
+    """Number of places at which heights of a profile are checked, and their largest size.
 
     places: of a cell, or of a known part, at which heights must be numbers.
     largest_height: variation of heights [m] whose square is still a number with a length's.

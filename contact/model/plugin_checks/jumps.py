@@ -21,7 +21,7 @@ from sie import Array, Mask
 
 @dataclasses.dataclass(frozen=True)
 class JumpOptions:
-    """How jumps and powers are distinguished from smooth shapes.
+    """Numbers by which jumps and powers are distinguished from smooth shapes.
 
     points: on either side of a place.
     differences: order of the differences that separate powers from smooth parts.

@@ -29,7 +29,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class OperatorTolerances:
-    """How values of kernels and symbols are compared.
+    """Places and tolerances at which values of kernels and symbols are compared.
 
     lags: lags over the scale, at which values are compared; all below half a period.
     step: width of a step of the potential, over the scale.

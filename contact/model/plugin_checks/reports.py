@@ -27,7 +27,7 @@ from sie import Array
 
 @dataclasses.dataclass(frozen=True)
 class ReportTolerances:
-    """How values are compared.
+    """Tolerances with which values of a profile are compared.
 
     same: difference of two evaluations of one quantity, over its largest value.
     slope: error of differences of the height, over the largest slope.
@@ -61,7 +61,7 @@ class SubstrateFault(Fault):
 
 @dataclasses.dataclass(frozen=True)
 class Report:
-    """What was checked, what is wrong, and what could be better."""
+    """The result of a check: names of the checks, faults, and notes on possible improvements."""
 
     subject: str
     checked: tuple[str, ...]

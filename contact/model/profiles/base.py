@@ -334,7 +334,7 @@ class Profile(Named, sie.Kept):
         return np.zeros(np.shape(x))
 
     def trace_summary(self) -> dict[str, Any] | None:
-        """What was read of a measured trace and done to it, and its roughness [m]; else None."""
+        """Source, preparation and roughness [m] of a measured trace; None for other profiles."""
         return None
 
     def _length(self) -> float | None:

@@ -99,7 +99,7 @@ class Combined(Profile):
     def _overlap(self) -> Overlap:
         return Overlap.of(tuple(self._placed.values()), self.period)
 
-    # What each body is
+    # The two bodies.
 
     @property
     def bodies(self) -> dict[str, Profile]:
@@ -137,7 +137,7 @@ class Combined(Profile):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is doubtful about the points of either body."""
+        """Warnings about the measured points of both bodies."""
         return tuple(
             line for body in self.bodies.values() for line in getattr(body, "warnings", ())
         )

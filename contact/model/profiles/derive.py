@@ -29,7 +29,7 @@ Function = Callable[[Any], Any]
 
 @dataclass(frozen=True)
 class VerdictOptions:
-    """How rises of a height are compared with integrals of its slope.
+    """Numbers of the comparison of rises of a height with integrals of its slope.
 
     nodes: Chebyshev points of an interval; insensitive, 7 to 13 decide the same.
     ratio: an interval over the next smaller one; a checked interval covers sets of places that
@@ -389,7 +389,7 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
 
 @dataclass(frozen=True)
 class DetailOptions:
-    """How the smallest length of a shape is found from its Chebyshev series.
+    """Numbers of the search for the smallest length of a shape by Chebyshev series.
 
     first: heights at first; most: heights at the most.
     counts: terms of the slope that count, over the largest one.
