@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from numbers import Real
 
 from contact.closed.solve import solve_closed
-from contact.errors import NotConverged, SceneError, warn
+from contact.errors import SceneError, warn
 from contact.extras import require
 from contact.formulation import claims
 from contact.model.checks import one_of
@@ -169,16 +169,11 @@ def context_of(scene: Scene, tol: float) -> SolveContext:
 def solved_at(context: SolveContext, found: Outcome, message: str) -> Solution:
     """The solution of a contact that was reached by following its branch.
 
-    message: how it was reached, noted in the plan.
+    message: how it was reached, noted in the plan. The contact is refined already.
     """
 
-    def lost(_: SolveContext) -> Outcome:
-        raise NotConverged(
-            "only the contact that was followed is meant, and no other search for it"
-        )
-
     context.plan["branch"].detail = message
-    return _solution(context, refined(context, found, lost))
+    return _solution(context, found)
 
 
 def _solved(
@@ -213,17 +208,23 @@ def _run(context: SolveContext) -> Solution:
             keep_freed_memory(features > _OPTIONS.keep_memory),
             one_blas_thread() if features > _OPTIONS.one_blas_thread else nullcontext(),
         ):
-            return _solution(context, refined(context, _found(context), _found))
+            return _solution(context, _found(context))
     finally:
         context.plan.seconds = time.perf_counter() - start
 
 
 def _found(context: SolveContext) -> Outcome:
-    """The contact of a scene: by the law's module, on a branch of equilibria, or by search."""
+    """The contact of a scene: by the law's module, on a branch of equilibria, or by search.
+
+    What a module returns is final, see `contact.model.laws.base.Routes`.
+    """
     module = context.scene.law.routes.module
     if module is None and context.follows_branch:
         module = "contact.adhesion.branch"
-    return found(context) if module is None else require(module).found(context)
+    if module is not None:
+        outcome: Outcome = require(module).found(context)
+        return outcome
+    return refined(context, found(context), found)
 
 
 def _features(scene: Scene) -> float:

@@ -5,6 +5,7 @@ from contact.adhesion.full_contact import as_not_converged
 from contact.runtime import one_blas_thread
 from contact.search.context import SolveContext
 from contact.search.feasibility import refuse_unbounded
+from contact.search.refine import refined
 from contact.search.strategies.guesses import Outcome
 
 
@@ -13,5 +14,6 @@ def found(context: SolveContext) -> Outcome:
     refuse_unbounded(context.scene)
     with one_blas_thread(), as_not_converged():
         if context.scene.law.tension:
+            # It is solved as precisely as possible where it is found.
             return cohesive_branch.followed_under_tension(context)
-        return edge_branch.followed(context)
+        return refined(context, edge_branch.followed(context), edge_branch.followed)

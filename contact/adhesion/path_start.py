@@ -25,6 +25,7 @@ from contact.formulation.full_contact import FullLimit
 from contact.model.scene import Scene
 from contact.search.context import SolveContext
 from contact.search.grid.scaling import ScaledScene
+from contact.search.refine import refined
 from contact.search.strategies.guesses import Outcome
 from contact.search.topology.failure import Failure
 from contact.solution import assemble
@@ -72,7 +73,7 @@ def _by_edge_intensity(context: SolveContext) -> PathRoute:
         )
         if isinstance(found, Failure):
             raise context.error(found, curve.problem)
-        return found
+        return refined(context, found)
 
     def separation(here: State) -> State | None:
         held = Curve(curve.problem, Approach(-here.level))

@@ -9,6 +9,7 @@ from contact.adhesion.cohesive_fields import scaled_second_variation
 from contact.adhesion.cohesive_zone import CohesiveState
 from contact.adhesion.separated_fields import SeparatedFields
 from contact.model.scene import Scene
+from contact.solution.assemble import lawful
 from contact.solution.plan import Plan
 from contact.solution.solution import Solution
 from contact.verify.certificate import Certificate, least_eigenvalue
@@ -38,6 +39,7 @@ def separated_solution(
         stability=stability,
     )
     off = np.abs(np.linalg.solve(here.rates, here.residual)) / here.widths if ends else np.zeros(1)
-    return Solution(
-        scene, np.zeros((0, 2)), fields, 1e-13 + float(off.max()), certificate, plan, branch=branch
+    error = 1e-13 + float(off.max())
+    return lawful(
+        Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan, branch=branch)
     )

@@ -33,6 +33,7 @@ from contact.model.scene import Scene
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.verify.certificate import Certificate
+from contact.verify.law_checks import has_checks, held_to_law
 
 # For a larger fraction of the period in contact the general search solves for the gap instead.
 WIDEST = 0.95
@@ -81,7 +82,7 @@ def _asks_for_pressure_only(law: Law, E_star: float) -> bool:
         and law.equilibria.unique
         and not law.pressure_range.has_tension
         and law.intensity(E_star) == 0.0
-        and type(law).fault is Law.fault
+        and not has_checks(law)
     )
 
 
@@ -164,19 +165,19 @@ def _judged(zone: ClosedZone, tol: float) -> tuple[Any, Value, Value]:
 def _solution(scene: Scene, zone: ClosedZone, error: float, gap: float, took: float) -> Solution:
     fields = ClosedFields(scene, zone)
     parts: dict[str, Any] = {
-        "certificate": partial(_certificate, scene, zone, gap),
+        "certificate": partial(_certificate, scene, zone, gap, fields),
         "plan": partial(_plan, scene, zone, took),
     }
     return Solution.deferred(scene, fields.zone_table, fields, error, parts)
 
 
-def _certificate(scene: Scene, zone: ClosedZone, gap: float) -> Certificate:
+def _certificate(scene: Scene, zone: ClosedZone, gap: float, fields: ClosedFields) -> Certificate:
     load, corner = scene.given_load, zone.problem.corner is not None
     unit = 0.5 * scene.E_star
     with np.errstate(all="ignore"):
         least, inside = least_inside(zone)
         points = inside if corner else inside + places(zone).size
-    return Certificate(
+    certificate = Certificate(
         smallest_pressure=unit * least,
         # An infinite gap means that it rises everywhere: its least value is 0, at the ends.
         smallest_gap=None if corner else gap if math.isfinite(gap) else 0.0,
@@ -186,6 +187,7 @@ def _certificate(scene: Scene, zone: ClosedZone, gap: float) -> Certificate:
         holds=True,
         note=_NOTE,
     )
+    return held_to_law(certificate, scene.law, fields, load)
 
 
 def _plan(scene: Scene, zone: ClosedZone, took: float) -> Plan:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from contact.errors import NotConverged
 from contact.extras import require
 from contact.search.context import SolveContext
 from contact.search.grid.proposals import about, placed
@@ -24,11 +25,13 @@ Search = Callable[[SolveContext], Outcome]
 _FAR_SPANS = 64.0
 
 
-def refined(context: SolveContext, found: Outcome, search: Search) -> Outcome:
+def refined(context: SolveContext, found: Outcome, search: Search | None = None) -> Outcome:
     """The contact with the wanted error, or else the one with the smallest error.
 
-    search: the whole search, for a context with a smaller tolerance or without a warm start.
+    search: the whole search, for a context with a smaller tolerance or without a warm start. None:
+    only the contact that was followed is meant, and no other search finds it.
     """
+    search = search or _no_search
     outcome = _refined_once(context, found, search)
     if isinstance(outcome, Full) or outcome.error <= context.tol:
         return outcome
@@ -45,10 +48,13 @@ def refined(context: SolveContext, found: Outcome, search: Search) -> Outcome:
     return other if isinstance(other, Full) or other.error < outcome.error else outcome
 
 
+def _no_search(context: SolveContext) -> Outcome:
+    raise NotConverged("only the contact that was followed is meant, and no other search for it")
+
+
 def _refined_once(context: SolveContext, found: Outcome, search: Search) -> Outcome:
     """The contact, solved to smaller tolerances as long as the error decreases."""
-    # A cohesive zone is solved as precisely as possible where it is found.
-    if isinstance(found, Full) or context.scene.law.tension:
+    if isinstance(found, Full):
         return found
     if isinstance(found, SolvedGaps) and found.error > context.tol:
         found = _by_zones(context, found)

@@ -30,6 +30,7 @@ from contact.solution.quantities import PullOff
 from contact.solution.solution import Solution, limit_of_approach
 from contact.verify.certificate import Certificate, unresolved_gaps_note
 from contact.verify.error import SolvedGaps, SolvedZones, body_limit, limit, position_rounding
+from contact.verify.law_checks import held_to_law
 from sie import Array
 
 
@@ -137,7 +138,7 @@ def full_contact_solution(
             f"{claimed.limit or full.relief.limit}"
         )
         raise NotConverged(why, (), solution)
-    return solution
+    return lawful(solution)
 
 
 def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
@@ -152,14 +153,20 @@ def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan:
         holds=holds,
         note="the surfaces are apart",
     )
-    return Solution(
-        scene,
-        np.zeros((0, 2)),
-        ApartFields(problem, approach),
-        0.0,
-        certificate,
-        plan,
-        branch="receding",
+    fields = ApartFields(problem, approach)
+    return lawful(
+        Solution(scene, np.zeros((0, 2)), fields, 0.0, certificate, plan, branch="receding")
+    )
+
+
+def lawful(solution: Solution) -> Solution:
+    """The solution; raises NotConverged with it if it violates the law of its scene."""
+    scene, certificate = solution.scene, solution.certificate
+    checked = held_to_law(certificate, scene.law, solution.fields, scene.given_load)
+    if checked is certificate:
+        return solution
+    raise NotConverged(
+        f"not converged: {checked.note}", solution.trace, replace(solution, certificate=checked)
     )
 
 
@@ -245,9 +252,10 @@ def _record_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
 def _checked(
     tol: float, solution: Solution, free: sie.Free, of: str, positions: float = 0.0, cause: str = ""
 ) -> Solution:
-    """The solution; raises NotConverged with it if its error exceeds the tolerance.
+    """The solution; raises NotConverged with it if its error or its law forbids it.
 
-    cause: main cause of the error, in words, if the law or the profile adds most of it.
+    The error has to be at most the tolerance. cause: main cause of the error, in words, if the law
+    or the profile adds most of it.
     """
     if solution.error > tol:
         fields = solution.fields
@@ -271,4 +279,4 @@ def _checked(
         raise NotConverged(
             f"{message}; the best state is attached{fault}", solution.trace, solution
         )
-    return solution
+    return lawful(solution)

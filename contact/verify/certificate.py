@@ -19,7 +19,6 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import NARROWEST
 from contact.formulation.quadrature import chebyshev_nodes, sides
 from contact.formulation.tables import runs_of
-from contact.model.plugin_checks.forms import AuthorMethod
 from contact.verify.minima import SAMPLING, Signs, lowest, signs_on
 from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, Mask, record
@@ -193,7 +192,6 @@ def certify(
         )
     if equilibrium is not None:
         note = equilibrium.fault or f"{equilibrium.note}{'; ' + note if note else ''}"
-    law_fault = _law_fault(fields, load)
     undecided = (gaps.least is not None and -gaps.rounding <= gaps.least <= 0.0) or (
         dip <= TOLERANCES.dip_rounding and not negative
     )
@@ -204,9 +202,9 @@ def certify(
         load_balance=balance,
         level_spread=float(np.ptp(fields.levels)) * units.height,
         points=signs.points + gaps.points,
-        holds=bool(holds and not law_fault and not (equilibrium and equilibrium.fault)),
+        holds=bool(holds and not (equilibrium and equilibrium.fault)),
         undecided=bool(undecided) or left_out > 0,
-        note=law_fault or note,
+        note=note,
         dip=dip,
         moment_balance=turned,
         intensity=None if equilibrium is None else equilibrium.intensity,
@@ -222,18 +220,6 @@ def _load_balance(fields: ZoneFields, load: float) -> float:
     law, density = fields.problem.law, fields.density
     size = fields.load_size if law.pressure_range.has_tension else fields.problem.borne(density)
     return float(abs(density.total - load) / max(abs(load), size))
-
-
-def _law_fault(fields: ZoneFields, load: float | None) -> str:
-    """Message on a violation of the law, such as too high a pressure; empty if there is none."""
-    law = fields.problem.law
-    highest = law.pressure_range.highest
-    if np.isfinite(highest) and fields.max_pressure > highest * (1.0 + TOLERANCES.balance):
-        return (
-            f"{law.name}: the pressure reaches {fields.max_pressure:.6g} Pa, above {highest:.6g} Pa"
-        )
-    fault = AuthorMethod("law.fault(fields, load)", "law").text(law.fault, fields, load)
-    return f"{law.name}: {fault}" if fault else ""
 
 
 class _Equilibrium(NamedTuple):

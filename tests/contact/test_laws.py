@@ -10,7 +10,12 @@ import numpy as np
 import pytest
 
 import contact
+from contact.closed.fields import ClosedFields
+from contact.formulation.fields import ZoneFields
+from contact.formulation.full_contact import FullFields
+from contact.formulation.gaps import GapFields
 from contact.model import registry
+from contact.model.laws.base import PressureRange
 
 WAVE = contact.Sinusoid(0.01, 1.0)
 SCENE = contact.Scene(WAVE, 1.0, contact.Periodic(), mean_pressure=0.01)
@@ -113,3 +118,69 @@ def test_frictionless_under_another_name_is_the_same_contact():
     assert np.array_equal(
         contact.solve(replace(SCENE, law=other)).zones, contact.solve(SCENE).zones
     )
+
+
+@dataclass(frozen=True)
+class Capped(contact.Frictionless):
+    """Frictionless, for bodies that bear no more than a highest pressure [Pa]."""
+
+    highest: float = 1.0
+    name = "capped"
+
+    @property
+    def pressure_range(self):
+        return PressureRange(highest=self.highest)
+
+
+class Objecting(contact.Frictionless):
+    """Frictionless, with a check of its own that never passes."""
+
+    name = "objecting"
+
+    def fault(self, fields, load):
+        return "never right"
+
+
+ROUGH = contact.Fourier(1.0, [-0.01, 0.004], [0.003, -0.002])
+ALONE = contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), load=0.01)
+# What each route gives: the class of the fields without a check, and with one.
+ROUTES = {
+    "one zone": (SCENE, ClosedFields, ZoneFields),
+    "one zone alone": (ALONE, ClosedFields, ZoneFields),
+    "a grid": (replace(SCENE, profile=ROUGH), ZoneFields, ZoneFields),
+    "gaps": (replace(SCENE, profile=ROUGH, mean_pressure=0.04), GapFields, GapFields),
+    "full contact": (replace(SCENE, profile=ROUGH, mean_pressure=0.2), FullFields, FullFields),
+    "a tilt": (replace(ALONE, tilt=0.01), ZoneFields, ZoneFields),
+    "a strip": (
+        replace(SCENE, interaction=contact.Localized("self-consistent")),
+        ZoneFields,
+        ZoneFields,
+    ),
+}
+
+
+@pytest.mark.parametrize("route", ROUTES)
+def test_every_route_asks_the_law_for_its_checks(route):
+    scene, plainly, checked = ROUTES[route]
+    plain = contact.solve(scene)
+    assert type(plain.fields) is plainly
+    within = contact.solve(replace(scene, law=Capped(1.001 * plain.max_pressure)))
+    assert within.certificate.holds and type(within.fields) is checked
+    assert within.zones == pytest.approx(plain.zones, abs=10 * (plain.error + within.error))
+    for law, reason in (
+        (Capped(0.999 * plain.max_pressure), "above"),
+        (Objecting(), "never right"),
+    ):
+        with pytest.raises(contact.NotConverged, match=reason) as failed:
+            contact.solve(replace(scene, law=law))
+        best = failed.value.best
+        assert best.zones == pytest.approx(within.zones) and not best.certificate.holds
+
+
+def test_the_loads_of_a_curve_ask_the_law_for_its_checks():
+    values = [0.01, 0.02]
+    highest = max(one.max_pressure for one in contact.solve_many(SCENE, values))
+    within = replace(SCENE, law=Capped(1.001 * highest))
+    assert all(one.certificate.holds for one in contact.solve_many(within, values))
+    with pytest.raises(contact.NotConverged, match="capped: the pressure reaches"):
+        contact.solve_many(replace(SCENE, law=Capped(0.999 * highest)), values)

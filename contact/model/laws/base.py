@@ -25,8 +25,8 @@ from contact.model.registry import Named
 class PressureRange:
     """Bounds of the pressure in a zone [Pa].
 
-    lowest: 0 where the surfaces only push, -inf or a number below 0 where they also pull.
-    highest: inf, or the pressure at which a surface yields.
+    lowest: 0 where the surfaces only push, -inf where they also pull. highest: inf, or the pressure
+    that no contact may exceed, such as that at which a surface yields.
     """
 
     lowest: float = 0.0
@@ -64,6 +64,11 @@ class Routes:
     full_contact: full contact begins where the least pressure is zero. module: dotted name of a
     module whose function `found(context)` solves every scene under this law; None for the general
     search.
+
+    `found` takes a `contact.search.context.SolveContext` and returns an outcome, such as a
+    `contact.verify.error.SolvedZones`. Its outcome is final: the solver does not refine it, as the
+    general search knows nothing of the law's equations. If its error is above the tolerance,
+    NotConverged is raised. A module may call `contact.search.refine.refined` itself.
     """
 
     gaps: bool
@@ -197,6 +202,7 @@ class Law(Named, sie.Kept):
     def fault(self, fields: Any, load: float | None) -> str:
         """Why a solution violates the law although signs, balance and gap are right; empty if not.
 
-        fields: `contact.formulation.fields.ZoneFields`.
+        fields: `contact.formulation.protocol.Fields`. load: the given load in the units of
+        `fields.problem.units`; None if the scene gives another control.
         """
         return ""

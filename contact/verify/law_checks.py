@@ -1,0 +1,45 @@
+"""The checks that a law asks for. Every solution passes through `held_to_law`, on every route.
+
+The signs of pressure and gap are checked where a contact is found, as each formulation samples them
+in its own way. The checks here need the fields only.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from contact.formulation.protocol import Fields
+from contact.model.laws import Law
+from contact.model.plugin_checks.forms import AuthorMethod
+from contact.verify.certificate import Certificate
+from contact.verify.tolerances import TOLERANCES
+
+
+def held_to_law(
+    certificate: Certificate, law: Law, fields: Fields, given_load: float | None
+) -> Certificate:
+    """The certificate itself, or a failed one with the reason if the fields violate the law.
+
+    given_load: the load [N/m] that the scene gives, or None.
+    """
+    fault = _fault(law, fields, given_load)
+    return replace(certificate, holds=False, note=fault) if fault else certificate
+
+
+def has_checks(law: Law) -> bool:
+    """Whether a law asks for more than the signs of pressure and gap."""
+    return bool(np.isfinite(law.pressure_range.highest)) or type(law).fault is not Law.fault
+
+
+def _fault(law: Law, fields: Fields, given_load: float | None) -> str:
+    """Message on a violation of the law, such as too high a pressure; empty if there is none."""
+    if not has_checks(law):
+        return ""
+    highest = law.pressure_range.highest
+    if np.isfinite(highest) and fields.max_pressure > highest * (1.0 + TOLERANCES.balance):
+        return (
+            f"{law.name}: the pressure reaches {fields.max_pressure:.6g} Pa, above {highest:.6g} Pa"
+        )
+    load = None if given_load is None else given_load / fields.problem.units.load
+    fault = AuthorMethod("law.fault(fields, load)", "law").text(law.fault, fields, load)
+    return f"{law.name}: {fault}" if fault else ""
