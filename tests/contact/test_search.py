@@ -161,36 +161,6 @@ def test_the_isolated_influence_of_a_uniform_pressure_is_the_closed_logarithmic_
     assert np.allclose(u, exact, atol=1e-12)
 
 
-def test_images_are_shifted_copies() -> None:
-    n, h, m = 64, 0.1, 2
-    rng = np.random.default_rng(1)
-    p = rng.random(n)
-    row = np.tile(p, 2 * m + 1)
-    expected = Influence.isolated(len(row), h, E).apply(row)
-    one = Influence.isolated(n, h, E, images=m).apply(p)
-    assert np.allclose(one, expected[m * n : (m + 1) * n], atol=1e-11)
-
-
-def test_neighbours_and_a_nominal_pressure_beyond_approach_the_periodic_contact() -> None:
-    """Nominal pressure q outside |x| < W adds (4 q / pi E) artanh(x / W) to f'; the error falls as
-    (2m + 1)^-3.
-    """
-    a, n = 0.35, 2**14
-    load = westergaard_load(a)
-    errors = []
-    for m in (0, 1, 2):
-        W = m + 0.5
-
-        def pressed(x: Array, W: float = W) -> Array:
-            beyond = x * np.arctanh(x / W) + 0.5 * W * np.log1p(-((x / W) ** 2))
-            return np.asarray(sinusoid()(x) + 4.0 * load / (np.pi * E) * beyond)
-
-        found = propose(pressed, CELL, Response(E, False, m), load=load, points=n)
-        errors.append(abs(found.zones[0, 1] - found.zones[0, 0] - 2 * a))
-    assert errors[0] > 20 * errors[1]  # the asymptotic rate sets in at m = 1
-    assert errors[1] / errors[2] == pytest.approx((5 / 3) ** 3, rel=0.1)
-
-
 @pytest.mark.parametrize("at", [0.45, -0.48, 0.5])
 def test_a_zone_across_the_border_is_listed_once_by_its_left_end(at: float) -> None:
     found = propose(sinusoid(at), CELL, Response(E), load=westergaard_load(0.1), resolution=1.0)
@@ -241,19 +211,6 @@ def test_the_contact_does_not_depend_on_the_start() -> None:
         other = solve_grid(f, influence, load=1.0, start=start, tol=1e-10)
         assert np.array_equal(other.contact, reference.contact)
         assert np.allclose(other.pressure, reference.pressure, atol=1e-8 * reference.pressure.max())
-
-
-@pytest.mark.parametrize("load", [1e-3, 0.1, 3.0, 12.0, 40.0])
-def test_of_a_mirrored_shape_half_of_the_points_tell_the_whole_contact(load: float) -> None:
-    angle, rng = 2 * np.pi * (np.arange(512) + 0.5) / 512, np.random.default_rng(1)
-    f = sum(rng.normal() / k**1.2 * np.cos(k * angle) for k in range(1, 40))
-    whole, half = (
-        solve_grid(f, Response(1.0, mirrored=m).on(512, 2 * np.pi / 512), load=load, tol=1e-10)
-        for m in (False, True)
-    )
-    assert half.converged and np.array_equal(half.contact, whole.contact)
-    assert np.abs(half.pressure - whole.pressure).max() < 1e-7 * whole.pressure.max()
-    assert abs(half.level - whole.level) < 1e-8 and np.abs(half.gap - whole.gap).max() < 1e-8
 
 
 @pytest.mark.parametrize("periodic", [True, False])

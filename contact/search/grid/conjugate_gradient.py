@@ -87,27 +87,17 @@ _AS_GOOD_AS_FULL = (
 class Influence:
     """The operator S of one grid: `apply(p)` is the displacement under the pressure p.
 
-    The class methods `periodic`, `isolated` and `even` construct it.
+    The class methods `periodic` and `isolated` construct it.
     """
 
     n: int
     h: float
     E: float
     is_periodic: bool
-    images: int
     _compliance: Array = field(repr=False, compare=False)  # S in Fourier space on the padded grid
     stiffness: Array = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
     # The datum adds _offset * sum p h to u. It is added separately, so that u keeps its digits.
     _offset: float = 0.0
-    is_even: bool = False  # values beyond either border are the mirror image of those inside
-    # operator of half a period, where the other half is its mirror image
-    half: Influence | None = None
-
-    @classmethod
-    def even(cls, n: int, h: float, E: float) -> Influence:
-        """Operator of a half-plane on a period of n points and their n mirror images."""
-        stiffness = _wave_stiffness(2 * n, h, E)[:n]
-        return cls(n, h, E, True, 0, _inverse(stiffness), stiffness, is_even=True)
 
     @classmethod
     def periodic(
@@ -119,7 +109,7 @@ class Influence:
             stiffness[1:] /= symbol(
                 np.asarray(2.0 * np.pi / (n * h) * np.arange(1, n // 2 + 1), dtype=np.float64)
             )
-        return cls(n, h, E, True, 0, _inverse(stiffness, 2.0 * compression / E), stiffness)
+        return cls(n, h, E, True, _inverse(stiffness, 2.0 * compression / E), stiffness)
 
     @property
     def yields(self) -> float:
@@ -128,69 +118,52 @@ class Influence:
 
     @classmethod
     def isolated(
-        cls,
-        n: int,
-        h: float,
-        E: float,
-        images: int = 0,
-        datum: float = 1.0,
-        rest: Rest | None = None,
+        cls, n: int, h: float, E: float, datum: float = 1.0, rest: Rest | None = None
     ) -> Influence:
-        """Operator of a single body, with `images` shifted copies on either side, n h apart."""
+        """Operator of a single body."""
         lag = np.arange(n + 1.0)
-        kernel = sum((_log_cell(lag + j * n) for j in range(-images, images + 1)), np.zeros(n + 1))
+        kernel = _log_cell(lag)
         if rest is not None:
             kernel = kernel + rest(np.asarray(h * lag), h)
         circulant = np.concatenate((kernel, kernel[n - 1 : 0 : -1]))
         scale = -2.0 / (np.pi * E)
         compliance = scale * h * scipy.fft.rfft(circulant).real
-        # With images the neighbours carry load up to the border, so that the stiffness D of a
-        # periodic body is the better preconditioner.
-        stiffness = _wave_stiffness(n if images else 2 * n, h, E)
-        offset = scale * (2 * images + 1) * np.log(h / datum)
-        return cls(n, h, E, False, images, compliance, stiffness, float(offset))
+        offset = scale * np.log(h / datum)
+        return cls(n, h, E, False, compliance, _wave_stiffness(2 * n, h, E), float(offset))
+
+    @property
+    def size(self) -> int:
+        """Number of points of the padded grid."""
+        return self.n if self.is_periodic else 2 * self.n
 
     def apply(self, p: ArrayLike) -> Array:
         """Displacement u = S p at the grid points."""
         pressure = np.asarray(p, dtype=np.float64)
-        size = self.n if self.is_periodic else 2 * self.n
-        u = _multiplied(pressure, self._compliance, size, self.is_even)[: self.n]
+        u = _multiplied(pressure, self._compliance, self.size)[: self.n]
         return u + self._offset * (float(pressure.sum()) * self.h) if self._offset else u
-
-    @property
-    def _stiffness_size(self) -> int:
-        return self.n if self.is_periodic or self.images else 2 * self.n
 
 
 @record
 class Response:
     """The response of the surface to pressure, from which the operator of any grid is made.
 
-    periodic: the response is given by the `symbol` and the `compression` of the body. mirrored: the
-    second half of the period is the mirror image of the first, on a half-plane. If not periodic,
-    the body is alone on the line, with `images` copies of the cell on either side and the length
-    `datum` in the logarithm. rest: the kernel minus that of the half-plane.
+    periodic: the response is given by the `symbol` and the `compression` of the body. If not
+    periodic, the body is alone on the line, with the length `datum` in the logarithm. rest: the
+    kernel minus that of the half-plane.
     """
 
     E: float
     periodic: bool = True
-    images: int = 0
     datum: float = 1.0
     rest: Rest | None = None
     symbol: Symbol | None = None
     compression: float = 0.0
-    mirrored: bool = False
 
     def on(self, n: int, h: float) -> Influence:
         """The operator on n cells of width h."""
         if self.periodic:
-            whole = Influence.periodic(n, h, self.E, self.symbol, self.compression)
-            return (
-                replace(whole, half=Influence.even(n // 2, h, self.E)) if self.mirrored else whole
-            )
-        return Influence.isolated(
-            n, h, self.E, images=self.images, datum=self.datum, rest=self.rest
-        )
+            return Influence.periodic(n, h, self.E, self.symbol, self.compression)
+        return Influence.isolated(n, h, self.E, self.datum, self.rest)
 
 
 def _dot(a: Array, b: Array) -> float:
@@ -201,10 +174,8 @@ def _dot(a: Array, b: Array) -> float:
     return float(np.einsum("i,i", a, b))
 
 
-def _multiplied(values: Array, factors: Array, size: int, even: bool) -> Array:
+def _multiplied(values: Array, factors: Array, size: int) -> Array:
     """Values on a grid, padded by zeros to a size, times factors in Fourier space."""
-    if even:
-        return np.asarray(scipy.fft.idct(scipy.fft.dct(values) * factors, overwrite_x=True))
     seen = scipy.fft.rfft(values, size)
     seen *= factors
     return np.asarray(scipy.fft.irfft(seen, size, overwrite_x=True))
@@ -240,27 +211,23 @@ class _Extension:
     """The map B of displacements on the contact set to the whole grid, linear across the gaps.
 
     Points are counted from the first one in contact. `along` is the position of a point between two
-    successive points in contact, from 0 to 1. An even grid is not shifted: displacements are
-    constant from its border to the first point in contact.
+    successive points in contact, from 0 to 1.
     """
 
     def __init__(self, influence: Influence, inside: Index) -> None:
-        self.size, self.even = influence._stiffness_size, influence.is_even
-        self.stiffness = influence.stiffness
-        first = inside - (0 if self.even else inside[0])
-        reach = np.diff(first, append=np.inf if self.even else self.size)
-        self.starts = np.append(0, first[1:])
+        self.size, self.stiffness = influence.size, influence.stiffness
+        self.starts = inside - inside[0]
         self.lengths = np.diff(self.starts, append=self.size)
-        self.along = np.maximum(
-            np.arange(self.size) - np.repeat(first, self.lengths), 0
-        ) / np.repeat(reach, self.lengths)
+        self.along = (np.arange(self.size) - np.repeat(self.starts, self.lengths)) / np.repeat(
+            self.lengths, self.lengths
+        )
 
     def precondition(self, residual: Array) -> Array:
         """The preconditioner B' D B applied to values on the contact set; its sum is zero."""
         v = np.repeat(np.roll(residual, -1) - residual, self.lengths)
         v *= self.along
         v += np.repeat(residual, self.lengths)
-        q = _multiplied(v, self.stiffness, self.size, self.even)
+        q = _multiplied(v, self.stiffness, self.size)
         z = np.add.reduceat(q, self.starts)
         q *= self.along
         to_next = np.add.reduceat(q, self.starts)
@@ -322,20 +289,6 @@ def solve_grid(
         raise ValueError("f must be finite or +inf, and finite somewhere")
     if (load is None) == (level is None):
         raise ValueError("exactly one of load and level")
-    if influence.half is not None:
-        n = influence.half.n
-        side = solve_grid(
-            shape[:n],
-            influence.half,
-            load=None if load is None else 0.5 * load,
-            level=level,
-            tol=tol,
-            start=None if start is None else np.asarray(start)[:n],
-        )
-        pressure, gap = (np.concatenate((part, part[::-1])) for part in (side.pressure, side.gap))
-        return replace(
-            side, pressure=pressure, gap=gap, load=2.0 * side.load, f=shape, influence=influence
-        )
     guess: Array | None = None
     if start is not None:
         positive = np.maximum(np.asarray(start, dtype=np.float64), 0.0)
@@ -443,9 +396,7 @@ class _Run:
         self.iterations += 1
         mean = float(shape.mean())
         level = mean + self.influence.yields * load / (n * h)
-        p = load / (n * h) - _multiplied(
-            shape - mean, self.influence.stiffness, n, self.influence.is_even
-        )
+        p = load / (n * h) - _multiplied(shape - mean, self.influence.stiffness, n)
         roundoff = EPS * (
             self.influence.E / h * float(np.max(np.abs(shape - mean))) + load / (n * h)
         )
