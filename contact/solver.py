@@ -26,6 +26,7 @@ from contact.search.context import SceneCache, SolveContext
 from contact.search.find import found
 from contact.search.refine import refined
 from contact.search.strategies.full_contact import Full
+from contact.search.strategies.gaps import record_unknowns
 from contact.search.strategies.guesses import Outcome
 from contact.search.strategies.load_search import by_quantity
 from contact.search.topology.extrapolation import CurvePoint
@@ -244,6 +245,7 @@ def _solution(context: SolveContext, outcome: Outcome) -> Solution:
         return assemble.full_contact_solution(
             scene, context.full, outcome.mean_pressure, plan, tol, branch
         )
+    record_unknowns(plan, outcome)
     if isinstance(outcome, SolvedGaps):
         return assemble.gap_solution(scene, outcome, plan, tol)
     find_pull_off = (

@@ -13,7 +13,10 @@ import numpy as np
 import pytest
 
 import contact
+from contact.formulation.fields import ZoneFields
 from contact.reference.inverse import design
+from contact.search.strategies import gaps
+from contact.search.topology.failure import Failure
 from contact.solution.decision import Decision
 
 L, DELTA, E = 1.0, 1e-3, 1.0
@@ -451,6 +454,19 @@ class TestDecisions:
             choice = solution.plan.decisions["unknowns"]
             assert (choice.way == "gaps") == (choice.measured > choice.threshold)
             assert choice.measured == pytest.approx(solution.contact_fraction, abs=0.05)
+
+    def test_a_lower_limit_for_kinks_of_valleys_is_explained(self):
+        profile = contact.Biquadratic(radius=1.0, spacing=0.4 * L, period=L)
+        choice = solve(profile, tol=1e-6, contact_fraction=0.5).plan.decisions["unknowns"]
+        assert choice.way == "gaps" and choice.measured < 0.7
+        assert choice.because.startswith("no load closes the gaps over kinks of valleys")
+
+    def test_zones_that_replace_gaps_are_named(self, monkeypatch):
+        monkeypatch.setattr(gaps, "refine_topology", lambda *_, **__: Failure("not today"))
+        solution = solve(self.ROUGH, tol=1e-7, mean_pressure=4e-3)
+        choice = solution.plan.decisions["unknowns"]
+        assert isinstance(solution.fields, ZoneFields)
+        assert str(choice) == "zones, since the gaps did not lead to the wanted error"
 
     def test_a_near_solution_is_named_as_the_first_guess(self):
         first = solve(self.ROUGH, tol=1e-7, mean_pressure=5e-4)

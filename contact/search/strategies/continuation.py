@@ -21,7 +21,7 @@ from contact.search.strategies import gaps, guesses
 from contact.search.strategies.full_contact import full_under
 from contact.search.strategies.gaps import gaps_are_better, tightened_gaps
 from contact.search.strategies.guesses import Outcome, from_grid
-from contact.search.topology.extrapolation import CurvePoint, extrapolated
+from contact.search.topology.extrapolation import extrapolated
 from contact.search.topology.failure import NOT_APPLICABLE, Failure, attempted
 from contact.search.topology.gap_form import GapForm
 from contact.search.topology.loop import NewtonSettings, Observer, refine_topology
@@ -37,8 +37,6 @@ class ContinuationOptions:
 
     # of successive values; beyond it the units of the last solution are unsuitable
     max_ratio: float = 16.0
-    # ratio of successive loads; beyond it a grid's zones are closer than extrapolated ones
-    max_ratio_beside_grid: float = 1.3
     max_rounds: int = 3  # of corrections by the topology loop
     max_changes: int = 4  # zones that come or go; with more a grid is faster than corrections
 
@@ -61,21 +59,13 @@ def from_previous(context: SolveContext) -> Outcome | Failure:
         return full
     # Under other controls a grid needs several loads.
     grid_possible = context.scene.profile.period is not None and control.load is not None
-    recent = _recent_changes(context.previous)
-    if grid_possible and log_ratio > math.log(OPTIONS.max_ratio_beside_grid):
-        because, limit = "the last value differs by a factor of {}", OPTIONS.max_ratio_beside_grid
-        context.plan.decide("first guess", "a grid", because, math.exp(log_ratio), limit)
-        return _by_grid(context, problem, control)
-    if grid_possible and recent > 2 * OPTIONS.max_changes:
-        _decide(context, "a grid", recent, 2 * OPTIONS.max_changes)
-        return _by_grid(context, problem, control)
     zones, changes = extrapolated(context.previous, math.log(value))
     if len(zones) == 0:
         return NOT_APPLICABLE
     if grid_possible and changes > OPTIONS.max_changes:
-        _decide(context, "a grid", changes, OPTIONS.max_changes)
+        _decide(context, "a grid", changes)
         return _by_grid(context, problem, control)
-    _decide(context, "the previous zones, extrapolated", changes, OPTIONS.max_changes)
+    _decide(context, "the previous zones, extrapolated", changes)
     use_gaps = gaps_are_better(context, problem, float(np.diff(zones, axis=1).sum()))
     correct = _by_gaps if use_gaps else _by_zones
     outcome: Outcome | Failure = attempted(lambda: correct(context, problem, control, zones))
@@ -85,10 +75,10 @@ def from_previous(context: SolveContext) -> Outcome | Failure:
     return outcome
 
 
-def _decide(context: SolveContext, way: str, changes: int, limit: int) -> None:
-    """Note in the plan from where the first guess was taken, and the limit of the changes."""
+def _decide(context: SolveContext, way: str, changes: int) -> None:
+    """Note in the plan where the first guess comes from, and the number that decided it."""
     because = "{} zones come or go from the last value"
-    context.plan.decide("first guess", way, because, changes, limit)
+    context.plan.decide("first guess", way, because, changes, OPTIONS.max_changes)
 
 
 def _is_followed(context: SolveContext) -> bool:
@@ -100,14 +90,6 @@ def _is_followed(context: SolveContext) -> bool:
     changes = scene.turned or scene.interaction.strip or scene.interaction.follows_isolated
     followed = any(scene.held(quantity) is not None for quantity in (Quantity.LOAD, Quantity.WIDTH))
     return scene.law.equilibria.unique and not changes and not scene.is_flat and followed
-
-
-def _recent_changes(previous: tuple[CurvePoint, ...]) -> int:
-    """Change of the number of zones between the last two values."""
-    if len(previous) < 2:
-        return 0
-    before, last = previous[-2:]
-    return abs(len(last.solution.zones) - len(before.solution.zones))
 
 
 def _by_grid(context: SolveContext, problem: Problem, control: Control) -> Outcome | Failure:

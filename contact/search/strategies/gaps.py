@@ -13,7 +13,8 @@ from contact.search.topology.failure import Failure, WrongTopology
 from contact.search.topology.gap_form import GapForm
 from contact.search.topology.intervals import united
 from contact.search.topology.loop import NewtonSettings, refine_topology
-from contact.verify.error import SolvedGaps
+from contact.solution.plan import Plan
+from contact.verify.error import SolvedGaps, SolvedZones
 from sie import Array
 
 
@@ -54,17 +55,22 @@ def gaps_are_better(
     ):
         context.plan.decide("unknowns", "zones", "full contact, or its operator, is not known")
         return False
-    closes = context.full.possible or context.single
-    threshold = options.wide_contact if closes else options.wide_contact_with_kinks
+    threshold, because = options.wide_contact, "the first guess of contact is {} of the period"
+    if not (context.full.possible or context.single):
+        threshold = options.wide_contact_with_kinks
+        because = f"no load closes the gaps over kinks of valleys, and {because}"
     is_wide = width > threshold * period
-    context.plan.decide(
-        "unknowns",
-        "gaps" if is_wide else "zones",
-        "contact is {} of the period",
-        min(width / period, 1.0),
-        threshold,
-    )
+    way = "gaps" if is_wide else "zones"
+    context.plan.decide("unknowns", way, because, min(width / period, 1.0), threshold)
     return is_wide
+
+
+def record_unknowns(plan: Plan, solved: SolvedZones | SolvedGaps) -> None:
+    """Correct the plan if the contact was solved by other unknowns than those decided on."""
+    decided = plan.decisions.get("unknowns")
+    way = "gaps" if isinstance(solved, SolvedGaps) else "zones"
+    if decided is not None and decided.way != way:
+        plan.decide("unknowns", way, f"the {decided.way} did not lead to the wanted error")
 
 
 def by_gaps(
