@@ -10,9 +10,6 @@ from contact.solution.solution import Solution
 from contact.solver import solved_along
 from sie import Array
 
-# The next solution is extrapolated from this many previous ones: a secant predictor needs two.
-_PREDICTOR_POINTS = 2
-
 
 class Curve:
     """Solves one scene at one value of a control after another.
@@ -42,7 +39,8 @@ class Curve:
     def at(self, value: float) -> Solution:
         """The solution at the next value, started from the previous solutions."""
         solution = self.known.get(value) or self.from_previous(value, self.previous)
-        self.previous = (*self.previous, CurvePoint(solution))[-_PREDICTOR_POINTS:]
+        # A secant through two solutions predicts the next one.
+        self.previous = (*self.previous[-1:], CurvePoint(solution))
         return solution
 
     def from_previous(

@@ -9,8 +9,6 @@ Next to a narrow zone or gap an end moves like the square root of the distance t
 birth or closure. Its rate times the width of that zone or gap varies slowly, and is used instead.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from contact.formulation.fields import ZoneFields
@@ -20,24 +18,12 @@ from contact.solution.solution import Solution
 from sie import Array
 
 
-@dataclass(frozen=True)
-class HiddenEventOptions:
-    """Thresholds above which the motion of an end contradicts its rates."""
+def may_hide(low: Solution, high: Solution, rate_error: float, max_rate_ratio: float) -> bool:
+    """Whether some end of a zone moved further between two loads than its rates explain.
 
-    # Relative error of the trapezoidal rule above which a jump is possible. Smooth ends leave
-    # several times less between loads that differ by less than a third.
-    max_trapezoid_error: float = 0.1
-    # Ratio of the two rates above which their mean is no prediction.
-    max_rate_ratio: float = 1.5
-    # Motions below this part of the zone's width cannot contain a zone: it would be round-off.
-    min_motion: float = 1e-6
-
-
-_OPTIONS = HiddenEventOptions()
-
-
-def may_hide(low: Solution, high: Solution) -> bool:
-    """Whether some end of a zone moved further between two loads than its rates explain."""
+    rate_error: relative error of a motion that is predicted by its rates. max_rate_ratio: ratio of the
+    two rates of an end above which their mean is no prediction.
+    """
     before, after = ends_and_rates(low), ends_and_rates(high)
     if before is None or after is None or low.load >= high.load:
         return False
@@ -59,16 +45,12 @@ def may_hide(low: Solution, high: Solution) -> bool:
         motion = np.array([old[i, 0] + turn[i] - a, b - old[i, 1] - turn[i]])
         mean = 0.5 * (old_widths[i] + new_widths[k])
         first, last = old_rates[i] * (old_widths[i] / mean), new_rates[k] * (new_widths[k] / mean)
-        slow, fast = (
-            np.minimum(np.abs(first), np.abs(last)),
-            np.maximum(np.abs(first), np.abs(last)),
-        )
+        slow, fast = np.sort(np.abs([first, last]), axis=0)
         distance = np.abs(motion)
         error = np.abs(motion - 0.5 * step * (first + last))
-        unexplained = (error > _OPTIONS.max_trapezoid_error * distance) | (
-            fast > _OPTIONS.max_rate_ratio * slow
-        )
-        if np.any(unexplained & (distance > _OPTIONS.min_motion * (b - a))):
+        unexplained = (error > rate_error * distance) | (fast > max_rate_ratio * slow)
+        # A motion within the stated errors of the ends is round-off.
+        if np.any(unexplained & (distance > (low.error + high.error) * (b - a))):
             return True
     return False
 

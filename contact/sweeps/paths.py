@@ -50,36 +50,36 @@ class PathOptions:
     themselves.
     """
 
-    # Events closer than this are not separated by a solve between them.
-    same_load: float = 1e-7
-    # Between loads closer than this, no hidden birth with merging is looked for.
-    min_step_with_hidden_events: float = 1e-3
+    # Loads that differ by less are equal. The same is the tolerance of ends, relative to their
+    # zone, in an event's condition and between two loads. An error of an end changes pressure and
+    # gap away from it by its square.
+    same: float = 1e-7
+    # Relative differences below this cannot change the number of zones: overlaps of two zones,
+    # errors of ends, and steps of the load in which a zone might be born and merge.
+    negligible: float = 1e-3
     # Above this ratio of two loads, the rates of the ends at both do not predict the motion.
-    max_step_for_rates: float = 1.3
-    # Relative distances beyond two equal loads at which an event's condition is tried: certified
-    # signs may be wrong by their round-off.
-    retries_beyond: tuple[float, ...] = (1e-6, 1e-5, 1e-4)
-    # Tolerance of ends in a condition. An error of an end changes pressure and gap away from it by
-    # its square.
-    end_tolerance: float = 1e-7
-    # Truncation of the series in a condition: the square of `end_tolerance`.
-    truncation: float = 1e-14
-    # Relative load step over which the ends' rates replace a second solution.
-    rate_step: float = 1e-4
-    # The ends are extrapolated by the polynomial through this many nearest loads.
-    interpolation_points: int = 4
-    # Fourfold refinements of a minimum that starts from 33 samples: 8 * 4^5 points per event.
-    minimum_refinements: int = 5
-    # Tolerance of the solutions between two loads.
-    tol_between: float = 1e-6
-    # A solution between two loads that misses `tol_between` still counts the zones below this
-    # error.
-    max_error_between: float = 1e-3
-    # An event is bracketed by a point this part of the predicted distance beyond it.
-    bracket_margin: float = 0.1
-    # Two zones are the same if they share this part of the narrower: ends beside narrow gaps may
-    # overlap by round-off.
-    min_overlap: float = 1e-3
+    max_load_ratio: float = 1.3
+    # The same for the ratio of the two rates of one end.
+    max_rate_ratio: float = 1.5
+    # Relative error of a motion predicted by rates. Smooth ends leave several times less between
+    # loads that differ by less than a third.
+    rate_error: float = 0.1
+
+    @property
+    def retries_beyond(self) -> tuple[float, ...]:
+        """Relative distances beyond two equal loads at which an event's condition is tried.
+
+        Certified signs may be wrong by their round-off.
+        """
+        return tuple(np.geomspace(self.same, self.negligible, 5))
+
+    @property
+    def rate_step(self) -> float:
+        """Relative load step over which the ends' rates replace a second solution.
+
+        The error of such a step is about its square.
+        """
+        return float(np.sqrt(self.same))
 
 
 _OPTIONS = PathOptions()
@@ -201,12 +201,12 @@ class _Path:
         used if its signs hold.
         """
         try:
-            return self.curve.from_previous(load, (CurvePoint(start),), _OPTIONS.tol_between)
+            return self.curve.from_previous(load, (CurvePoint(start),), _OPTIONS.same)
         except NotConverged as failure:
             if (
                 isinstance(failure.best, Solution)
                 and failure.best.certificate.holds
-                and failure.best.error < _OPTIONS.max_error_between
+                and failure.best.error < _OPTIONS.negligible
             ):
                 return failure.best
             raise
@@ -232,12 +232,13 @@ class _Path:
             high.zones,
             low.scene.period,
             low.scene.operator.is_plain and not turns,
-            _OPTIONS.min_overlap,
+            _OPTIONS.negligible,
         )
         step = (high.load - low.load) / high.load
-        apart = step > _OPTIONS.same_load
-        hides = high.load > _OPTIONS.max_step_for_rates * low.load or (
-            step > _OPTIONS.min_step_with_hidden_events and may_hide(low, high)
+        apart = step > _OPTIONS.same
+        hides = high.load > _OPTIONS.max_load_ratio * low.load or (
+            step > _OPTIONS.negligible
+            and may_hide(low, high, _OPTIONS.rate_error, _OPTIONS.max_rate_ratio)
         )
         if not found and not hides:
             return []
@@ -266,7 +267,7 @@ class _Path:
         assert low.scene.period is not None
         load = self.curve.cache.full.onset_pressure * low.scene.period
         # All gaps but the last are closed there.
-        last = self.intermediate(max(low.load, load * (1 - _OPTIONS.same_load)), low)
+        last = self.intermediate(max(low.load, load * (1 - _OPTIONS.same)), low)
         return [*self._events(low, last), *_full_event(load, full, last)]
 
     def _event(
@@ -321,7 +322,7 @@ def _just_beyond(change: Change, side: Solution, other: Solution) -> float | Non
     (a, b), grows = table[k], grows[k]
     if grows == 0.0:
         return None
-    load = other.load * float(np.exp((_OPTIONS.bracket_margin - 1.0) * (b - a) / (2 * grows)))
+    load = other.load * float(np.exp((_OPTIONS.rate_error - 1.0) * (b - a) / (2 * grows)))
     return load if min(side.load, other.load) < load < max(side.load, other.load) else None
 
 
@@ -343,12 +344,7 @@ class _Condition:
         have merged.
         """
         function = fields.formal_gap if self.of_gap else fields.formal_pressure
-        place, value = maximum(
-            lambda x: -function(x),
-            np.linspace(*self.where, 33),
-            levels=_OPTIONS.minimum_refinements,
-            peaks=1,
-        )
+        place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), peaks=1)
         self.position = float(self.problem.profile.wrap(self.problem.units.x(np.array(place))))
         return -value
 
@@ -368,21 +364,13 @@ class _Condition:
         self.where = _scaled(fields, change.where)
 
     def start(self, load: float) -> Array:
-        """Zones to start from: the polynomial through those of the nearest loads.
+        """Zones to start from: on the line through those of the two nearest loads.
 
         If that changes some zone or gap by more than a factor of two, the nearest zones are used.
         """
-        by_distance = sorted(self.tables, key=lambda known: abs(known - load))
-        nearest = by_distance[: _OPTIONS.interpolation_points]
-        first = self.tables[nearest[0]]
-        others = [
-            [(load - other) / (at - other) for other in nearest if other != at] for at in nearest
-        ]
-        table = np.tensordot(
-            np.prod(np.array(others).reshape(len(nearest), -1), axis=1),
-            np.array([self.tables[at] for at in nearest]),
-            1,
-        )
+        near, far = sorted(self.tables, key=lambda known: abs(known - load))[:2]
+        first = self.tables[near]
+        table = first + (load - near) / (far - near) * (self.tables[far] - first)
         grown = np.diff(table.ravel()) / np.diff(first.ravel())
         return np.asarray(table) if np.all((grown > 0.5) & (grown < 2.0)) else first
 
@@ -391,9 +379,7 @@ class _Condition:
 
         Later calls start from them.
         """
-        fields = self.form.formal(
-            load, self.start(load), _OPTIONS.end_tolerance, _OPTIONS.truncation
-        )
+        fields = self.form.formal(load, self.start(load), _OPTIONS.same, _OPTIONS.same**2)
         self.tables[load] = fields.solved_zones.table
         return fields
 
