@@ -46,10 +46,6 @@ UNITS = {
     "error": "1",
 }
 
-# HDF5 stores the attributes of an object in a header of 64 KiB. Arrays with more elements than this
-# are therefore replaced by their shape.
-_LONGEST_ARRAY = 64
-
 _FIELDS = {
     "profile": ("m", "gap at zero load, up to a constant"),
     "displacement": ("m", "displacement into the body"),
@@ -244,7 +240,15 @@ def describe(scene: Scene) -> dict[str, Any]:
 
 
 def _short(value: Any) -> Any:
-    return f"array of shape {np.shape(value)}" if np.size(value) > _LONGEST_ARRAY else plain(value)
+    return f"array of shape {np.shape(value)}" if is_long(value) else plain(value)
+
+
+def is_long(value: Any, longest: int = 64) -> bool:
+    """Whether a value is replaced by its shape in a description of a scene.
+
+    HDF5 stores the attributes of an object in a header of 64 KiB, so that long arrays do not fit.
+    """
+    return np.size(value) > longest
 
 
 def _attributes(solution: Solution) -> dict[str, Any]:

@@ -31,12 +31,9 @@ class ModelLimits:
     softest: float = 1e3  # [Pa]: gels
     stiffest: float = 2e12  # [Pa]: diamond on diamond
     in_pascals: float = 1e7  # [Pa]: diamond has 1.2e6 MPa, so that a larger number is in pascals
-    shortest: float = 1e-9  # [m]: a few atoms
-    longest: float = 1.0  # [m]: machine parts
-    shallowest: float = 1e-11  # [m]: less than an atom
-    unscaled: float = 1e-2  # [m]: longer bodies of a tiny modulus are in units of their own
-    period_places: int = 1024  # number of samples over a period in full contact
-    zone_places: int = 8  # number of samples on each zone
+    smallest: float = 1e-11  # [m]: less than an atom
+    # [m]: machine parts; longer bodies of a tiny modulus are in units of their own
+    longest: float = 1.0
 
 
 _LIMITS = ModelLimits()
@@ -63,14 +60,14 @@ def _length_warnings(scene: Scene) -> tuple[str, ...]:
     ):
         return ()
     message = f"a profile {quantity(length, 'm')} long"
-    if not _LIMITS.shortest <= length <= _LIMITS.longest:
+    if not _LIMITS.smallest <= length <= _LIMITS.longest:
         return (
             f"{message} on E_star = {quantity(scene.E_star, 'Pa')} is not that of a surface: all "
             "lengths of a scene are in metres",
         )
     # The height varies by at most half of the integral of |f'| over the period.
     depth = 0.5 * profile.slope_sizes[1] * length
-    if 0.0 < depth < _LIMITS.shallowest:
+    if 0.0 < depth < _LIMITS.smallest:
         return (
             f"{message} is no deeper than {quantity(depth, 'm', 2)}, less than an atom: all "
             "lengths "
@@ -90,7 +87,7 @@ def _modulus_warnings(scene: Scene) -> tuple[str, ...]:
         modulus < _LIMITS.softest
         and modulus != 1.0
         and length is not None
-        and length < _LIMITS.unscaled
+        and length < _LIMITS.longest
     ):
         message = f"E_star = {modulus:.3g} Pa on a length of {quantity(length, 'm')}"
         return (f"{message} is softer than any gel: E_star is in pascals, not in MPa or GPa",)
@@ -99,10 +96,9 @@ def _modulus_warnings(scene: Scene) -> tuple[str, ...]:
 
 def solution_warnings(solution: Solution) -> tuple[str, ...]:
     """Warnings about the solution."""
-    inside = _places_in_contact(solution)
     return (
-        *_slope_warnings(solution, inside),
-        *_pressure_warnings(solution, inside),
+        *_slope_warnings(solution),
+        *_pressure_warnings(solution),
         *preparation_warnings(solution),
     )
 
@@ -128,10 +124,10 @@ def all_warnings(solution: Solution) -> list[str]:
     ]
 
 
-def _slope_warnings(solution: Solution, places: Array) -> tuple[str, ...]:
+def _slope_warnings(solution: Solution) -> tuple[str, ...]:
     profile, tilt = solution.scene.profile, solution.tilt or 0.0
     with np.errstate(all="ignore"):
-        slopes = np.asarray(profile.slope(places), dtype=float)
+        slopes = np.asarray(profile.slope(_places_on_zones(solution)), dtype=float)
         inside = np.abs(slopes - tilt if tilt else slopes)
     # For few places argmax and item are faster than max.
     steepest = inside.item(inside.argmax()) if inside.size else 0.0
@@ -141,6 +137,8 @@ def _slope_warnings(solution: Solution, places: Array) -> tuple[str, ...]:
     if tilt and profile.slopes_seen.size:
         whole = profile.slopes_seen - tilt
         largest, rms = float(np.abs(whole).max()), float(np.sqrt(np.mean(whole**2)))
+    if solution.contact_fraction == 1.0:
+        steepest = largest
     if max(steepest, rms) <= _LIMITS.steepest:
         return ()
     message = (
@@ -154,7 +152,7 @@ def _slope_warnings(solution: Solution, places: Array) -> tuple[str, ...]:
     )
 
 
-def _pressure_warnings(solution: Solution, places: Array) -> tuple[str, ...]:
+def _pressure_warnings(solution: Solution) -> tuple[str, ...]:
     scene = solution.scene
     widths = np.asarray(solution.zone_widths)
     width = sum(widths.tolist()) if widths.size else scene.profile.period
@@ -163,11 +161,8 @@ def _pressure_warnings(solution: Solution, places: Array) -> tuple[str, ...]:
     highest, what = solution.load / width, "mean contact pressure"
     if solution.fields.pressure_bound <= _LIMITS.highest * scene.E_star:
         return ()
-    sharp = scene.profile.support is not None or any(
-        jump > 0.0 for _, jump in np.reshape(scene.profile.kinks, (-1, 2)).tolist()
-    )
-    if not sharp:
-        highest, what = float(np.max(solution.pressure(places))), "pressure"
+    if math.isfinite(solution.max_pressure):
+        highest, what = solution.max_pressure, "pressure"
     if highest <= _LIMITS.highest * scene.E_star:
         return ()
     message = f"a {what} of {quantity(highest, 'Pa', 3)}, {highest / scene.E_star:.2g} of E*"
@@ -177,17 +172,9 @@ def _pressure_warnings(solution: Solution, places: Array) -> tuple[str, ...]:
     )
 
 
-def _places_in_contact(solution: Solution) -> Array:
-    """Places in every zone, or over the period in full contact."""
-    zones, profile = np.asarray(solution.zones), solution.scene.profile
-    if not len(zones):
-        if profile.period is None:  # the surfaces are apart
-            return np.zeros(0)
-        return (
-            profile.x0
-            + profile.period * (np.arange(_LIMITS.period_places) + 0.25) / _LIMITS.period_places
-        )
-    return np.asarray(zones.dot(_weights_of_ends(_LIMITS.zone_places)).ravel())
+def _places_on_zones(solution: Solution, per_zone: int = 8) -> Array:
+    """Places on every zone, a given number on each."""
+    return np.asarray(np.asarray(solution.zones).dot(_weights_of_ends(per_zone)).ravel())
 
 
 @cache

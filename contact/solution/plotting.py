@@ -24,6 +24,7 @@ from contact.errors import MissingExtra, SceneError
 from contact.extras import require
 from contact.model.units import prefix, quantity
 from contact.solution.sampling import (
+    POINTS,
     on_zones,
     peak_position,
     positions,
@@ -44,17 +45,18 @@ _CLOSE = "#3d7a4a"
 
 @dataclass(frozen=True)
 class FigureOptions:
-    """Sizes below which details cannot be read on a printed figure, and number of points drawn."""
+    """Size below which details cannot be read on a printed figure."""
 
-    max_zones: int = 8  # with more, a second column shows the surroundings of the highest pressure
-    # relative to the width shown; narrower zones need the second column too
-    min_zone_width: float = 0.06
-    # relative to the peak; the line of a smaller mean pressure is left out
-    min_mean_pressure: float = 0.03
-    points: int = 6000  # number of points of a curve: a few on each column of pixels
+    # relative to the width or the height of a panel
+    min_visible: float = 0.06
+
+    @property
+    def max_zones(self) -> int:
+        """The largest number of zones and equal gaps between them that are all visible."""
+        return int(0.5 / self.min_visible)
 
 
-_OPTIONS = FigureOptions()
+FIGURE = FigureOptions()
 
 
 def plot(solution: Solution) -> Any:
@@ -104,7 +106,7 @@ def summary(solution: Solution) -> str:
 
 def _draw(top: Any, bottom: Any, solution: Solution, lo: float, hi: float) -> None:
     """Draw both panels from lo to hi."""
-    x = positions(solution, lo, hi, _OPTIONS.points)
+    x = positions(solution, lo, hi, POINTS.screen_points)
     zones = zones_within(solution, lo, hi)
     along, letter = prefix(max(abs(lo), abs(hi)))
     bottom.set(xlabel=f"$x$ [{letter}m]", xlim=(lo * along, hi * along))
@@ -113,7 +115,7 @@ def _draw(top: Any, bottom: Any, solution: Solution, lo: float, hi: float) -> No
     _draw_pressure(bottom, solution, x, zones, along)
     for axes in (top, bottom):
         axes.tick_params(direction="in", top=True, right=True)
-        for left, right in zones * along if len(zones) <= _OPTIONS.max_zones else ():
+        for left, right in zones * along if len(zones) <= FIGURE.max_zones else ():
             axes.axvspan(left, right, facecolor=_ZONE, alpha=0.18, edgecolor="none", zorder=0)
 
 
@@ -135,7 +137,7 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     axes.plot(x * along, surface * up, color=_SURFACE, linewidth=1.4, label="deformed surface")
     # Values of NaN between the zones let one line object draw all of them.
     touching = np.where(on_zones(x, zones), surface, np.nan)
-    weight = 2.6 if len(zones) <= _OPTIONS.max_zones else 1.8
+    weight = 2.6 if len(zones) <= FIGURE.max_zones else 1.8
     axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
     axes.set(ylim=(floor * up, ceiling * up), ylabel=f"height [{letter}m]")
     # The label is placed above a point in contact: whatever the outline, the body covers it there.
@@ -161,10 +163,7 @@ def _draw_pressure(axes: Any, solution: Solution, x: Array, zones: Array, along:
         x * along, 0.0, shown, where=on_zones(x, zones), color=_PRESSURE, alpha=0.22, linewidth=0
     )
     axes.plot(x * along, shown, color=_PRESSURE, linewidth=1.2)
-    if (
-        solution.mean_pressure is not None
-        and solution.mean_pressure > _OPTIONS.min_mean_pressure * top
-    ):
+    if solution.mean_pressure is not None and solution.mean_pressure > FIGURE.min_visible * top:
         axes.axhline(
             solution.mean_pressure * scale, color="black", linewidth=0.8, linestyle=(0, (6, 4))
         )
@@ -200,10 +199,10 @@ def _close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] |
     zones = zones_within(solution, lo, hi)
     widths = np.diff(zones).ravel()
     if len(solution.zones) == 0 or (
-        len(zones) <= _OPTIONS.max_zones and widths.max() >= _OPTIONS.min_zone_width * (hi - lo)
+        len(zones) <= FIGURE.max_zones and widths.max() >= FIGURE.min_visible * (hi - lo)
     ):
         return None
-    x = positions(solution, lo, hi, _OPTIONS.points)
+    x = positions(solution, lo, hi, POINTS.screen_points)
     centre = peak_position(solution, x, solution.pressure(x))
     own = float(widths[np.argmin(np.abs(zones.mean(axis=1) - centre))])
     reach = min(3.0 * own, 0.5 * (hi - lo))

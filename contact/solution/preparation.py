@@ -5,7 +5,6 @@ They need only the zones of a solution, their loads and the pressure.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,17 +12,6 @@ import numpy as np
 from contact.model.units import quantity
 from contact.solution.solution import Solution
 from sie import Array
-
-
-@dataclass(frozen=True)
-class ShareOptions:
-    """Accuracy of the computed shares of the load, and the smallest share that is reported."""
-
-    min_share: float = 0.01  # fraction of the load: more than a short taper carries at high load
-    # samples over all zones, equally many in each; shares are accurate to about 1e-3
-    places: int = 4096
-    # intervals listed in one message; of the others only the number is given
-    max_intervals: int = 3
 
 
 class Borne(NamedTuple):
@@ -37,24 +25,30 @@ class Borne(NamedTuple):
 
 
 def preparation_warnings(
-    solution: Solution, options: ShareOptions = ShareOptions()
+    solution: Solution, min_share: float = 0.01, listed: int = 3
 ) -> tuple[str, ...]:
-    """One sentence for each kind of interval that carries load or the highest pressure."""
-    reported = (
-        borne
-        for borne in shares(solution, options)
-        if borne.share > options.min_share or borne.highest
+    """One sentence for each kind of interval that carries load or the highest pressure.
+
+    min_share: smallest fraction of the load that is reported; a short taper carries less at high
+    load. listed: number of intervals named in one sentence; the others are counted.
+    """
+    return tuple(
+        _sentence(borne, listed)
+        for borne in shares(solution)
+        if borne.share > min_share or borne.highest
     )
-    return tuple(_sentence(borne, options) for borne in reported)
 
 
-def shares(solution: Solution, options: ShareOptions = ShareOptions()) -> list[Borne]:
-    """The share of each kind of interval, for every body that has such intervals."""
+def shares(solution: Solution, samples: int = 4096) -> list[Borne]:
+    """The share of each kind of interval, for every body that has such intervals.
+
+    samples: number over all zones, equally many in each; 4096 give three digits of the shares.
+    """
     profile = solution.scene.profile
     bodies = {place: body.unmeasured for place, body in profile.bodies.items() if body.unmeasured}
     if not bodies:
         return []
-    at, load, pressure = _places_in_contact(solution, options)
+    at, load, pressure = _places_in_contact(solution, samples)
     if not load.sum() > 0.0:
         return []
     peak, found = int(np.argmax(pressure)), []
@@ -74,33 +68,29 @@ def shares(solution: Solution, options: ShareOptions = ShareOptions()) -> list[B
     return found
 
 
-def _sentence(borne: Borne, options: ShareOptions) -> str:
+def _sentence(borne: Borne, listed: int) -> str:
     what, cure = borne.kind.value
     percent = 100 * borne.share
     share = f"{percent:.{0 if percent >= 10 else 1}f} % of the load"
     of = "" if borne.place == "profile" else f" of the {borne.place}"
     places = [f"{quantity(left, 'm')} to {quantity(right, 'm')}" for left, right, _ in borne.where]
-    more = (
-        f" and {len(places) - options.max_intervals} more"
-        if len(places) > options.max_intervals
-        else ""
-    )
-    where = f"x = {', '.join(places[: options.max_intervals])}{more}"
+    more = f" and {len(places) - listed} more" if len(places) > listed else ""
+    where = f"x = {', '.join(places[:listed])}{more}"
     lies = " and the highest pressure lie" if borne.highest else " lies"
     return f"{share}{lies} in {what}{of} ({where}): {cure}"
 
 
-def _places_in_contact(solution: Solution, options: ShareOptions) -> tuple[Array, Array, Array]:
+def _places_in_contact(solution: Solution, samples: int) -> tuple[Array, Array, Array]:
     """Places in contact, the modulus of the load that each represents, and the pressure there."""
     profile, zones = solution.scene.profile, np.asarray(solution.zones)
     if not len(zones):
         if profile.period is None or not solution.load > 0.0:  # the surfaces are apart
             return np.zeros(0), np.zeros(0), np.zeros(0)
-        at = profile.x0 + profile.period * (np.arange(options.places) + 0.5) / options.places
+        at = profile.x0 + profile.period * (np.arange(samples) + 0.5) / samples
         pressure = np.asarray(solution.pressure(at))
         return at, np.abs(pressure), pressure
     widths = np.asarray(solution.zone_widths)
-    count = -(-options.places // len(zones))
+    count = -(-samples // len(zones))
     zone = np.repeat(np.arange(len(zones)), count)
     angle = np.tile(np.pi * (np.arange(count) + 0.5) / count, len(zones))
     at = zones[zone, 0] + widths[zone] * np.sin(0.5 * angle) ** 2

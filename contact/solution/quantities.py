@@ -63,22 +63,16 @@ class Energy:
 
 @dataclass(frozen=True)
 class PeakOptions:
-    """Numbers of samples, even in the angle, for the highest pressure of a zone.
+    """Number of samples for the highest pressure of a zone; larger numbers give the same peaks."""
 
-    Larger numbers give the same peaks.
-    """
-
-    samples: int = 48  # samples of a zone of a smooth profile
-    # samples added for each shortest length of the profile in the zone
+    # for each shortest length of the profile, in addition to those of a smooth zone
     samples_per_length: int = 12
 
 
-def peaks(
-    scene: Scene,
-    zones: Array,
-    pressure_at: Callable[[Array, int], Array],
-    options: PeakOptions = PeakOptions(),
-) -> Array:
+PEAKS = PeakOptions()
+
+
+def peaks(scene: Scene, zones: Array, pressure_at: Callable[[Array, int], Array]) -> Array:
     """The highest pressure of each zone [Pa]; inf where a convex kink of the profile touches.
 
     zones: (n, 2) [m]. pressure_at: pressure [Pa] at normalised positions t of one zone.
@@ -90,8 +84,8 @@ def peaks(
         if np.any((left < tips) & (tips < right)):
             found[zone] = np.inf
             continue
-        more = options.samples_per_length * (right - left) / resolution
-        count = int(min(options.samples + more, SAMPLING.max_gap_points))
+        more = PEAKS.samples_per_length * (right - left) / resolution
+        count = int(min(SAMPLING.min_gap_points + more, SAMPLING.max_gap_points))
 
         def over_angle(angle: Array, zone: int = zone) -> Array:
             return pressure_at(np.clip(np.cos(angle), -1.0, 1.0), zone)

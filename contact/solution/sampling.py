@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.errors import SceneError
+from contact.solution.quantities import PEAKS
 from contact.solution.solution import Solution
 from sie import Array, Mask
 
@@ -18,15 +19,11 @@ from sie import Array, Mask
 class PointOptions:
     """Numbers of positions that represent the fields of a solution by polylines."""
 
-    even_points: int = 1000  # smallest number over the scene
-    max_points: int = 20_000
-    min_zone_points: int = 9  # smallest number on each zone, in addition to the evenly spaced ones
-    max_zone_points: int = 97
-    # positions next to a kink, a decade of distance apart: the pressure is logarithmic
-    kink_decades: int = 6
+    screen_points: int = 6000  # evenly spaced over a picture: a few on each column of pixels
+    zone_points: int = 97  # on each zone, in addition to the evenly spaced ones
 
 
-_OPTIONS = PointOptions()
+POINTS = PointOptions()
 
 
 def window(solution: Solution) -> tuple[float, float]:
@@ -68,24 +65,20 @@ def zones_within(solution: Solution, lo: float, hi: float) -> Array:
     return np.asarray(cut[cut[:, 1] > cut[:, 0]])
 
 
-def positions(solution: Solution, lo: float, hi: float, most: int = _OPTIONS.max_points) -> Array:
+def positions(solution: Solution, lo: float, hi: float, most: int = 20_000) -> Array:
     """Ascending positions from lo to hi, close enough to draw every field by straight lines.
 
     most: largest number of evenly spaced positions. All zones together get about as many, and each
-    at least a few.
+    at least its ends and its middle.
     """
-    profile = solution.scene.profile
-    even = _OPTIONS.even_points
-    if profile.resolution is not None:
-        even = int(np.clip(10 * (hi - lo) / profile.resolution, even, most))
-    zones = zones_within(solution, lo, hi)
-    count = np.clip(most // max(len(zones), 1), _OPTIONS.min_zone_points, _OPTIONS.max_zone_points)
-    angles = np.linspace(0.0, np.pi, int(count))
-    within = zones[:, :1] + np.diff(zones) * np.sin(0.5 * angles) ** 2
-    within[:, -1] = zones[:, 1]
-    x = np.concatenate(
-        [np.linspace(lo, hi, even + 1), within.ravel(), _next_to_kinks(solution, zones)]
-    )
+    # A smooth profile counts as one with as many shortest lengths as a zone has points.
+    lengths = max((hi - lo) / (solution.scene.profile.resolution or np.inf), POINTS.zone_points)
+    even = int(min(PEAKS.samples_per_length * lengths, most))
+    parts = _parts_between_kinks(solution, zones_within(solution, lo, hi))
+    count = int(np.clip(most // max(len(parts), 1), 3, POINTS.zone_points))
+    within = parts[:, :1] + np.diff(parts) * np.sin(np.linspace(0.0, 0.5 * np.pi, count)) ** 2
+    within[:, -1] = parts[:, 1]
+    x = np.concatenate([np.linspace(lo, hi, even + 1), within.ravel()])
     return np.unique(x[(x >= lo) & (x <= hi)])
 
 
@@ -122,16 +115,17 @@ def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
     return surface, own + (surface[place] + away - own[place])
 
 
-def _next_to_kinks(solution: Solution, zones: Array) -> Array:
-    """Positions that approach each kink inside a zone."""
+def _parts_between_kinks(solution: Solution, zones: Array) -> Array:
+    """The zones cut at the kinks of the profile inside them, (m, 2).
+
+    Next to a kink the pressure is logarithmic, so that each part has close positions at its ends.
+    """
     profile, period = solution.scene.profile, solution.scene.period
     kinks = profile.kinks[:, 0]
     if period is not None:
         kinks = np.concatenate([kinks - period, kinks, kinks + period])
-    owner, kink = np.nonzero((zones[:, :1] < kinks) & (kinks < zones[:, 1:]))
-    away = 10.0 ** -np.arange(1.0, _OPTIONS.kink_decades + 1)
-    steps = 0.5 * np.diff(zones)[owner] * np.concatenate([-away, away])
-    return np.asarray((kinks[kink, None] + steps).ravel())
+    inside = kinks[np.any((zones[:, :1] < kinks) & (kinks < zones[:, 1:]), axis=0)]
+    return np.sort(np.concatenate([zones.ravel(), inside, inside])).reshape(-1, 2)
 
 
 def peak_position(solution: Solution, x: Array, pressure: Array) -> float:

@@ -18,7 +18,7 @@ from contact.errors import SceneError, shown
 from contact.extras import require, version
 from contact.model.controls import TURNING
 from contact.model.scene import Scene
-from contact.solution.export import plain
+from contact.solution.export import is_long, plain
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.chunks import Rows
 from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis
@@ -26,8 +26,6 @@ from contact.sweeps.sweep.keys import tables as tables_of
 from sie import Mask
 
 _WORDS = {"reason": "why a point failed", "warning": "what the model hardly covers"}
-# Arrays with more elements are described by their shape and hash.
-_MAX_ARRAY_SIZE = 64
 
 
 class Table:
@@ -211,7 +209,7 @@ def _short(value: Any) -> Any:
         # A function is described by its name, since its address changes from run to run.
         name = getattr(value, "__qualname__", type(value).__qualname__)
         return f"{getattr(value, '__module__', '')}.{name}"
-    if np.size(value) <= _MAX_ARRAY_SIZE:
+    if not is_long(value):
         return plain(value)
     array = np.ascontiguousarray(value)
     data = array.tobytes() if array.dtype.kind in "biufc" else repr(array.tolist()).encode()
