@@ -44,9 +44,6 @@ from contact.sweeps.path_table import Event
 from contact.sweeps.paths import Path
 from sie import Array
 
-# Places of a drawn surface, and what is drawn on either side of the zones, over their span.
-_PLACES = 601
-_MARGIN = 1.5
 # The controls that a path may have, and what their values are called.
 VALUES = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
 
@@ -340,23 +337,21 @@ def _with_images(zones: Array, period: float | None) -> Array:
     return zones if period is None else np.concatenate((zones - period, zones, zones + period))
 
 
-def _places(scene: Scene, zones: Array) -> Array:
-    """Places at which surfaces are drawn: about the zones, where the profile is known.
+def _places(scene: Scene, zones: Array, count: int = 601) -> Array:
+    """Places at which surfaces are drawn: the zones with as much space again on either side.
 
-    At most a period.
+    They lie where the profile is known, and cover at most a period. count: number of places at even
+    distances.
     """
     lo, hi = scene.profile.x0, scene.profile.x0 + (scene.period or 1.0)
     if len(zones):
         first, last = float(zones[0, 0]), float(zones[-1, 1])
         known = known_part(scene.profile) or (-np.inf, np.inf)
-        around = (
-            max(known[0], first - _MARGIN * (last - first)),
-            min(known[1], last + _MARGIN * (last - first)),
-        )
+        around = (max(known[0], first - (last - first)), min(known[1], last + (last - first)))
         lo, hi = (
             around if scene.period is None or around[1] - around[0] < scene.period else (lo, hi)
         )
-    even, angles = np.linspace(lo, hi, _PLACES), np.linspace(0.0, np.pi, 33)
+    even, angles = np.linspace(lo, hi, count), np.linspace(0.0, np.pi, 33)
     beside = [a + (b - a) * np.sin(0.5 * angles) ** 2 for a, b in _with_images(zones, scene.period)]
     x = np.unique(np.concatenate([even, *beside]))
     return np.asarray(x[(x >= lo) & (x <= hi)])

@@ -13,7 +13,9 @@ from operator import attrgetter
 import numpy as np
 
 from contact.errors import ContactError, SceneError, unwarned, warn
+from contact.formulation.quadrature import chebyshev_nodes
 from contact.model.interactions.base import Interaction
+from contact.model.profiles.noise import ROUND_OFF
 from contact.model.registry import interaction
 from contact.model.scene import Scene
 from contact.model.units import headed
@@ -29,20 +31,14 @@ NEIGHBOURS = (1, 2, 4, 8)
 
 # The quantities whose difference from the exact model is shown.
 _NUMBERS = ("load", "max_pressure", "total_width")
-# Normalised positions in a zone at which pressures are compared: the Chebyshev points.
-_T = np.cos((np.arange(41) + 0.5) * np.pi / 41)
 
 
 @dataclass(frozen=True)
 class TableLimits:
     """What fits on a terminal of 80 columns."""
 
-    # The ends of further zones are left out: they are for a file.
-    zones_shown: int = 4
-    # Zones whose two ends stand side by side in one table.
-    zones_abreast: int = 2
-    # Relative differences below this are round-off of the solutions and are printed as 0.
-    round_off: float = 1e-13
+    # Zones whose ends are shown, and columns of ends in one table; further zones are for a file.
+    zone_ends: int = 4
 
 
 _LIMITS = TableLimits()
@@ -101,11 +97,11 @@ def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
     return float(np.max(np.abs(ours - zones) / exact.solution.zone_widths[:, None]))
 
 
-def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
+def pressure_apart(attempt: Attempt, exact: Attempt, samples: int = 41) -> float | None:
     """Largest pressure difference at equal normalised positions, over the exact peak.
 
     Where the peak is infinite, the mean pressure on the zones takes its place. None if the zones
-    differ in number.
+    differ in number. samples: number of Chebyshev points of a zone.
     """
     if ends_apart(attempt, exact) is None:
         return None
@@ -115,7 +111,9 @@ def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
     if not np.isfinite(scale):
         scale = reference.load / total_width(reference)
     ours, theirs = (
-        s.pressure(s.zones.mean(axis=1)[:, None] + 0.5 * np.diff(s.zones) * _T)
+        s.pressure(
+            s.zones.mean(axis=1)[:, None] + 0.5 * np.diff(s.zones) * chebyshev_nodes(samples)
+        )
         for s in (attempt.solution, reference)
     )
     return float(np.max(np.abs(ours - theirs)) / scale)
@@ -164,12 +162,11 @@ def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
     )
     ends = [
         column(f"zone {zone + 1}\n{side}", "m", _end(zone, place))
-        for zone in range(min(max(count or 0 for count in zones), _LIMITS.zones_shown))
+        for zone in range(min(max(count or 0 for count in zones), _LIMITS.zone_ends))
         for place, side in enumerate(("left", "right"))
     ]
-    abreast = 2 * _LIMITS.zones_abreast
-    for first in range(0, len(ends), abreast):
-        yield "zone ends", [models, *ends[first : first + abreast]]
+    for first in range(0, len(ends), _LIMITS.zone_ends):
+        yield "zone ends", [models, *ends[first : first + _LIMITS.zone_ends]]
 
 
 def refusals(attempts: list[Attempt]) -> list[str]:
@@ -188,7 +185,7 @@ def _end(zone: int, place: int) -> Callable[[Solution], float | None]:
 def _percent(value: float | None, form: str = ".3g") -> str:
     if value is None:
         return "-"
-    return "0" if abs(value) < _LIMITS.round_off else f"{100.0 * value:{form}}"
+    return "0" if abs(value) < ROUND_OFF else f"{100.0 * value:{form}}"
 
 
 def _models(own: Interaction) -> dict[str, Interaction]:

@@ -4,14 +4,13 @@ The pressures of useful models lie on each other, so their differences are drawn
 axis.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from contact.model.units import prefix
-from contact.solution.plotting import new_figure
-from contact.solution.sampling import peak_position, positions, top_pressure, window
+from contact.solution.plotting import FIGURE, new_figure
+from contact.solution.sampling import POINTS, peak_position, positions, top_pressure, window
 from contact.solution.solution import Solution
 from contact.sweeps.compare import Attempt, difference, ends_apart, pressure_apart, refusals
 
@@ -26,21 +25,6 @@ _COLOURS = (
     "#3d7a4a",
     "#111111",
 )
-
-
-@dataclass(frozen=True)
-class ComparisonPlotOptions:
-    """The look of the figure of a comparison."""
-
-    # Points of each pressure curve.
-    points: int = 4000
-    # If all zones are narrower than this part of the view, only the zone of the peak is drawn.
-    min_visible_width: float = 0.04
-    # Smaller differences are within the solutions' own errors and are not drawn.
-    min_difference: float = 1e-10
-
-
-_OPTIONS = ComparisonPlotOptions()
 
 
 def plot_comparison(attempts: list[Attempt]) -> Any:
@@ -89,7 +73,7 @@ def _draw_pressures(axes: Any, solved: dict[str, Solution], colours: dict[str, s
     highest = max(map(top_pressure, solved.values()))
     up, unit = prefix(highest)
     for name, solution in solved.items():
-        x = positions(solution, lo, hi, _OPTIONS.points)
+        x = positions(solution, lo, hi, POINTS.screen_points)
         p = np.minimum(solution.pressure(x), 2.0 * highest)
         axes.plot(x * along, p * up, label=name, color=colours[name], linewidth=1.4)
     axes.set_ylim(0.0, 1.08 * highest * up)
@@ -107,13 +91,14 @@ def _draw_differences(
         if attempt.solution is None:
             continue
         x = np.union1d(
-            positions(exact, lo, hi, _OPTIONS.points),
-            positions(attempt.solution, lo, hi, _OPTIONS.points),
+            positions(exact, lo, hi, POINTS.screen_points),
+            positions(attempt.solution, lo, hi, POINTS.screen_points),
         )
         with np.errstate(invalid="ignore"):
             apart = np.abs(attempt.solution.pressure(x) - exact.pressure(x)) / scale
-        # Zero differences have no place on a logarithmic axis.
-        shown = np.where(np.isfinite(apart) & (apart > _OPTIONS.min_difference), apart, np.nan)
+        # Differences within the stated errors are not drawn.
+        least = max(attempt.solution.error, exact.error)
+        shown = np.where(np.isfinite(apart) & (apart > least), apart, np.nan)
         if np.isfinite(shown).any():
             axes.plot(
                 x * along, shown, label=attempt.name, color=colours[attempt.name], linewidth=1.1
@@ -151,10 +136,10 @@ def _name_lines(axes: Any) -> None:
 def _stretch(solution: Solution) -> tuple[float, float]:
     """The interval to draw: the period, or the peak's surroundings if its zone is too narrow."""
     lo, hi = window(solution)
-    visible = _OPTIONS.min_visible_width * (hi - lo)
+    visible = FIGURE.min_visible * (hi - lo)
     if len(solution.zones) == 0 or np.max(solution.zone_widths) >= visible:
         return lo, hi
-    x = positions(solution, lo, hi, _OPTIONS.points)
+    x = positions(solution, lo, hi, POINTS.screen_points)
     centre = peak_position(solution, x, solution.pressure(x))
     own = float(solution.zone_widths[np.argmin(np.abs(solution.zones.mean(axis=1) - centre))])
     return max(lo, centre - own), min(hi, centre + own)
@@ -169,8 +154,8 @@ def _draw_errors(axes: Any, attempts: list[Attempt]) -> None:
         "pressure": [pressure_apart(a, exact) for a in attempts[:-1]],
     }
     for (label, values), marker in zip(lines.items(), "osd^", strict=True):
-        least = _OPTIONS.min_difference
-        shown = [np.nan if v is None or abs(v) < least else abs(v) for v in values]
+        # A zero has no place on a logarithmic axis.
+        shown = [np.nan if not v else abs(v) for v in values]
         if np.isfinite(shown).any():
             axes.plot(
                 range(len(names)), shown, marker=marker, label=label, linewidth=1.0, markersize=5

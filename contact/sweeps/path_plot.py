@@ -9,7 +9,6 @@ last value if there is no pull-off). Without an approach, the abscissa is the co
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -35,22 +34,6 @@ _MARKS = {
 }
 
 
-@dataclass(frozen=True)
-class PlotOptions:
-    """When a figure changes its form; these only affect the look."""
-
-    # The load axis is logarithmic if the median load is below this part of the largest.
-    log_axis_below: float = 0.1
-    # With more events (or points) than this, vertical lines (dots) are left out.
-    max_marks: int = 40
-    # The picture of surfaces reaches this many ranges of the deformed surface above its lowest
-    # point.
-    shown_range: float = 3.0
-
-
-_OPTIONS = PlotOptions()
-
-
 def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> Any:
     """A matplotlib figure: contact over the load and, if it is defined, approach over the load."""
     table = {name: np.array(values, dtype=float) for name, values in columns(solutions).items()}
@@ -71,7 +54,7 @@ def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> 
 def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, unit: str) -> None:
     along, along_letter = prefix(float(np.abs(loads).max()))
     up, letter = prefix(float(np.abs(values).max())) if unit else (1.0, "")
-    if np.all(loads > 0) and np.median(loads) < _OPTIONS.log_axis_below * loads.max():
+    if _is_geometric(loads):
         axes.set_xscale("log")
         if np.all(values > 0):
             axes.set_yscale("log")
@@ -83,15 +66,12 @@ def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, un
             color=_CURVE,
             linewidth=1.4,
             linestyle="-" if rising else (0, (4, 2)),
-            marker="." if end - start <= _OPTIONS.max_marks else None,
-            markersize=4,
             label="load rising" if rising else "load falling",
         )
     events = [(event, k) for k, since in enumerate(passed) for event in since]
     for event, k in events:
         colour, mark = _MARKS.get(event.kind, (_EVENT, "o"))
-        if len(events) <= _OPTIONS.max_marks:
-            axes.axvline(event.load * along, color=colour, linewidth=0.6, alpha=0.45, zorder=0)
+        axes.axvline(event.load * along, color=colour, linewidth=0.6, alpha=0.45, zorder=0)
         # Marks of a falling load are hollow, so that those of the rising load stay visible.
         face = colour if loads[k] >= loads[k - 1] else "none"
         style = {
@@ -110,6 +90,14 @@ def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, un
         )
     axes.grid(alpha=0.25)
     finish(axes, f"load [{along_letter}N/m]", f"{label} [{letter}{unit}]" if unit else label)
+
+
+def _is_geometric(loads: Array) -> bool:
+    """Whether positive loads are nearer to a geometric sequence than to an arithmetic one."""
+    if not np.all(loads > 0):
+        return False
+    least, most, middle = loads.min(), loads.max(), np.median(loads)
+    return bool(abs(middle - np.sqrt(least * most)) < abs(middle - 0.5 * (least + most)))
 
 
 def _vertices(
@@ -218,7 +206,7 @@ def draw_surfaces(
     """Draw the profile and the deformed surface, (m,) [m], with the zones (k, 2) [m] marked."""
     along, letter = prefix(float(np.abs(places).max()))
     heights = np.concatenate((surface, body))
-    up, high = prefix(float(np.abs(heights[np.isfinite(heights)]).max(initial=0.0)))
+    up, letter_up = prefix(float(np.abs(heights[np.isfinite(heights)]).max(initial=0.0)))
     x = places * along
     axes.plot(x, body * up, color=_BODY, linewidth=1.2, label="profile")
     axes.plot(x, surface * up, color=_UP, linewidth=1.4, label="deformed surface")
@@ -229,9 +217,10 @@ def draw_surfaces(
         linewidth=2.6,
         label="contact",
     )
-    # The view is limited to the deformed surface: the body may be much higher.
-    low, span = float(surface.min()), float(np.ptp(surface))
+    # The view is limited to the deformed surface, with as much space again below and above it: the
+    # body may be much higher.
+    low, high, span = float(surface.min()), float(surface.max()), float(np.ptp(surface))
     if span > 0.0:
-        axes.set_ylim((low - 0.2 * span) * up, (low + _OPTIONS.shown_range * span) * up)
+        axes.set_ylim((low - span) * up, (high + span) * up)
     axes.set_title(title, fontsize=9)
-    finish(axes, f"$x$ [{letter}m]", f"height [{high}m]")
+    finish(axes, f"$x$ [{letter}m]", f"height [{letter_up}m]")

@@ -503,7 +503,7 @@ def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_i
         by = solved_by(tmp_path / "log")
         contact.sweep(told, {"profile.amplitude": AMPLITUDES}, address, out=out)
         assert solved_by(tmp_path / "log") == by
-        monkeypatch.setattr(chunks_module, "_OPTIONS", chunks_module.ChunkOptions(seconds=0.0))
+        monkeypatch.setattr(chunks_module, "CHUNKS", chunks_module.ChunkOptions(seconds=0.0))
         along = contact.sweep(WAVE, {"control.load": [1e-3, 2e-3, 3e-3]}, address)
         assert along["load"].values == pytest.approx([1e-3, 2e-3, 3e-3])
     finally:
@@ -608,7 +608,7 @@ def test_a_sweep_without_xarray_says_what_to_install(monkeypatch):
 
 
 def test_what_takes_long_is_handed_in_on_the_way_and_the_rest_goes_on(monkeypatch):
-    monkeypatch.setattr(chunks_module, "_OPTIONS", chunks_module.ChunkOptions(seconds=0.0))
+    monkeypatch.setattr(chunks_module, "CHUNKS", chunks_module.ChunkOptions(seconds=0.0))
     axes = axes_of(WAVE, {"control.load": [1e-3, 3e-3, 2e-3]})
     (chunk,) = chunks_of(axes, np.ones(3, dtype=bool), None)
     found = []
@@ -625,7 +625,7 @@ def test_what_takes_long_is_handed_in_on_the_way_and_the_rest_goes_on(monkeypatc
 
 @pytest.mark.slow
 def test_processes_hand_in_what_they_have_on_the_way(monkeypatch):
-    monkeypatch.setattr(chunks_module, "_OPTIONS", chunks_module.ChunkOptions(seconds=0.0))
+    monkeypatch.setattr(chunks_module, "CHUNKS", chunks_module.ChunkOptions(seconds=0.0))
     steps = []
     loads = np.linspace(1e-3, 2e-3, 13).tolist()
     table = contact.sweep(

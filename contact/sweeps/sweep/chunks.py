@@ -38,15 +38,11 @@ class ChunkOptions:
 
     # Chunks per process, so that all processes end at about the same time.
     per_process: int = 4
-    # Points of a chunk at least: the first point of each costs a search for its zones.
-    min_points: int = 6
     # A process sends its rows at least this often [s]: the most that is lost if it dies.
     seconds: float = 20.0
-    # The same for whole solutions, which are larger [s].
-    seconds_of_solutions: float = 60.0
 
 
-_OPTIONS = ChunkOptions()
+CHUNKS = ChunkOptions()
 
 
 @dataclass(frozen=True)
@@ -70,9 +66,7 @@ class Chunk:
         settings: list[dict[str, Value]] = [
             {BRANCH: BRANCHES[0], f"control.{control}": float(values[place])} for place in places
         ]
-        return cls(
-            tuple(places), tuple(settings), control, _OPTIONS.seconds_of_solutions, whole=True
-        )
+        return cls(tuple(places), tuple(settings), control, CHUNKS.seconds, whole=True)
 
     def singly(self) -> "Iterator[Chunk]":
         """Its points, each as a chunk of its own."""
@@ -109,7 +103,7 @@ def chunks_of(
     most = (
         wanted.size
         if solvers is None
-        else max(_OPTIONS.min_points, ceil(int(wanted.sum()) / (_OPTIONS.per_process * solvers)))
+        else max(1, ceil(int(wanted.sum()) / (CHUNKS.per_process * solvers)))
     )
     points = itertools.product(*(axis.values for axis in axes))
     settings: list[dict[str, Value]] = [
@@ -121,7 +115,7 @@ def chunks_of(
         places = [int(place) for place in line if wanted[place]]
         for part in np.array_split(places, ceil(len(places) / most)) if places else ():
             values = tuple(settings[p] for p in part)
-            found.append(Chunk(tuple(int(p) for p in part), values, control, _OPTIONS.seconds))
+            found.append(Chunk(tuple(int(p) for p in part), values, control, CHUNKS.seconds))
     return found
 
 

@@ -28,6 +28,7 @@ from contact.extras import require, version
 from contact.model.scene import Scene
 from contact.search.topology.loop import Progress
 from contact.sweeps.sweep.chunks import (
+    CHUNKS,
     Chunk,
     Question,
     Rows,
@@ -203,8 +204,6 @@ def _not_in_a_copy_of_the_script() -> None:
 
 # Time granted to a scheduler to answer.
 _CONNECTION_TIMEOUT = "10s"
-# Chunks are cut for at least this many workers, since more may join later.
-_EXPECTED_WORKERS = 16
 
 
 class Cluster:
@@ -240,8 +239,8 @@ class Cluster:
 
     @property
     def solvers(self) -> int:
-        """The number of workers' threads to cut chunks for."""
-        return max(_EXPECTED_WORKERS, sum(self._client.ncores().values()))
+        """The number of workers' threads to cut chunks for: more may join later."""
+        return CHUNKS.per_process * sum(self._client.ncores().values())
 
     def solved(self, scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
         """Rows solved by the workers, in any order."""

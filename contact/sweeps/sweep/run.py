@@ -27,12 +27,10 @@ from sie import Mask
 
 @dataclass(frozen=True)
 class SavingOptions:
-    """How often the table is written while a sweep runs."""
+    """The time for writing the table while a sweep runs."""
 
-    # Time between two writes [s].
-    interval: float = 2.0
-    # The interval is at least this many times the time of one write.
-    write_times: float = 10.0
+    # Largest fraction of the time.
+    max_share: float = 0.02
 
 
 _SAVING = SavingOptions()
@@ -172,7 +170,7 @@ def _fill(
     table: Table, path: Path | None, solving: Generator[Rows], progress: Progress | None, done: int
 ) -> None:
     """Put rows into the table and save it now and then, also when an exception ends the sweep."""
-    due = time.monotonic() + _SAVING.interval
+    due = time.monotonic()
     try:
         with closing(solving):
             for rows in solving:
@@ -184,7 +182,7 @@ def _fill(
                     start = time.monotonic()
                     table.save(path)
                     end = time.monotonic()
-                    due = end + max(_SAVING.interval, _SAVING.write_times * (end - start))
+                    due = end + (end - start) / _SAVING.max_share
     finally:
         if path is not None:
             table.save(path)
