@@ -15,6 +15,7 @@ from contact.explorer.handles import Handle
 from contact.model.scene import Scene
 from contact.model.units import prefix, quantity
 from contact.solution.sampling import (
+    POINTS,
     on_zones,
     positions,
     surfaces,
@@ -32,14 +33,8 @@ from sie import Array
 class FrameOptions:
     """The resolution of a frame."""
 
-    # Points of each curve: a few per pixel column of a screen.
-    points: int = 4000
     # Points while a slider moves: one per second pixel column, and those at the zones' ends.
     points_while_moving: int = 500
-    # A body with vertical walls is drawn up to this part of the range beyond the rest.
-    wall_height: float = 0.6
-    # Values of the control on the load curve.
-    curve_points: int = 33
 
 
 OPTIONS = FrameOptions()
@@ -61,7 +56,11 @@ class Frame:
 
 
 def solved(
-    scene: Scene, tol: float, previous: Solution | None, branch: str, points: int = OPTIONS.points
+    scene: Scene,
+    tol: float,
+    previous: Solution | None,
+    branch: str,
+    points: int = POINTS.screen_points,
 ) -> Frame:
     """The frame of a scene.
 
@@ -80,7 +79,7 @@ def solved(
 _PARTS = ("profile", "interaction", "substrate", "law")
 
 
-def drawn(solution: Solution, seconds: float, points: int = OPTIONS.points) -> Frame:
+def drawn(solution: Solution, seconds: float, points: int = POINTS.screen_points) -> Frame:
     """The curves of a solution with about the given number of points."""
     lo, hi = window(solution)
     x = positions(solution, lo, hi, points)
@@ -92,9 +91,9 @@ def drawn(solution: Solution, seconds: float, points: int = OPTIONS.points) -> F
         min(surface[below].min(), body[seen].min()),
         max(surface[below].max(), body[seen].max()),
     )
-    # A flat punch is infinitely high outside its corners: its walls are drawn with a finite height.
-    wall = OPTIONS.wall_height * (high - low)
-    body, surface = np.where(seen, body, high + wall), np.where(below, surface, low - wall)
+    # A flat punch is infinitely high outside its corners: its walls are as high as all the rest.
+    span = high - low
+    body, surface = np.where(seen, body, high + span), np.where(below, surface, low - span)
     along, up = (
         prefix(max(abs(lo), abs(hi))),
         prefix(max(high - low, 1e-3 * max(abs(low), abs(high)))),
@@ -176,11 +175,16 @@ def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[
     return float(np.sum(solution.zone_widths)), float(up[0]), ("width of the zones", "m"), up[1]
 
 
-def load_curve(scene: Scene, control: Handle, tol: float, branch: str) -> Iterator[Solution]:
-    """Solutions at rising values of the control; values without a solution are left out."""
+def load_curve(
+    scene: Scene, control: Handle, tol: float, branch: str, points: int = 33
+) -> Iterator[Solution]:
+    """Solutions at rising values of the control; values without a solution are left out.
+
+    points: number of values.
+    """
     name = scene.control[0]
     spaced = np.geomspace if control.log else np.linspace
-    values = spaced(control.low, control.high, OPTIONS.curve_points)
+    values = spaced(control.low, control.high, points)
     # Under adhesion each value is solved by itself, on the chosen branch.
     curve = None if scene.law.pressure_range.has_tension else Curve(scene, name, tol)
     for value in values:

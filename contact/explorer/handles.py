@@ -17,6 +17,7 @@ import numpy as np
 from contact.errors import ContactError
 from contact.model.controls import TURNING, Quantity
 from contact.model.profiles.base import Profile
+from contact.model.profiles.noise import ROUND_OFF
 from contact.model.registry import PROFILES, parameters
 from contact.model.scene import Scene
 from contact.solution.solution import Solution
@@ -28,24 +29,17 @@ UNITS = {**TURNING, **dict.fromkeys(_LENGTHS, "m"), "E_star": "Pa", "work": "J/m
 
 @dataclass(frozen=True)
 class HandleOptions:
-    """Ranges of the sliders, and the trials that find what a list of numbers does."""
+    """Ranges and steps of the sliders."""
 
-    # The smallest and the largest value of the control's slider, relative to the present value. The
-    # range is long downwards, since at ten times the load most contacts are full.
-    control_range: tuple[float, float] = (1e-3, 10.0)
-    # The same for the other numbers.
-    number_range: tuple[float, float] = (0.1, 10.0)
+    # The largest value of a slider, relative to the present value; the smallest is its inverse.
+    reach: float = 10.0
     # The smallest and the largest number of samples.
     samples: tuple[int, int] = (8, 1024)
-    # Places at which heights are compared in a trial.
-    trial_points: int = 33
-    # Relative difference up to which two shapes are the same: round-off of the heights.
-    same_shape: float = 1e-9
-    # Bisections for the largest allowed value: 12 halve the range to a part in 4,000.
-    bisections: int = 12
+    # Number of steps of a slider.
+    steps: int = 400
 
 
-_OPTIONS = HandleOptions()
+SLIDERS = HandleOptions()
 
 
 @dataclass(frozen=True)
@@ -118,9 +112,10 @@ def _between(key: str, value: float, low: float, high: float, log: bool = False)
     )
 
 
-def _times(key: str, value: float, reach: tuple[float, float] = _OPTIONS.number_range) -> Handle:
+def _times(key: str, value: float, decades_down: int = 1) -> Handle:
     """A logarithmic handle for a positive number."""
-    return _between(key, value, reach[0] * value, reach[1] * value, log=True)
+    high, low = SLIDERS.reach * value, SLIDERS.reach**-decades_down * value
+    return _between(key, value, low, high, log=True)
 
 
 def _control(scene: Scene, solution: Solution | None) -> Handle:
@@ -136,7 +131,8 @@ def _control(scene: Scene, solution: Solution | None) -> Handle:
         return _between(key, value, -1.2 * reach, 4 * reach)
     if value <= 0:
         return _between(key, value, -4 * abs(value) or -1.0, 4 * abs(value) or 1.0)
-    return _times(key, value, _OPTIONS.control_range)
+    # The range is long downwards, since at ten times the load most contacts are full.
+    return _times(key, value, decades_down=3)
 
 
 def _numbers(scene: Scene, place: str) -> list[Handle]:
@@ -160,11 +156,11 @@ def _allowed(scene: Scene, handle: Handle) -> Handle:
 
     high = handle.high
     if not valid(high):
-        low = handle.value
-        for _ in range(_OPTIONS.bisections):
+        low, step = handle.value, (high - handle.low) / SLIDERS.steps
+        while high - low > step:
             middle = 0.5 * (low + high)
             low, high = (middle, high) if valid(middle) else (low, middle)
-        high = max(low, handle.value * (1 + _OPTIONS.same_shape))
+        high = low
     return replace(handle, high=high)
 
 
@@ -237,10 +233,14 @@ def _together(
     names: list[str],
     heights: float = 1.0,
     lengths: float = 1.0,
+    places: int = 33,
 ) -> tuple[str, ...]:
-    """The smallest set of parameters whose doubling scales heights and lengths by given factors."""
+    """The smallest set of parameters whose doubling scales heights and lengths by given factors.
+
+    places: number of places at which heights are compared.
+    """
     lo, hi = profile.known or (-0.5, 0.5)
-    x = lo + (hi - lo) * (np.arange(_OPTIONS.trial_points) + 0.3) / _OPTIONS.trial_points
+    x = lo + (hi - lo) * (np.arange(places) + 0.3) / places
     height = heights * np.asarray(profile.height(x))
     for count in range(1, len(names) + 1):
         for chosen in combinations(names, count):
@@ -256,10 +256,9 @@ def _together(
 
 
 def _alike(a: Any, b: Any) -> bool:
-    """Whether two arrays are equal up to a constant."""
+    """Whether two arrays are equal up to a constant and round-off."""
     away = (a - a[0]) - (b - b[0])
-    limit = _OPTIONS.same_shape * np.ptp(a)
-    return bool(np.isfinite(away).all() and np.max(np.abs(away)) <= limit)
+    return bool(np.isfinite(away).all() and np.max(np.abs(away)) <= ROUND_OFF * np.ptp(a))
 
 
 def _depth(profile: Profile) -> float:
@@ -285,7 +284,7 @@ def _samples(profile: Profile) -> list[Handle]:
         trace = PROFILES.find("sampled")(x, -np.asarray(shape.height(x)), shape.period)
         return replace(now, profile=trace)
 
-    fewest, most = _OPTIONS.samples
+    fewest, most = SLIDERS.samples
     lengths = (len(value) for value in profile.parameters().values() if np.ndim(value) == 1)
     high = max(most, next((length for length in lengths if length > fewest), 0))
     return [Handle("samples", "", 0.0, fewest - 1, high, at, log=True, whole=True)]

@@ -24,28 +24,24 @@ from contact.explorer.frame import (
     same_curve,
     solved,
 )
-from contact.explorer.handles import Handle, handles, rounded, turned
+from contact.explorer.handles import SLIDERS, Handle, handles, rounded, turned
 from contact.extras import require
 from contact.model.scene import Scene
 from contact.model.scene_file import scene_from_tables, to_toml
 from contact.model.units import prefix
+from contact.solution.sampling import POINTS
 from contact.solution.solution import Solution
 
 
 @dataclass(frozen=True)
 class PageOptions:
-    """Steps of the sliders, and times of the page."""
+    """Times of the page, and the longest text on it."""
 
-    # Step of a logarithmic slider, in powers of ten.
-    log_step: float = 0.01
-    # Number of steps of a linear slider.
-    linear_steps: int = 400
     # Pause between two tasks [ms], in which events of the browser are handled.
     pause: int = 5
-    # Time without a change after which the page is completed with text and load curve [ms].
+    # Time without a change after which the page is completed with text and load curve [ms]. If one
+    # solution takes longer, the load curve is drawn on demand only.
     settling_time: int = 300
-    # The load curve of a scene that takes longer than this to solve [s] is drawn on demand only.
-    max_seconds_of_curve: float = 0.3
     # Longer scene files are not shown [characters].
     max_text: int = 20_000
 
@@ -139,10 +135,9 @@ class Explorer:
         # A handle of integers starts at its low end, which means "as it is".
         start = handle.low if handle.whole else handle.value
         low, high = handle.low, handle.high
-        step = (high - low) / _PAGE.linear_steps
         if handle.log:
             low, high, start = math.log10(low), math.log10(high), math.log10(start)
-            step = _PAGE.log_step
+        step = (high - low) / SLIDERS.steps
         args = {
             "log": handle.log,
             "whole": handle.whole,
@@ -229,7 +224,7 @@ class Explorer:
                 self.tol,
                 last.solution if last else None,
                 self.branch.value,
-                OPTIONS.points_while_moving if self._is_served else OPTIONS.points,
+                OPTIONS.points_while_moving if self._is_served else POINTS.screen_points,
             )
             if (
                 last is None
@@ -262,7 +257,7 @@ class Explorer:
                 self._paint(self.frame)
             self._write(self.frame.solution.scene)
             if self._curve_is_due:
-                self.draw.visible = self.frame.seconds > _PAGE.max_seconds_of_curve
+                self.draw.visible = 1e3 * self.frame.seconds > _PAGE.settling_time
                 if not self.draw.visible:
                     self._start_curve()
 
