@@ -20,11 +20,13 @@ from numpy.typing import ArrayLike
 
 import sie
 from contact.axisymmetric.lattices import own_radius
+from contact.axisymmetric.octaves import SERIES
 from contact.axisymmetric.profiles import AxisymmetricProfile
 from contact.axisymmetric.quadrature import panels
 from contact.axisymmetric.system import Surface
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite_array
+from contact.model.profiles.noise import EPS, ROUND_OFF
 from contact.reference.exact.numerics import least_value
 from sie import Array, Mask
 
@@ -37,10 +39,6 @@ class SpotOptions:
     block: int = 64
     # Samples of pressure and gap in `Spot.check`.
     samples: int = 48
-    # Tension over the mean pressure, or overlap over the height, that is still round-off.
-    round_off: float = 1e-9
-    # Largest degree of the series of the neighbours' effect.
-    max_degree: int = 400
 
 
 _OPTIONS = SpotOptions()
@@ -173,10 +171,11 @@ class Spot(sie.Kept):
         """Chebyshev series of e'(x)/x in x^2/a^2, and a Gauss rule (nodes, weights) for it.
 
         The nearest singularity is the neighbours' rim, so the coefficients fall like
-        (rim + sqrt(rim^2 - 1))^(-degree): to round-off, exp(-36), at the degree taken.
+        (rim + sqrt(rim^2 - 1))^(-degree): to round-off at the degree taken.
         """
         rim = 2.0 * (self.reach / self.radius) ** 2 - 1.0
-        degree = min(_OPTIONS.max_degree, 8 + int(36.0 / log(rim + sqrt(rim**2 - 1.0))))
+        needed = 8 + int(-log(EPS) / log(rim + sqrt(rim**2 - 1.0)))
+        degree = min(SERIES.degrees[-1], needed)
 
         def bend(z: Array) -> Array:
             x = self.radius * np.sqrt(0.5 * (1.0 + z))
@@ -237,7 +236,7 @@ class Spot(sie.Kept):
         count = _OPTIONS.samples
         angle = (np.arange(count) + 0.5) * (0.5 * pi / count)
         least = float(np.min(self.pressure(self.radius * np.cos(angle))))
-        if least < -_OPTIONS.round_off * self.mean_pressure:
+        if least < -ROUND_OFF * self.mean_pressure:
             raise OutOfRange(
                 "contact is not a full circle: "
                 f"the pressure would fall to {least:.6g} Pa in the spot"
@@ -246,7 +245,7 @@ class Spot(sie.Kept):
         end = 3.0 * self.radius if isinf(self.reach) else 0.5 * (self.reach + self.radius)
         r = np.linspace(self.radius, end, count + 1)[1:]
         gap = self.gap(r)
-        if np.min(gap) < -_OPTIONS.round_off * float(np.max(np.abs(self.profile.height(r)))):
+        if np.min(gap) < -ROUND_OFF * float(np.max(np.abs(self.profile.height(r)))):
             at = int(np.argmin(gap))
             raise OutOfRange(
                 f"contact is not one circle: the surfaces would meet again at r = {r[at]:.6g} m"

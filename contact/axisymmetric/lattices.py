@@ -12,12 +12,10 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError
 from contact.model.checks import keep, positive
+from contact.model.profiles.noise import ROUND_OFF
 from sie import Array
 
 Site = tuple[float, float]
-
-# Distances closer than this (over the spacing) are equal; they differ by round-off of the sites.
-_SAME_DISTANCE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -131,7 +129,7 @@ class Lattice:
         i, j = np.meshgrid(*(np.arange(-n, n + 1) for n in count), indexing="ij")
         points = np.stack([i.ravel() + shift[0], j.ravel() + shift[1]], axis=1) @ basis
         length = np.sort(np.hypot(points[:, 0], points[:, 1]))
-        return length[(length > _SAME_DISTANCE) & (length <= reach * (1 + _SAME_DISTANCE))]
+        return length[(length > ROUND_OFF) & (length <= reach * (1 + ROUND_OFF))]
 
     def neighbours(self, rings: int) -> tuple[Array, NDArray[np.int64]]:
         """Radii [m] and numbers of spots of the first `rings` rings."""
@@ -141,7 +139,7 @@ class Lattice:
     def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
         """Radii over l and numbers of spots of the rings up to `reach`, of shifted lattices."""
         found = np.sort(np.concatenate([self.distances(s, reach) for s in shifts]))
-        first = np.flatnonzero(np.diff(found, prepend=-1.0) > _SAME_DISTANCE)
+        first = np.flatnonzero(np.diff(found, prepend=-1.0) > ROUND_OFF)
         return found[first], np.diff(np.append(first, found.size))
 
     def _first_rings(self, shifts: list[Site], count: int) -> tuple[Array, NDArray[np.int64]]:
@@ -161,7 +159,7 @@ class Lattice:
     def holds(self, shift: Site) -> bool:
         """Whether a point, in fractions of the basis vectors, is a lattice point."""
         rest = np.array(shift) - np.round(shift)
-        return float(np.hypot(*(rest @ self.unit_basis))) < _SAME_DISTANCE
+        return float(np.hypot(*(rest @ self.unit_basis))) < ROUND_OFF
 
 
 @dataclass(frozen=True)

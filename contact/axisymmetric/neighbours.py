@@ -32,22 +32,18 @@ potential of the same load spread evenly; the displacement is then measured from
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import asin, cos, gamma, inf, isinf, pi, sin, sqrt
+from math import asin, ceil, cos, gamma, inf, isinf, log, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import erfc, gammaincc
 
 from contact.axisymmetric.lattices import Lattice, Site
+from contact.model.profiles.noise import EPS
 from sie import Array
 
 # Rings within this many spacings are summed directly: beyond, (x - t)^2/D^2 < 1/12.
 _NEAR_RINGS = 3.5
-# Terms of the series for the other rings: 12^-16 is below round-off.
-_TERMS = 16
-
-# 1/sqrt(1 - z) = sum_k B_k z^k
-_BINOMIAL = np.cumprod([1.0, *((2 * k - 1) / (2 * k) for k in range(1, _TERMS))])
 
 
 @dataclass(frozen=True)
@@ -91,9 +87,9 @@ class NeighbourKernel:
 class Surroundings:
     """The spots of one kind around a spot: kernel (or None), circle A (or 0), and density."""
 
-    kernel: NeighbourKernel | None
-    circle: float
-    density: float
+    kernel: NeighbourKernel | None = None
+    circle: float = 0.0
+    density: float = 0.0
 
     def outside(self, x: ArrayLike) -> Array:
         """sqrt(A^2 - x^2), 0 beyond A; with a kernel, A is subtracted.
@@ -132,7 +128,11 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
     density = lattice.density * len(shifts)
     radii, counts = lattice.rings(shifts, min(cut, _NEAR_RINGS) if isinf(cut) else cut)
     near = radii <= _NEAR_RINGS
-    powers = -(2 * np.arange(_TERMS) + 1)
+    # Terms of the series in (x - t)^2/D^2 for the other rings, up to round-off.
+    order = 2 * np.arange(ceil(log(EPS) / log(_NEAR_RINGS**-2)) + 1)
+    powers = -(order + 1)
+    # 1/sqrt(1 - z) = sum_k B_k z^k
+    binomial = np.cumprod([1.0, *((order[1:] - 1) / order[1:])])
     if isinf(cut):
         circle = 0.0
         whole = np.array([sum(epstein(lattice, s, -int(p)) for s in shifts) for p in powers])
@@ -147,23 +147,21 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         # later the difference of two large constants would lose digits.
         sums[0] -= 2.0 * pi * density * circle * lattice.spacing
     kernel = NeighbourKernel(
-        radii[near] * lattice.spacing, counts[near], _BINOMIAL * sums, lattice.spacing
+        radii[near] * lattice.spacing, counts[near], binomial * sums, lattice.spacing
     )
     return Surroundings(kernel, circle, density)
-
-
-# Reach of the Ewald sums in units of sqrt(cell area): exp(-16 pi) is below round-off.
-_EWALD_REACH = 4.0
 
 
 @lru_cache(maxsize=1024)
 def epstein(lattice: Lattice, shift: Site, s: int) -> float:
     """Z(s; shift) of the lattice in units of its spacing, s odd."""
     basis, cell = lattice.unit_basis, lattice.unit_area
-    near = lattice.distances(shift, _EWALD_REACH * cell**0.5)
+    # Reach of the sums in units of sqrt(cell): exp(-pi reach^2) is the square of round-off.
+    reach = (-2.0 * log(EPS) / pi) ** 0.5
+    near = lattice.distances(shift, reach * cell**0.5)
     direct = gammaincc(0.5 * s, pi * near**2 / cell) * gamma(0.5 * s) * (pi * near**2) ** (-0.5 * s)
 
-    count = np.ceil(_EWALD_REACH / cell**0.5 * np.linalg.norm(basis, axis=1)).astype(int) + 2
+    count = np.ceil(reach / cell**0.5 * np.linalg.norm(basis, axis=1)).astype(int) + 2
     i, j = (n.ravel() for n in np.meshgrid(*(np.arange(-n, n + 1) for n in count), indexing="ij"))
     other = (i != 0) | (j != 0)
     wave = np.stack([i[other], j[other]], axis=1) @ np.linalg.inv(basis).T

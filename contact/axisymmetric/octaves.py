@@ -20,6 +20,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from contact.model.profiles.derive import complex_value, differences, verdicts
+from contact.model.profiles.noise import EPS
 from sie import Array, record
 
 
@@ -29,32 +30,18 @@ class OctaveOptions:
 
     # Degrees tried one after another; powers of r are resolved by the first.
     degrees: tuple[int, ...] = (24, 96, 384)
-    # A series ends if its last coefficients are below this part of the largest.
-    truncation: float = 1e-12
-    # Number of last coefficients whose largest is the remainder.
-    last: int = 6
     # A remainder that falls by less than this factor at the next degree is round-off.
     min_decay: float = 0.2
-    # Coefficients below this multiple of the round-off level are dropped.
-    drop_below: float = 4.0
-    # Round-off level of a series without visible round-off, over its largest coefficient.
-    min_round_off: float = 2e-17
-    # Relative error of the derivative below which it is used. Above, a power law fitted to the next
-    # octave may replace it.
+    # Coefficients, and differences of two series, below this multiple of the noise are noise.
+    noise_factor: float = 10.0
+    # A series ends if its last coefficients are below this part of the largest. A derivative of a
+    # smaller relative error is used; else a power law fitted to the next octave may replace it.
     exact: float = 1e-13
-    # Two series whose difference is below this multiple of their noise are equal.
-    same: float = 30.0
 
 
-_OPTIONS = OctaveOptions()
-# The square of a smaller radius underflows to 0.
-_UNDERFLOW = 2.0**-500
-# The lowest octave, near the smallest floating-point number.
-_LOWEST = -1000
-# Relative complex step: its square is far below round-off, and no product underflows.
-_STEP = 1e-30
-# Points at which series are compared.
-_SAMPLES = np.linspace(-1.0, 1.0, 9)
+SERIES = OctaveOptions()
+# The lowest octave: the square of a smaller radius underflows to 0.
+_LOWEST = -500
 
 
 class LogDerivative:
@@ -90,8 +77,10 @@ class LogDerivative:
         return slope if np.isfinite(slope).all() else None
 
     def _finite_or_nan(self, t: Array) -> Array:
-        value = complex_value(self._function, np.exp(t) * complex(1.0, _STEP))
-        return np.full(t.shape, np.nan) if value is None else value.imag / _STEP
+        # The square of the step is far below round-off, and no product underflows.
+        step = EPS**2
+        value = complex_value(self._function, np.exp(t) * complex(1.0, step))
+        return np.full(t.shape, np.nan) if value is None else value.imag / step
 
 
 @record
@@ -113,20 +102,18 @@ class Octave:
     @property
     def size(self) -> float:
         """Largest absolute value of the derivative."""
-        return float(np.max(np.abs(chebyshev.chebval(_SAMPLES, self.derivative))))
+        return _largest(self.derivative)
 
     @property
     def is_exact(self) -> bool:
-        return self.error <= _OPTIONS.exact * self.size and (
-            self.size > 0.0 or self.half < _UNDERFLOW
+        return self.error <= SERIES.exact * self.size and (
+            self.size > 0.0 or self.half <= np.ldexp(1.0, _LOWEST)
         )
 
     def equals(self, other: "Octave", noise: float) -> bool:
         """Whether the values of two octaves agree within noise."""
         difference = chebyshev.chebsub(self.series, other.series)
-        return bool(
-            np.max(np.abs(chebyshev.chebval(_SAMPLES, difference))) <= _OPTIONS.same * noise
-        )
+        return _largest(difference) <= SERIES.noise_factor * noise
 
 
 @record
@@ -157,13 +144,13 @@ class PowerFit:
         power = cls(r, value, slope * r / value, 0.0)
         fitted = power.on(octave.half)
         difference = chebyshev.chebsub(fitted.derivative, octave.derivative)
-        error = np.max(np.abs(chebyshev.chebval(_SAMPLES, difference))) / fitted.size
-        return replace(power, relative_error=float(error + octave.error / octave.size))
+        error = _largest(difference) / fitted.size
+        return replace(power, relative_error=error + octave.error / octave.size)
 
     def on(self, half: float) -> Octave:
         """Its octave [half/2, half]."""
         series = _interpolated(
-            lambda r: self.value * (r / self.radius) ** self.exponent, half, _OPTIONS.degrees[0]
+            lambda r: self.value * (r / self.radius) ** self.exponent, half, SERIES.degrees[0]
         )
         octave = Octave(half, series, 0.0, 0.0)
         return replace(octave, error=self.relative_error * octave.size)
@@ -243,21 +230,28 @@ class Octaves:
         if k in self._from_values:
             return self._from_values[k]
         half, left = float(np.ldexp(1.0, k)), inf
-        for degree in _OPTIONS.degrees:
+        for degree in SERIES.degrees:
             series = _interpolated(self._r_slope, half, degree)
             size, before = np.max(np.abs(series)), left
-            left = float(np.max(np.abs(series[-_OPTIONS.last :])))
-            if not left > _OPTIONS.truncation * size:
+            left = float(np.max(np.abs(series[-degree // 4 :])))
+            if not left > SERIES.exact * size:
                 break
-            if left > _OPTIONS.min_decay * before:
+            if left > SERIES.min_decay * before:
                 left = float(np.max(np.abs(series[-degree // 2 :])))
                 break
         # Coefficients below the round-off of the values are dropped: the derivative amplifies them.
-        above = np.flatnonzero(np.abs(series) > max(1e-15 * size, _OPTIONS.drop_below * left))
+        # Round-off of the values is uniform within EPS/2, and a coefficient is a mean over nodes.
+        noise = max(left, EPS * size / np.sqrt(6.0 * len(series)))
+        above = np.flatnonzero(np.abs(series) > SERIES.noise_factor * noise)
         series = series[: above[-1] + 1] if above.size else series[:1]
-        noise = max(left, _OPTIONS.min_round_off * size)
         self._from_values[k] = Octave(half, series, noise, noise * len(series) ** 1.5 * 4.0 / half)
         return self._from_values[k]
+
+
+def _largest(series: Array) -> float:
+    """Largest absolute value of a Chebyshev series at as many Chebyshev points as terms."""
+    points = chebyshev.chebpts2(len(series) + 1)
+    return float(np.max(np.abs(chebyshev.chebval(points, series))))
 
 
 def _interpolated(function: Callable[[Array], Array], half: float, degree: int) -> Array:

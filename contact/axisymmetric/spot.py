@@ -37,10 +37,9 @@ from contact.axisymmetric.system import (
 )
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.model.checks import integer, positive
+from contact.model.profiles.noise import EPS
 from contact.reference.exact.numerics import root
 from sie import Array
-
-_ALONE = Surroundings(None, 0.0, 0.0)
 
 
 def solve_spot(
@@ -223,7 +222,7 @@ def ring_count(rings: Any, place: Lattice | Density | None) -> float:
 
 def _seen(place: Lattice | Density | None, rings: float) -> Surroundings:
     if place is None:
-        return _ALONE
+        return Surroundings()
     if not isinstance(place, Lattice):
         return Surroundings(None, own_radius(place.density), place.density)
     origin = [(0.0, 0.0)]
@@ -234,11 +233,6 @@ def _seen(place: Lattice | Density | None, rings: float) -> Surroundings:
 NODES = (16, 32, 64, 128, 256)
 # Radii over a at which pressures of successive numbers of nodes are compared.
 _PROBES = np.array([0.1, 0.5, 0.9])
-# The smallest stated error: the round-off of a few transforms.
-_ROUND_OFF = 1e-14
-_EPS = 2.2e-16
-# Factor between the radii tried in `first_radius`; a finer one costs time only.
-_RADIUS_RATIO = 2.0**0.125
 
 
 def settled(kinds: Sequence[Kind], start: Array, condition: Condition) -> Iterator[State]:
@@ -320,9 +314,9 @@ def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
     error = max(
         trace[-1],
         abs(spot.balance()),
-        _ROUND_OFF,
+        64 * EPS,  # round-off of a few transforms
         derived,
-        4.0 * _EPS * (abs(spot.approach) + spot.depth) / own,
+        4 * EPS * (abs(spot.approach) + spot.depth) / own,
     )
     spot = replace(spot, error=error)
     if error > tol and error == derived:
@@ -343,11 +337,13 @@ def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
     return spot
 
 
-def first_radius(growing: Callable[[float], Any], target: float, scale: float) -> float:
+def first_radius(
+    growing: Callable[[float], Any], target: float, scale: float, ratio: float = 2.0**0.125
+) -> float:
     """The smallest radius at which a quantity, growing from 0, reaches the target.
 
     It is a start for Newton's method. If the quantity falls before, the branch from zero load ends
-    there: OutOfRange.
+    there: OutOfRange. ratio: of successive radii that are tried; a smaller one costs time only.
     """
     a = 1e-3 * scale
     # Round-off may make the quantity negative where a steep flank begins far out.
@@ -355,12 +351,12 @@ def first_radius(growing: Callable[[float], Any], target: float, scale: float) -
         a *= 0.5
     last = growing(a)
     for _ in range(2000):
-        new = growing(a * _RADIUS_RATIO)
+        new = growing(a * ratio)
         if not np.isfinite(new) or new < last * (1.0 - 1e-9):
             raise OutOfRange(
                 f"no spot carries this: what it carries falls beyond a radius of {a:.6g} m"
             )
         if new >= target:
-            return root(lambda radius: float(growing(radius)) - target, a, a * _RADIUS_RATIO)
-        a, last = a * _RADIUS_RATIO, new
+            return root(lambda radius: float(growing(radius)) - target, a, a * ratio)
+        a, last = a * ratio, new
     raise OutOfRange("no spot of any size carries this load")

@@ -16,7 +16,7 @@ w_j(a_j)/w_j'(a_j) under any side condition.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +25,7 @@ from contact.axisymmetric.neighbours import NeighbourKernel, Surroundings
 from contact.axisymmetric.profiles import AxisymmetricProfile
 from contact.axisymmetric.quadrature import half_gauss, panels
 from contact.errors import NotConverged, OutOfRange
+from contact.model.profiles.noise import EPS
 from sie import Array
 
 
@@ -35,10 +36,6 @@ class RadiusOptions:
     max_steps: int = 100
     # Relative step of the radii at which the iteration ends: round-off times the condition.
     converged_step: float = 1e-13
-    # Residual w at an edge over the approach that is round-off: a tiny spot gets no closer.
-    round_off: float = 1e-15
-    # Free distance between spots, over their distance, below which they are about to merge.
-    min_room: float = 1e-7
 
 
 _OPTIONS = RadiusOptions()
@@ -291,7 +288,8 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
             # reduced.
             steps[j] = state.edges[j] / slope if slope > 0 else np.copysign(a, state.edges[j])
             size = abs(state.delta) + kinds[j].depth
-            rounding &= bool(abs(state.edges[j]) <= _OPTIONS.round_off * size)
+            # The residual at the edge of a tiny spot is round-off of the approach.
+            rounding &= bool(abs(state.edges[j]) <= 4 * EPS * size)
         steps[active] = np.clip(steps[active], -0.5 * radii[active], radii[active])
         trace.append(float(np.max(np.abs(steps[active] / radii[active]))))
         if trace[-1] <= _OPTIONS.converged_step or rounding:
@@ -302,7 +300,8 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
         if room(kinds, radii + steps) < 0.25 * room(kinds, radii):
             steps *= 0.5
         radii = radii + steps
-        if room(kinds, radii) < _OPTIONS.min_room:
+        # The spots are about to merge: square roots of the room have lost half of their digits.
+        if room(kinds, radii) < sqrt(EPS):
             raise OutOfRange(
                 "out of range: the spots would grow into their neighbours before this is reached"
             )
