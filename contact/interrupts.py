@@ -9,9 +9,17 @@ computed or written by then. Only the commands are handled this way: a program t
 import os
 import signal
 import sys
+from enum import IntEnum
 from types import FrameType
 
-STATUS = 130
+
+class ExitStatus(IntEnum):
+    """Status with which a command ends if it has no result."""
+
+    BAD_INPUT = 2
+    NOT_CONVERGED = 3
+    INTERRUPTED = 130
+
 
 _started = False
 
@@ -49,7 +57,7 @@ def stop() -> None:
         )
     except OSError:
         pass
-    os._exit(STATUS)
+    os._exit(ExitStatus.INTERRUPTED)
 
 
 def importing(frame: FrameType | None) -> bool:

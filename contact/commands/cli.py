@@ -21,13 +21,13 @@ from typing import Any, NoReturn
 import click
 import numpy as np
 
-from contact import interrupts
 from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scene_of
 from contact.commands.path import path_command
 from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged
 from contact.extras import other_package, owners, require, version
+from contact.interrupts import ExitStatus
 from contact.model.registry import controls, interactions, laws, profiles, substrates
 from contact.model.units import headed, quantity
 from contact.solution import export
@@ -62,14 +62,6 @@ def explore_command(scene: Path | None, port: int | None, show: bool, tol: float
     )
 
 
-BAD_INPUT = 2
-NOT_CONVERGED = 3
-INTERRUPTED = interrupts.STATUS
-
-# Further zones are not printed; --csv writes them.
-_ZONES_SHOWN = 20
-
-
 class Commands(click.Group):
     """A click group that turns every error into an exit status and one line on stderr."""
 
@@ -85,19 +77,19 @@ class Commands(click.Group):
                 warnings.showwarning = _show_warning
                 status = run(*args, standalone_mode=False, **extra)
         except NotConverged as error:
-            _stop(NOT_CONVERGED, str(error))
+            _stop(ExitStatus.NOT_CONVERGED, str(error))
         except BrokenPipeError:
             # The reader has closed the pipe. Without a new stdout, Python's flush at exit would
             # print an error.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(1)
         except click.ClickException as error:
-            _stop(BAD_INPUT, error.format_message())
+            _stop(ExitStatus.BAD_INPUT, error.format_message())
         except (ContactError, OSError, ModelWarning) as error:
             # A ModelWarning arrives here if PYTHONWARNINGS turns warnings into errors.
-            _stop(BAD_INPUT, str(error))
+            _stop(ExitStatus.BAD_INPUT, str(error))
         except click.Abort:
-            _stop(INTERRUPTED, "interrupted")
+            _stop(ExitStatus.INTERRUPTED, "interrupted")
         sys.exit(status if isinstance(status, int) else 0)
 
 
@@ -398,7 +390,8 @@ _listed("laws", laws, "laws of the interface, with their parameters and controls
 _listed("controls", controls, "controls, with their units,", "unit")
 
 
-def _show_solution(solution: Solution, seconds: float) -> None:
+def _show_solution(solution: Solution, seconds: float, zones_shown: int = 20) -> None:
+    """Print a solution in tables, with its first zones."""
     scene = solution.scene
     show_profile(scene.profile)
     turning = (
@@ -439,7 +432,7 @@ def _show_solution(solution: Solution, seconds: float) -> None:
     rows = export.zone_table(solution)
     if not rows:
         return
-    shown = rows[:_ZONES_SHOWN]
+    shown = rows[:zones_shown]
     columns = [("zone", [str(place) for place in range(1, len(shown) + 1)])]
     for name, unit, values in zip(
         export.ZONE_COLUMNS, export.ZONE_UNITS, zip(*shown, strict=True), strict=True
@@ -448,8 +441,8 @@ def _show_solution(solution: Solution, seconds: float) -> None:
             headed(name.replace("_", "\n"), values, unit, 9 if name in ("left", "right") else 7)
         )
     show_columns("zones", columns)
-    if len(rows) > _ZONES_SHOWN:
-        click.echo(f"{len(rows) - _ZONES_SHOWN} more zones: --csv writes them all")
+    if len(rows) > zones_shown:
+        click.echo(f"{len(rows) - zones_shown} more zones: --csv writes them all")
 
 
 def _entry(value: Any) -> str:

@@ -29,8 +29,6 @@ from sie import Array
 # The scene that is written: steel on a rigid flat.
 _STEEL_MODULUS = 210e9  # [Pa]
 _STEEL_POISSON_RATIO = 0.3
-# A light load: the mean pressure over E* times the rms slope.
-_LIGHT_LOAD = 0.01
 
 
 def _number(text: str) -> Any:
@@ -221,11 +219,19 @@ def _together(profile: Profile) -> str:
 
 
 def starting_scene(
-    file: Path, folder: Path, keys: Mapping[str, Any], measured: Roughness, period: float | None
+    file: Path,
+    folder: Path,
+    keys: Mapping[str, Any],
+    measured: Roughness,
+    period: float | None,
+    light_load: float = 0.01,
 ) -> str:
-    """The text of a scene file: the trace on a rigid flat under a light load."""
+    """The text of a scene file: the trace on a rigid flat under a light load.
+
+    light_load: mean pressure over E* times the rms slope.
+    """
     modulus = _STEEL_MODULUS / (1 - _STEEL_POISSON_RATIO**2)
-    pressure = _LIGHT_LOAD * modulus * measured.rms_slope
+    pressure = light_load * modulus * measured.rms_slope
     name = Path(os.path.relpath(file, folder)).as_posix()
     lines = [
         "[profile]",
@@ -239,7 +245,7 @@ def starting_scene(
         f"E1 = {_STEEL_MODULUS / 1e9:g}e9",
     ]
     lines += [f"nu1 = {_STEEL_POISSON_RATIO}", "", "[interaction]"]
-    comment = f"# {_LIGHT_LOAD:g} E* times the rms slope, {measured.rms_slope:.4g}"
+    comment = f"# {light_load:g} E* times the rms slope, {measured.rms_slope:.4g}"
     if period is not None:
         lines += ['model = "periodic"', "", "[control]", comment, f"mean_pressure = {pressure:.4g}"]
     else:
@@ -258,13 +264,19 @@ def starting_scene(
 _BEFORE = "#9a9a9a"
 _AFTER = "#1f5a92"
 _LOST = "#b3261e"
-_MAX_TITLE_LENGTH = 90
 
 
 def plot_trace(
-    trace: Trace, measured: Roughness, spectrum: tuple[Array, Array], heights: tuple[Array, Array]
+    trace: Trace,
+    measured: Roughness,
+    spectrum: tuple[Array, Array],
+    heights: tuple[Array, Array],
+    title_length: int = 90,
 ) -> Any:
-    """A matplotlib figure: one row per step; below, heights and spectrum of the last step."""
+    """A matplotlib figure: one row per step; below, heights and spectrum of the last step.
+
+    title_length: number of letters after which the name of a step is cut.
+    """
     stages = list(trace.stages)
     figure = new_figure(9.0, 1.7 * len(stages) + 3.0)
     grid = figure.add_gridspec(len(stages) + 1, 2, height_ratios=[1.0] * len(stages) + [1.7])
@@ -278,8 +290,8 @@ def plot_trace(
         )
         for at in x[~np.isfinite(height)]:
             axes.axvline(along * at, color=_LOST, lw=0.5, alpha=0.5)
-        if len(name) > _MAX_TITLE_LENGTH:
-            name = name[: _MAX_TITLE_LENGTH - 3] + "..."
+        if len(name) > title_length:
+            name = name[: title_length - 3] + "..."
         axes.set_title(name, fontsize=8, loc="left")
         axes.set_ylabel(f"height [{up_unit}m]", fontsize=8)
         axes.tick_params(labelsize=8)

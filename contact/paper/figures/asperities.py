@@ -40,6 +40,18 @@ class AsperitiesOfThePaper:
     # Number of points of the curves over the contact width.
     points: int = 49
 
+    @property
+    def wave(self) -> Sinusoid:
+        return Sinusoid(self.scale, period=1.0)
+
+    @property
+    def wedge(self) -> Wedge:
+        return Wedge(self.scale, period=1.0)
+
+    @property
+    def parabola(self) -> Parabola:
+        return Parabola(radius=1.0, period=1.0)
+
     def widths(self) -> Array:
         """Abscissas 2a/L from 0.02 to 0.98."""
         return np.round(np.arange(1, self.points + 1) / (self.points + 1), 10)
@@ -50,9 +62,6 @@ class AsperitiesOfThePaper:
 
 
 _SCENES = AsperitiesOfThePaper()
-_WAVE = Sinusoid(_SCENES.scale, period=1.0)
-_WEDGE = Wedge(_SCENES.scale, period=1.0)
-_PARABOLA = Parabola(radius=1.0, period=1.0)
 _P_STAR = np.pi * _SCENES.scale
 _FRACTIONS = _SCENES.widths()
 _SHARES = _SCENES.half_widths()
@@ -163,7 +172,7 @@ def _draw_errors(
 def figure_7() -> Figure:
     """Pressure on a wave at two contact widths."""
     every = {
-        (f, m): solved(_WAVE, m, half_width=0.5 * f)
+        (f, m): solved(_SCENES.wave, m, half_width=0.5 * f)
         for f in _SCENES.fractions
         for m in (EXACT, FIRST, SELF, ONE)
     }
@@ -192,7 +201,7 @@ def figure_7() -> Figure:
 def figure_8() -> Figure:
     """Mean and largest pressure on a wave over the contact width, with their errors."""
     numbers = {"mean/p*": lambda s: s.load / _P_STAR, "max/p*": lambda s: s.max_pressure / _P_STAR}
-    columns = {"2a/L": _FRACTIONS, **_at_widths(_WAVE, 0.5 * _FRACTIONS, numbers)}
+    columns = {"2a/L": _FRACTIONS, **_at_widths(_SCENES.wave, 0.5 * _FRACTIONS, numbers)}
     first = columns[f"mean/p* {FIRST}"]
     written = (
         np.array(
@@ -243,7 +252,7 @@ def figure_8() -> Figure:
 def figure_9() -> Figure:
     """Pressure on a wedge at two contact widths."""
     every = {
-        (f, m): solved(_WEDGE, m, half_width=0.5 * f)
+        (f, m): solved(_SCENES.wedge, m, half_width=0.5 * f)
         for f in _SCENES.fractions
         for m in (EXACT, FIRST, SELF, ONE)
     }
@@ -278,7 +287,7 @@ def figure_10() -> Figure:
     mean = "mean/(E* tan b)"
     columns = {
         "2a/L": _FRACTIONS,
-        **_at_widths(_WEDGE, 0.5 * _FRACTIONS, {mean: lambda s: s.load / _SCENES.scale}),
+        **_at_widths(_SCENES.wedge, 0.5 * _FRACTIONS, {mean: lambda s: s.load / _SCENES.scale}),
     }
     written = (
         np.array(
@@ -314,7 +323,7 @@ def figure_10() -> Figure:
 def figure_11() -> Figure:
     """Pressure on a parabola at two mean pressures, with the exact solution added."""
     every = {
-        (p, m): solved(_PARABOLA, m, mean_pressure=p)
+        (p, m): solved(_SCENES.parabola, m, mean_pressure=p)
         for p in _SCENES.pressures
         for m in (EXACT, FIRST, SELF, ALONE)
     }
@@ -348,7 +357,7 @@ def figure_11() -> Figure:
 def figure_12() -> Figure:
     """Contact half-width of a parabola over the load."""
     load = "P R/(L^2 E*)"
-    columns = {"a/L": _SHARES, **_at_widths(_PARABOLA, _SHARES, {load: lambda s: s.load})}
+    columns = {"a/L": _SHARES, **_at_widths(_SCENES.parabola, _SHARES, {load: lambda s: s.load})}
     closed = [localized_parabola(1.0, 1.0, 1.0, a) for a in _SHARES]
     apart = worst(columns[f"{load} {FIRST}"], np.array([c.load for c in closed]))
     kuznetsov = worst(columns[f"{load} {EXACT}"], np.array([c.exact.load for c in closed]))
