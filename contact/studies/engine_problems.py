@@ -35,17 +35,12 @@ import sie
 
 Array = NDArray[Any]
 
-# Densities are compared at these angles of each zone.
-ANGLES = (np.arange(9) + 0.5) * np.pi / 9
-
 
 @dataclass(frozen=True)
 class JudgingLimits:
     """Limits by which a solution is judged."""
 
-    slow_seconds: float = 20.0
     other_root: float = 1e-3  # a larger error of an end, relative to the width, is another root
-    round_off: float = 4e-15  # round-off of the designed density and its conditions
 
 
 LIMITS = JudgingLimits()
@@ -73,6 +68,11 @@ class Steps(Parts):
     def rows(self, system: sie.Rows) -> tuple[Array, Array, Array]:
         matrix, constants = system.level_steps()
         return matrix[self.zones], constants[self.zones], self.values
+
+
+def angles(count: int = 9) -> Array:
+    """Angles of each zone at which densities are compared."""
+    return (np.arange(count) + 0.5) * np.pi / count
 
 
 @dataclass(frozen=True)
@@ -277,14 +277,13 @@ class Judged:
     zone_ratio: float = 0.0
     message: str = ""
 
-    @property
-    def fault(self) -> str:
-        """The kind of fault; empty if there is none."""
+    def fault(self, slow_seconds: float = 20.0) -> str:
+        """The kind of fault; empty if there is none. A problem must take at most `slow_seconds`."""
         if self.what == "exception":
             return self.what
         if max(self.ratio, self.zone_ratio) > 1.0:
             return "dishonest"
-        return "slow" if self.seconds > LIMITS.slow_seconds else ""
+        return "slow" if self.seconds > slow_seconds else ""
 
 
 def judged(seed: int, tol: float = 1e-10) -> Judged:
@@ -307,14 +306,17 @@ def judged(seed: int, tol: float = 1e-10) -> Judged:
     ends = np.abs((zones.table - design.ends) + zones.rest.T) / width
     if not np.isfinite(found.error) or ends.max() > LIMITS.other_root:
         return Judged(what if what == "refused" else "other root", seconds, message=message)
-    each, sides = np.arange(len(width)), (2 * np.cos(ANGLES / 2) ** 2, 2 * np.sin(ANGLES / 2) ** 2)
-    exact = np.array([design.density(zone, ANGLES) for zone in range(len(width))])
-    missed = (np.abs(found.density.at(each[:, None], *sides) - exact) * np.sin(ANGLES)).max(axis=1)
+    theta, each = angles(), np.arange(len(width))
+    sides = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+    exact = np.array([design.density(zone, theta) for zone in range(len(width))])
+    missed = (np.abs(found.density.at(each[:, None], *sides) - exact) * np.sin(theta)).max(axis=1)
     largest = max(ends.max(), missed.max() / found.state.size)
-    ratio = largest / (found.error + LIMITS.round_off)
+    # Round-off of the designed density and its conditions counts as known.
+    round_off = 16 * np.finfo(np.float64).eps
+    ratio = largest / (found.error + round_off)
     sizes = np.maximum(found.state.zone_sizes, 1e-300)
     errors = np.maximum(ends.max(axis=1), missed / sizes)
-    zone_ratio = (errors / (found.errors + LIMITS.round_off)).max()
+    zone_ratio = (errors / (found.errors + round_off)).max()
     return Judged(what, seconds, float(ratio), float(zone_ratio), message)
 
 
@@ -329,12 +331,13 @@ def main() -> None:
     ratios, zone_ratios = [0.0], [0.0]
     for seed in range(given.first, given.first + given.count):
         one = judged(seed, given.tol)
-        counts.update([one.what, one.fault] if one.fault else [one.what])
+        fault = one.fault()
+        counts.update([one.what, fault] if fault else [one.what])
         ratios, zone_ratios = [*ratios, one.ratio], [*zone_ratios, one.zone_ratio]
-        if one.fault:
+        if fault:
             figures = f"true over stated {one.ratio:.2g}, of one zone {one.zone_ratio:.2g}"
             figures += f", {one.seconds:.1f} s"
-            print(f"{seed} {one.fault} ({one.what}): {figures} {one.message}", flush=True)
+            print(f"{seed} {fault} ({one.what}): {figures} {one.message}", flush=True)
     largest = f"{max(ratios):.2g}, of one zone {max(zone_ratios):.2g}"
     print(dict(counts), f"largest true over stated error {largest}")
 

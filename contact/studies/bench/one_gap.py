@@ -30,10 +30,6 @@ from contact.model.scene import Scene
 
 Array = NDArray[np.float64]
 
-# These are the Chebyshev angles on the gap, and pi in extended precision.
-_THETA = np.pi * (np.arange(48) + 0.5) / 48
-_PI = np.longdouble(pi) + np.longdouble(1.2246467991473532e-16)
-
 
 @dataclass(frozen=True, eq=False)
 class OneGap:
@@ -43,6 +39,7 @@ class OneGap:
     mean: float
     middle: float
     half_gap: float
+    nodes: int = 48
 
     @classmethod
     def of(cls, profile: Fourier, full: float, scene: Scene) -> OneGap:
@@ -75,6 +72,11 @@ class OneGap:
         return OneGap(self.profile, self.mean, float(middle), float(half))
 
     @property
+    def _theta(self) -> Array:
+        """Chebyshev angles on the gap."""
+        return np.asarray(np.pi * (np.arange(self.nodes) + 0.5) / self.nodes)
+
+    @property
     def _tau(self) -> float:
         return float(np.tan(pi * self.half_gap))
 
@@ -82,14 +84,15 @@ class OneGap:
     def _excess(self) -> tuple[Array, float]:
         """Chebyshev coefficients G_j of G = H f' - 2 pbar/E* on the gap, and B of the head."""
         k, c, s = _waves(self.profile)
-        y = self._tau * np.cos(_THETA)
-        x = np.longdouble(self.middle) + np.arctan(y) / _PI
-        phase = np.round(k / (2 * pi)) * (2 * _PI) * x[:, None]
+        y = self._tau * np.cos(self._theta)
+        extended_pi = 4 * np.arctan(np.longdouble(1))
+        x = np.longdouble(self.middle) + np.arctan(y) / extended_pi
+        phase = np.round(k / (2 * pi)) * (2 * extended_pi) * x[:, None]
         series = np.cos(phase) @ c.astype(np.longdouble) + np.sin(phase) @ s.astype(np.longdouble)
         excess = series - 2 * np.longdouble(self.mean)
         # The difference of large numbers has been taken; double precision is enough for the rest.
-        n = len(_THETA)
-        g = 2 / n * np.cos(np.arange(n)[:, None] * _THETA) @ excess.astype(np.float64)
+        n = self.nodes
+        g = 2 / n * np.cos(np.arange(n)[:, None] * self._theta) @ excess.astype(np.float64)
         g[0] *= 0.5
         return g, float(np.mean(self._slope_sine(g) * y / (1 + y**2)) * self._tau)
 
@@ -98,14 +101,14 @@ class OneGap:
 
         It uses U_j sin(theta) = sin((j + 1) theta).
         """
-        orders = np.arange(1, len(_THETA))[:, None]
-        return np.asarray(np.sin(_THETA) * (series[1:] @ np.sin(orders * _THETA)))
+        orders = np.arange(1, self.nodes)[:, None]
+        return np.asarray(np.sin(self._theta) * (series[1:] @ np.sin(orders * self._theta)))
 
     @property
     def _residual(self) -> Array:
         """Residuals (G_0 - B, int s deta/(1 + eta^2)), which vanish for the right c and w."""
         series, moment = self._excess
-        y = self._tau * np.cos(_THETA)
+        y = self._tau * np.cos(self._theta)
         return np.array([series[0] - moment, np.mean(self._slope_sine(series) / (1 + y**2))])
 
     @property

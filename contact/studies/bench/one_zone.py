@@ -13,7 +13,7 @@ eight Gauss-Legendre points integrate it to round-off.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,11 @@ from contact.reference.exact import SymmetricZone
 
 Array = NDArray[np.float64]
 
-# Gauss-Legendre nodes and weights on (-1, 1).
-_RULE = np.polynomial.legendre.leggauss(8)
+
+@cache
+def gauss(nodes: int = 8) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes and weights on (-1, 1)."""
+    return np.polynomial.legendre.leggauss(nodes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +48,11 @@ class ByPieces(SymmetricZone):
 
     def _rule(self, edges: Array) -> tuple[Array, Array, Array]:
         """Positions, slopes and weights of the quadrature between these edges in theta."""
+        nodes, weights = gauss()
         half = 0.5 * np.diff(edges)
-        theta = (0.5 * (edges[1:] + edges[:-1]))[:, None] + half[:, None] * _RULE[0]
+        theta = (0.5 * (edges[1:] + edges[:-1]))[:, None] + half[:, None] * nodes
         x = (self.half_width * np.sin(theta)).ravel()
-        return x, np.asarray(self.profile.slope(x)), (half[:, None] * _RULE[1]).ravel()
+        return x, np.asarray(self.profile.slope(x)), (half[:, None] * weights).ravel()
 
     @cached_property
     def _rule_of_zone(self) -> tuple[Array, Array, Array]:
@@ -73,7 +77,7 @@ class ByPieces(SymmetricZone):
             piece = int(np.clip(np.searchsorted(edges, angle), 1, len(edges) - 1))
             close = slice(max(piece - 3, 0), min(piece + 3, len(edges)))
             far = np.ones(len(x), dtype=bool)
-            n = len(_RULE[0])
+            n = len(gauss()[0])
             far[close.start * n : (close.stop - 1) * n] = False
             total = np.sum((slope[far] - there) / (x[far] - here) * weight[far])
             xi, f, w = self._rule(_graded(edges[close], angle))

@@ -131,6 +131,6 @@ def _condition(curve: Curve, load: float, part: float, by: str = "load") -> floa
     zones = np.asarray(here.zones)
     ends = np.abs(there.zones - zones) / np.diff(zones, axis=1)
     pressure = np.abs(
-        there.pressure_at(truth.POSITIONS) - here.pressure_at(truth.POSITIONS)
+        there.pressure_at(truth.positions()) - here.pressure_at(truth.positions())
     ).max() / truth.scale(here)
     return float(max(ends.max(), pressure)) / change
