@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
 
 from contact.model.profiles.derive import complex_value, differences, verdicts
 from contact.model.profiles.noise import EPS
@@ -248,7 +249,7 @@ class Octaves:
         return self._from_values[k]
 
 
-def _largest(series: Array) -> float:
+def _largest(series: NDArray[np.floating]) -> float:
     """Largest absolute value of a Chebyshev series at as many Chebyshev points as terms."""
     points = chebyshev.chebpts2(len(series) + 1)
     return float(np.max(np.abs(chebyshev.chebval(points, series))))

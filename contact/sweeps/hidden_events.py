@@ -21,7 +21,7 @@ from sie import Array
 def may_hide(low: Solution, high: Solution, rate_error: float, max_rate_ratio: float) -> bool:
     """Whether some end of a zone moved further between two loads than its rates explain.
 
-    rate_error: relative error of a motion that is predicted by its rates. max_rate_ratio: ratio of the
+    rate_error: relative error of a motion predicted by its rates. max_rate_ratio: ratio of the
     two rates of an end above which their mean is no prediction.
     """
     before, after = ends_and_rates(low), ends_and_rates(high)
