@@ -6,25 +6,13 @@ that U coefficients are a sine transform. Together with the two ends they are th
 the weight 1 / sqrt(1 - t^2).
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from scipy import fft
 
 from sie.basis.data import Array, widened
-from sie.basis.sums import OPTIONS as BLOCKS
-
-
-@dataclass(frozen=True)
-class TransformOptions:
-    """Size up to which a matrix product replaces a fast transform."""
-
-    # Number of nodes up to which a product with a stored matrix is faster than a fast transform.
-    max_matrix_nodes: int = 96
-
-
-OPTIONS = TransformOptions()
+from sie.basis.sums import OPTIONS
 
 
 @lru_cache(maxsize=64)
@@ -72,7 +60,7 @@ def u_coefficients(values: Array) -> Array:
     The transform acts along the last axis.
     """
     n = values.shape[-1]
-    if n <= OPTIONS.max_matrix_nodes:
+    if n <= OPTIONS.max_direct_terms:
         return np.asarray(values @ _sine_matrix(n).T)
     return np.asarray(fft.dst(values * np.sin(angles(n)[1:-1]), type=1, axis=-1) / (n + 1))
 
@@ -135,7 +123,7 @@ def gauss_sides(n: int) -> tuple[Array, Array]:
 
 def t_matrix(n: int, count: int) -> Array:
     """Values of T_l, l = 0 ... count - 1, at the n Gauss nodes, shape (n, count)."""
-    return (_t_matrix if n * count <= BLOCKS.cache_pairs else _t_matrix.__wrapped__)(n, count)
+    return (_t_matrix if n * count <= OPTIONS.cache_pairs else _t_matrix.__wrapped__)(n, count)
 
 
 @lru_cache(maxsize=64)
@@ -156,7 +144,7 @@ def to_series(n: int) -> Array:
 
 def t_values(c: Array, n: int) -> Array:
     """Values of the series sum c_l T_l at the n Gauss nodes, coefficients (..., count <= n)."""
-    if n * c.shape[-1] <= BLOCKS.cache_pairs:
+    if n * c.shape[-1] <= OPTIONS.cache_pairs:
         return np.asarray(c @ t_matrix(n, c.shape[-1]).T)
     halved = 0.5 * c
     halved[..., 0] = c[..., 0]
@@ -170,7 +158,7 @@ def t_means(values: Array, count: int | None = None) -> Array:
     """
     n = values.shape[-1]
     count = n if count is None else count
-    if n <= OPTIONS.max_matrix_nodes:
+    if n <= OPTIONS.max_direct_terms:
         return np.asarray(values @ (t_matrix(n, count) / n))
     return np.asarray(fft.dct(values, type=2, axis=-1)[..., :count] / (2 * n))
 

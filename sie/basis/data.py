@@ -1,5 +1,6 @@
 """Array types, records, and helpers for places on a periodic line and for rows of tables."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -19,6 +20,8 @@ EPS = float(np.finfo(np.float64).eps)
 TINY = float(np.sqrt(np.finfo(np.float64).tiny))
 # Relative round-off of a value that results from a few dozen operations.
 SUM_ROUNDING = 64 * EPS
+# Half of all digits: a number is known to these if an error enters by its square only.
+HALF_DIGITS = math.sqrt(EPS)
 # Terms of a geometric series rho^l are below round-off from l = DIGITS / -log(rho) on: exp(-40) is
 # 4e-18.
 DIGITS = 40.0

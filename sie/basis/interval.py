@@ -32,10 +32,6 @@ from sie.basis.sums import cosine_sum, sine_sum, sum_of_powers
 Number = NDArray[Any]
 What = Literal["transform", "derivative", "potential"]
 
-LOG2 = float(np.log(2.0))
-# Step of central differences with respect to an angle: it balances truncation and round-off.
-_STEP = EPS ** (1 / 3)
-
 
 # Coordinates of places, from `left` = 1 + t and `right` = 1 - t.
 def theta(left: Any, right: Any) -> Array:
@@ -63,8 +59,11 @@ def half_angles(left: Any, right: Any) -> tuple[Array, Array]:
 
 
 def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, Array]:
-    """(value, derivative by the angle) of a function of (1 + t, 1 - t), by central differences."""
-    step = np.minimum(_STEP, 0.5 * np.minimum(angle, np.pi - angle))
+    """(value, derivative by the angle) of a function of (1 + t, 1 - t), by central differences.
+
+    The step balances truncation and round-off.
+    """
+    step = np.minimum(np.cbrt(EPS), 0.5 * np.minimum(angle, np.pi - angle))
     before, after = (of(*sides(at)) for at in (angle - step, angle + step))
     return 0.5 * (before + after), (after - before) / (2 * step)
 
@@ -402,8 +401,7 @@ def own_potential(divided: Array, row: Index, left: Array, right: Array, width: 
     divided: the table c_0, c_1, c_2 / 2, c_3 / 3, ...; width: w divided by `datum`, for each pair.
     """
     return np.asarray(
-        divided[row, 0] * (np.log(width) - LOG2)
-        - cosine_sum(divided[:, 1:], row, theta(left, right))
+        divided[row, 0] * np.log(0.5 * width) - cosine_sum(divided[:, 1:], row, theta(left, right))
     )
 
 

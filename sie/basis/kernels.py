@@ -303,17 +303,16 @@ class _HilbertSlopeRest(_OfPeriod):
         return np.asarray(-(_trigamma(2 - d) + _trigamma(2 + d)) / self.period**2)
 
 
-# Bernoulli's numbers B_2, B_4, ... for the asymptotic series of psi' (DLMF 5.15.8). At z + 10 the
-# series has all digits.
-_BERNOULLI = (1 / 6, -1 / 30, 1 / 42, -1 / 30, 5 / 66, -691 / 2730, 7 / 6)
-
-
 def _trigamma(z: Array) -> Array:
-    """The trigamma function psi' at real or complex z, Re z >= 1."""
+    """The trigamma function psi' at real or complex z, Re z >= 1.
+
+    It is the asymptotic series with Bernoulli's numbers B_2, B_4, ... (DLMF 5.15.8), which has all
+    digits at z + 10.
+    """
     up = 10
     far = 1 / (z + up)
     total = np.zeros_like(far)
-    for number in _BERNOULLI[::-1]:
+    for number in (7 / 6, -691 / 2730, 5 / 66, -1 / 30, 1 / 42, -1 / 30, 1 / 6):
         total = (total + number) * far * far
     out = far * (1 + 0.5 * far + total)
     for k in range(up):

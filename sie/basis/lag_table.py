@@ -1,8 +1,8 @@
 """Tables of a smooth kernel of the lag x - xi: polynomials on cells of the lag.
 
 If the kernel's singularities are at least `length` away from the real axis, polynomials of degree 7
-on cells of width length/25 represent it to round-off. On such a cell, each coefficient of the
-Chebyshev series is about 100 times smaller than the one before.
+on cells of width length/23 represent it to round-off. On such a cell, each coefficient of the
+Chebyshev series is about 90 times smaller than the one before.
 """
 
 from __future__ import annotations
@@ -13,21 +13,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import SUM_ROUNDING, Array, record
+from sie.basis.data import EPS, SUM_ROUNDING, Array, record
 from sie.basis.kernels import Kernel, Regular
 from sie.basis.sums import OPTIONS as BLOCKS
 
 
 @dataclass(frozen=True)
 class LagTableOptions:
-    """Sizes of the table of a kernel of the lag."""
+    """Size of the table of a kernel of the lag."""
 
     # Number of polynomial coefficients on a cell.
     terms: int = 8
-    # Number of cells in one `length` of the kernel: with 8 terms the relative error is 100^-8.
-    cells_per_length: float = 25.0
-    # Largest number of cells: a larger table would take more than 300 MB.
-    max_cells: int = 2**21
+
+    @property
+    def cells_per_length(self) -> float:
+        """Number of cells in one `length` of the kernel, for a relative error of one round-off.
+
+        With n of them, each Chebyshev coefficient on a cell is 4 n times smaller than the one
+        before.
+        """
+        return 0.25 * float(EPS ** (-1 / self.terms))
 
 
 OPTIONS = LagTableOptions()
@@ -54,7 +59,7 @@ class LagTable:
         """
         step = length / OPTIONS.cells_per_length
         cells = math.ceil(reach / step)
-        if 2 * cells > OPTIONS.max_cells:
+        if 2 * cells > BLOCKS.memory_pairs:
             return None
         middles = step * (np.arange(-cells, cells) + 0.5)
         nodes = middles[:, None] + 0.5 * step * chebyshev.gauss(OPTIONS.terms)

@@ -13,17 +13,28 @@ from sie.basis.data import DIGITS, Array, Complex, Index, Kept, Mask, numbered, 
 
 @dataclass(frozen=True)
 class SumOptions:
-    """Block sizes of sums; they change the time and the memory, not the result."""
+    """Block sizes of sums and of quadrature rules, and the sizes from which other ways are faster.
+
+    Insensitive: a factor of two changes times by a few per cent, and no result beyond round-off.
+    """
 
     # Number of pairs of a point and a source whose arrays fit into the processor's cache.
     cache_pairs: int = 1 << 15
-    # Number of pairs in one matrix product: its arrays take some megabytes.
+    # Number of pairs in one matrix product, and of numbers in one table: some megabytes.
     memory_pairs: int = 1 << 19
-    # Number of pairs in one zone above which a matrix product is faster than a list of pairs.
+    # From this number of entries on, matrix operations are faster than loops over pairs or columns.
     min_matrix_pairs: int = 1 << 12
-    # Number of terms up to which every sine of a sum is evaluated. Longer sums use the addition
-    # theorem, with few sines and two matrix products (see `_sines`).
-    max_sines: int = 256
+    # Number of terms up to which sines and transforms are products with a matrix. Longer sums of
+    # sines use the addition theorem (see `_sines`), longer transforms are fast transforms.
+    max_direct_terms: int = 128
+    # Number of nodes of Gauss's rule on a panel. With two nodes per radian it has no error above
+    # round-off for a wave.
+    gauss_nodes: int = 16
+
+    @property
+    def max_turn(self) -> float:
+        """Largest change of l theta over one panel, for integrals of cos(l theta)."""
+        return self.gauss_nodes / 2
 
 
 OPTIONS = SumOptions()
@@ -168,7 +179,7 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
 def _same_order(c: Array, rho: NDArray[Any]) -> NDArray[Any]:
     """Power series sum_k c[source, k] rho^k at every point, with the same number of terms."""
     count = c.shape[1]
-    if rho.size > OPTIONS.max_sines:
+    if rho.size > OPTIONS.max_direct_terms:
         out = np.zeros(rho.shape) + c[:, -1]
         for k in range(count - 2, -1, -1):
             out *= rho
@@ -205,10 +216,13 @@ def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
     out = (
         turn
         * _by_horner(
-            u, np.where(flip, -turn, turn), zone, np.where(terms > OPTIONS.max_sines, 0, terms)
+            u,
+            np.where(flip, -turn, turn),
+            zone,
+            np.where(terms > OPTIONS.max_direct_terms, 0, terms),
         )
     ).imag
-    many = np.flatnonzero(terms > OPTIONS.max_sines)
+    many = np.flatnonzero(terms > OPTIONS.max_direct_terms)
     for i, some in Grouped.by(zone[many]).places().items():
         here = many[some]
         out[here] = _same_places(u, np.array([i]), angle[here], flip[here])[0]
@@ -257,7 +271,7 @@ def _sines(angle: Array, columns: Array) -> Array:
     of m a angle and of b angle, so that few sines are evaluated.
     """
     count = len(columns) + 1
-    if count <= OPTIONS.max_sines:
+    if count <= OPTIONS.max_direct_terms:
         return np.asarray(np.sin(angle[:, None] * np.arange(1, count)) @ columns)
     m = 2 ** round(0.5 * np.log2(count))
     terms = np.zeros((-(-count // m), m, columns.shape[1]))

@@ -8,10 +8,7 @@ import numpy as np
 from scipy.linalg import lapack, lu_factor
 
 from sie.basis.data import Array, Index, record
-
-# Several right sides with up to this many numbers in all are solved one after the other. Together,
-# BLAS would use threads, which takes as long and leaves the threads spinning for 0.1 s.
-_ONE_BY_ONE = 1024
+from sie.basis.sums import OPTIONS as SUMS
 
 
 @record
@@ -47,8 +44,10 @@ class Factored:
     def _solved(self, right: Array, trans: int) -> Array:
         if right.size == 0:
             return np.zeros(right.shape)
-        if right.ndim == 1 or right.size > _ONE_BY_ONE:
+        if right.ndim == 1 or right.size > SUMS.min_matrix_pairs:
             return np.asarray(lapack.dgetrs(self.lu, self.pivots, right, trans)[0])
+        # For a few right sides together, BLAS would use threads, which takes as long and leaves the
+        # threads spinning for 0.1 s.
         out = np.empty_like(right)
         for i, column in enumerate(right.T):
             out[:, i] = lapack.dgetrs(self.lu, self.pivots, column, trans)[0]

@@ -19,9 +19,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, record, root_of_squares, wrapped
+from sie.basis.data import EPS, SUM_ROUNDING, Array, Index, record, root_of_squares, wrapped
 from sie.basis.interval import decay_rate
 from sie.basis.kernels import Kernel
+from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 from sie.jumps.forcing import ForcingJumps
@@ -34,38 +35,26 @@ class ModeOptions:
     """Limits and tolerances of the numbers of modes."""
 
     # Largest number of nodes of a zone. If its last coefficients are below `nearly_decayed` of the
-    # largest, a zone may have up to `max_nodes_together` divided by the number of zones.
+    # largest, a zone may have more, while the table of all zones has at most `memory_pairs` numbers.
     max_nodes: int = 8192
-    nearly_decayed: float = 1e-6
-    max_nodes_together: int = 1 << 20
-    # First number of nodes of a zone. If the right side is singular close to the zone, it is the
-    # number for which its coefficients decay to `first_decay`.
+    # Coefficients below this fraction of the largest have nearly decayed. Those that have stopped
+    # decreasing are noise only below it. Those of a kernel as rough as |x - xi| decrease to less
+    # than half with 1.5 times the modes.
+    nearly_decayed: float = 1e-5
+    # First number of nodes of a zone, and least number of coefficients that count as its leading
+    # ones. If the right side is singular close to the zone, there are so many nodes that its
+    # coefficients decay to round-off.
     first_nodes: int = 16
-    first_decay: float = 1e-12
-    # Coefficients that have stopped decreasing are noise only below this fraction of the largest.
-    # Those of a kernel as rough as |x - xi| decrease to less than half with 1.5 times the modes.
-    noise_plateau: float = 1e-5
     # With fewer nodes for each jump on a zone, the decay of coefficients is not judged.
     nodes_per_piece: int = 4
-    # Series from this length on are cut where noise begins. It has begun if the second half of the
-    # coefficients is at most `plateau_ratio` times the last ones: those of a jump would decrease to
-    # half. At least `kept_beyond` coefficients are kept after the cut.
+    # Series from this length on are cut where noise begins.
     long_series: int = 96
-    plateau_ratio: float = 1.5
-    kept_beyond: int = 8
-    # Positions whose round-off is below this fraction of the half width count as exact.
-    exact_places: float = 1e-14
-    # Number of leading coefficients of the jumps that are searched for the largest one.
-    leading_coefficients: int = 8
-    # Largest number of coupled modes of a zone.
+    # Largest number of coupled modes of a zone. For a regular kernel that needs more, or next to
+    # narrow gaps with fixed ends, it is the last of `COUPLED_SIZES`. Zones with moving ends do not
+    # need more, since narrow gaps between them are treated as slits.
     max_modes: int = 768
-    # The same for a regular kernel that needs more, or next to narrow gaps with fixed ends. Zones
-    # with moving ends do not need more, since narrow gaps between them are treated as slits.
-    max_modes_regular: int = 3072
     # Matrices may have more entries than this only by zones with at most `max_modes` modes.
     max_matrix_numbers: float = 4e7
-    # Round-off of a regular kernel's coefficients, relative to its size.
-    kernel_rounding: float = 2e-15
     # First number of modes, divided by the square root of (half width / length of a regular
     # kernel). The density varies on the kernel's length only close to the ends, where Chebyshev
     # nodes are dense. 24 give an error of about 1e-12, and modes are added where they are too few.
@@ -81,7 +70,7 @@ COUPLED_SIZES = np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 1
 
 def most(kernel: Kernel) -> int:
     """Largest number of coupled modes of a zone."""
-    return OPTIONS.max_modes if np.isinf(kernel.length) else OPTIONS.max_modes_regular
+    return OPTIONS.max_modes if np.isinf(kernel.length) else int(COUPLED_SIZES[-1])
 
 
 def enough(kernel: Kernel, tolerance: float) -> float:
@@ -90,9 +79,7 @@ def enough(kernel: Kernel, tolerance: float) -> float:
     If the kernel has a length they decay exponentially, so that a lower level costs little. It is
     useful because the truncation error counts more if the regular part nearly cancels the poles.
     """
-    return max(
-        10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance, OPTIONS.kernel_rounding
-    )
+    return max(10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance, SUM_ROUNDING)
 
 
 @record
@@ -125,7 +112,7 @@ class Growth:
         grew = m > self.m
         kept = np.where(grew, self.tails[1:], self.tails[:2])
         # With fewer modes than the right side has, the further coefficients may be more than noise.
-        noisy = grew & (m > own) & (tails < OPTIONS.noise_plateau) & (tails > 0.5 * kept[0])
+        noisy = grew & (m > own) & (tails < OPTIONS.nearly_decayed) & (tails > 0.5 * kept[0])
         # The factor four is a margin, since the noise differs from one solution to the next.
         return Growth(
             m,
@@ -162,8 +149,7 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
     by = decay_rate(np.minimum(np.minimum(zones.a - left, right - zones.b) / zones.half, 1e300))
     return OWN_SIZES[
         np.searchsorted(
-            OWN_SIZES,
-            np.clip(-np.log(OPTIONS.first_decay) / by, OPTIONS.first_nodes, OPTIONS.max_nodes),
+            OWN_SIZES, np.clip(-np.log(EPS) / by, OPTIONS.first_nodes, OPTIONS.max_nodes)
         )
     ]
 
@@ -174,7 +160,7 @@ def most_own(zones: Zones) -> int:
         OWN_SIZES[
             np.searchsorted(
                 OWN_SIZES,
-                np.clip(OPTIONS.max_nodes_together / len(zones), OPTIONS.max_nodes, OWN_SIZES[-1]),
+                np.clip(SUMS.memory_pairs / len(zones), OPTIONS.max_nodes, OWN_SIZES[-1]),
                 side="right",
             )
             - 1
@@ -188,7 +174,7 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
     With it, rho^m of the nearest end of another zone is below the tolerance.
     """
     by = decay(zones, kernel)
-    most_here = OPTIONS.max_modes if zones.moves.any() else OPTIONS.max_modes_regular
+    most_here = OPTIONS.max_modes if zones.moves.any() else COUPLED_SIZES[-1]
     want = np.minimum(
         np.where(by < ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here
     )
@@ -244,7 +230,7 @@ def sample(
     relative to g itself, because the terms of the jumps may be much larger than their sum.
     """
     own = own.copy()
-    subtracted = np.abs(jumps.t_coefficients(zones, OPTIONS.leading_coefficients)).max(axis=1)
+    subtracted = np.abs(jumps.t_coefficients(zones, OPTIONS.first_nodes)).max(axis=1)
     knots = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     bent = knots > 0
     bent[jumps.kinked] = False
@@ -292,7 +278,7 @@ def sample(
             # not yet show how they decay.
             calm[group] += (
                 slow
-                & (last < OPTIONS.noise_plateau * scale)
+                & (last < OPTIONS.nearly_decayed * scale)
                 & (n >= OPTIONS.nodes_per_piece * knots[group])
             )
             found.append((group, g))
@@ -316,6 +302,8 @@ def sample(
 def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
     """Cut long series whose second half no longer decreases, in place: that half is round-off.
 
+    From the middle to the end the coefficients of a jump decrease to half, and round-off does not.
+    The limit is the geometric mean of both ratios.
     Close to an end the sum of the round-off of n coefficients grows as n^1.5. It is smaller with
     fewer coefficients from the same number of nodes.
     """
@@ -323,10 +311,10 @@ def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
         n = int(own[zone])
         size = np.abs(table[zone, : n + 1])
         last_half = size[n // 2 : n - n // 8].max()
-        noise = OPTIONS.noise_plateau * size.max()
-        if last_half <= OPTIONS.plateau_ratio * tail[zone] <= noise:
+        noise = OPTIONS.nearly_decayed * size.max()
+        if last_half <= np.sqrt(2) * tail[zone] <= noise:
             last = int(np.flatnonzero(size > 2 * tail[zone]).max(initial=0))
-            table[zone, last + max(OPTIONS.kept_beyond, last // 8) + 1 :] = 0.0
+            table[zone, last + max(OPTIONS.first_nodes, last // 8) + 1 :] = 0.0
 
 
 def place_rounding(zones: Zones, group: Index) -> Array:
@@ -356,7 +344,7 @@ def _values(
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
     # The nodes of each zone, one zone after the other.
     of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
-    if float(place_rounding(zones, group).max()) > OPTIONS.exact_places:
+    if float(place_rounding(zones, group).max()) > SUM_ROUNDING:
         # The slope of g is needed. Jumps of g are removed first, since g on either side of a jump
         # has a slope without them.
         levels = jumps.level_part(*of_jumps).reshape(len(group), -1)

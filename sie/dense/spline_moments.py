@@ -18,6 +18,7 @@ import numpy as np
 
 from sie.basis.data import Array, Index, legendre
 from sie.basis.interval import sides
+from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.sums import waves
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
@@ -31,15 +32,9 @@ class MomentOptions:
     # Zones with at least this number of jumps use the integrals. With so many jumps the truncated
     # powers are some ten times the right side.
     min_jumps: int = 32
-    # Gauss-Legendre nodes on each part of an interval between jumps.
-    nodes: int = 16
 
 
 OPTIONS = MomentOptions()
-
-# Largest change of k theta over one part: with `MomentOptions.nodes` nodes the rule is then exact
-# up to round-off.
-_TURN = 2 * np.pi
 
 
 def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
@@ -56,11 +51,11 @@ def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
 def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
     """(angles, weights) of the quadrature between the jumps of a zone.
 
-    It is exact for sin(k theta) up to k = `highest`.
+    For sin(k theta) up to k = `highest` it has no error above round-off.
     """
     cuts = np.concatenate(([0.0], np.sort(jumps.angles(zone)), [np.pi]))
-    parts = np.maximum(np.ceil(np.diff(cuts) * (highest / _TURN)), 1.0).astype(np.intp)
-    return legendre(cuts, OPTIONS.nodes, parts)
+    parts = np.maximum(np.ceil(np.diff(cuts) * (highest / SUMS.max_turn)), 1.0).astype(np.intp)
+    return legendre(cuts, SUMS.gauss_nodes, parts)
 
 
 def coefficients(

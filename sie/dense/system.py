@@ -21,6 +21,7 @@ from sie.basis.data import Array, Index, Mask, numbered, record, root_of_squares
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.lag_table import regular_values
+from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.zones import Zones
 from sie.dense.modes import OPTIONS
 from sie.dense.spline_moments import coefficients as coefficients_between
@@ -31,7 +32,7 @@ from sie.equation.equation import Equation
 from sie.jumps.forcing import ForcingJumps
 from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
-from sie.trees.tree import CACHED, TERMS
+from sie.trees.tree import TERMS
 
 
 @record
@@ -201,7 +202,7 @@ def _add_regular(
         q = regular_size(kernel, w, m)
         count = min(m, q - 1) + 1
         nodes = middle + w * chebyshev.gauss(q)
-        for start in range(0, len(x), rows := max(1, CACHED * TERMS // q)):
+        for start in range(0, len(x), rows := max(1, SUMS.cache_pairs * TERMS // q)):
             some = slice(start, start + rows)
             block = chebyshev.t_means(regular_values(kernel, x[some], nodes, potential), count)
             out[some, first : first + count] += block if potential else w * block

@@ -16,6 +16,7 @@ import numpy as np
 from sie.basis import chebyshev, inputs
 from sie.basis.data import Array, record
 from sie.basis.interval import edge_scale
+from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.zones import Zones
 
 Linear = tuple[Array, Array]
@@ -215,7 +216,7 @@ class Trial(Rows):
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         solved = self.zones.solved
         x = self.zones.middle[solved][:, None] + self.zones.half[solved][:, None] * chebyshev.gauss(
-            chebyshev.OPTIONS.max_matrix_nodes
+            SUMS.max_direct_terms
         )
         values = np.broadcast_to(np.asarray(weight(x.ravel()), dtype=float), (x.size,)).reshape(
             x.shape

@@ -17,10 +17,9 @@ class CoarseOptions:
     # Relative accuracy of the hierarchical inverse. The coarse problem neglects how zones bend each
     # other, which is a larger error.
     tolerance: float = 1e-4
-    # An inverse is reused for moved zones while the ends of the fraction `kept_fraction` of zones
-    # have moved by less than `kept_move` widths, and all others by less than one width.
+    # An inverse is reused for moved zones while ends have moved by less than this number of widths
+    # in the mean, and none by more than one width.
     kept_move: float = 0.1
-    kept_fraction: float = 0.99
 
 
 _OPTIONS = CoarseOptions()
@@ -80,4 +79,4 @@ class CoarseOperator:
             return False
         moved = np.maximum(np.abs(zones.a - self.zones.a), np.abs(zones.b - self.zones.b))
         part = moved / (self.zones.b - self.zones.a)
-        return bool(part.max() <= 1.0 and np.mean(part <= move) >= _OPTIONS.kept_fraction)
+        return bool(part.max() <= 1.0 and np.mean(part) <= move)

@@ -19,20 +19,14 @@ from sie.trees.krylov import gmres
 class IterationOptions:
     """Options of preconditioned GMRES."""
 
-    # Each run of GMRES with rough sums, a correction, reduces the residual by this factor.
+    # Each run of GMRES with rough sums, a correction, reduces the residual by this factor. Rough
+    # sums have an error of 1e-7.
     correction: float = 1e-6
-    max_corrections: int = 6
-    # The corrections end when one leaves more than this fraction of the residual: the remaining
-    # residual is round-off, since the error of rough sums is much smaller.
-    stagnant: float = 1e-3
     # Lower bound of each zone's scale, relative to the largest unknown of all zones.
     min_scale: float = 1e-4
-    # Above this number of zones the tolerance of the norm grows with the root of the number, so
-    # that the tolerance of each single zone stays the same.
-    norm_zones: int = 100
 
 
-_OPTIONS = IterationOptions()
+OPTIONS = IterationOptions()
 
 
 class Iterative:
@@ -106,18 +100,16 @@ class Iterative:
 
         plain = self.preconditioner(right) if near is None else near
         scale = self.scale_of(plain)
-        # The norm adds up the errors of all zones: with the number of zones, the tolerance of the
-        # norm grows for the same error in each.
-        count = len(self.system.zones.solved)
-        norm_of_many = math.sqrt(max(count / _OPTIONS.norm_zones, 1.0))
+        # The norm adds up the errors of all zones. For the same error in each, it grows with the
+        # root of their number.
         wanted = self.tolerance if tolerance is None else tolerance
-        wanted = max(wanted * norm_of_many, 4 * EPS * math.sqrt(count))
+        wanted = max(wanted, 4 * EPS) * math.sqrt(len(self.system.zones.solved))
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
         before = float(norm(left_over))
-        for _ in range(_OPTIONS.max_corrections):
+        while True:
             # Rough sums are accurate enough for a partial reduction.
-            part = max(wanted, _OPTIONS.correction * before)
+            part = max(wanted, OPTIONS.correction * before)
             found = gmres(
                 lambda v: self.preconditioner(rows(v * scale, rough=True)) / scale, left_over, part
             )
@@ -128,9 +120,10 @@ class Iterative:
             left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
             size, before = before, float(norm(left_over))
-            if found.steps == 0 or before <= 4 * wanted or before > _OPTIONS.stagnant * size:
-                break
-        return x
+            # A correction that is far from what GMRES wanted has left round-off.
+            stagnant = not before <= math.sqrt(OPTIONS.correction) * size
+            if found.steps == 0 or before <= 4 * wanted or stagnant:
+                return x
 
     def _largest(self, folded: Array) -> Array:
         """Largest absolute value of the unknowns of every solved zone."""
@@ -160,6 +153,6 @@ class Iterative:
         )
         out = np.ones(self.size)
         out[: int(size.sum())] = np.repeat(
-            np.maximum(largest, _OPTIONS.min_scale * top if top > 0 else 1.0), size
+            np.maximum(largest, OPTIONS.min_scale * top if top > 0 else 1.0), size
         )
         return out

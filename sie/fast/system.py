@@ -17,6 +17,7 @@ import numpy as np
 
 from sie.basis.data import Array, Index, numbered, record, root_of_squares
 from sie.basis.interval import mean_potential
+from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.modes import felt
@@ -35,9 +36,7 @@ class QuadratureOptions:
     # Largest number of rows of conditions that do not belong to single zones. A small dense system
     # solves them.
     max_dense_conditions: int = 64
-    # Gauss-Legendre nodes of each panel in the integral of the right side g over a gap. A panel is
-    # `lengths_per_panel` resolution lengths of g long; for a wave of that length it errs by 1e-19.
-    gauss_nodes: int = 16
+    # Length of a panel in the integral of the right side g over a gap, in resolution lengths of g.
     lengths_per_panel: int = 2
 
 
@@ -50,9 +49,9 @@ def _gauss_legendre() -> tuple[Array, Array, Array]:
 
     The product values @ D is the slope, at the nodes, of the polynomial through the values.
     """
-    t, weights = np.polynomial.legendre.leggauss(_OPTIONS.gauss_nodes)
-    basis = np.polynomial.legendre.legvander(t, _OPTIONS.gauss_nodes - 1)
-    orders = np.eye(_OPTIONS.gauss_nodes)
+    t, weights = np.polynomial.legendre.leggauss(SUMS.gauss_nodes)
+    basis = np.polynomial.legendre.legvander(t, SUMS.gauss_nodes - 1)
+    orders = np.eye(SUMS.gauss_nodes)
     slopes = np.polynomial.legendre.legval(t, np.polynomial.legendre.legder(orders)).T
     return (
         np.asarray(t),

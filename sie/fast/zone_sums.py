@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, record
+from sie.basis.data import DIGITS, Array, record
 from sie.basis.interval import Outside, decay_rate
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
@@ -29,9 +29,6 @@ from sie.trees.far import FarSum, Nested
 from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
 from sie.trees.tree import TERMS, Pairs, Tree
-
-# Powers of rho below exp(-_VANISHED), which is below round-off, are left out of near sums.
-_VANISHED = 40.0
 
 
 @record
@@ -60,7 +57,7 @@ class NearRows:
         )
         gap = np.where(right, past, before_it)
         half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
-        # The decay at the node nearest to the source determines how many powers are needed.
+        # The decay at the node nearest to the source determines how many powers are above round-off.
         e = (
             gap
             + width
@@ -68,7 +65,7 @@ class NearRows:
                 [chebyshev.lobatto(int(n))[1][min(1, n)] for n in range(int(m.max(initial=0)) + 1)]
             )[m]
         ) / half
-        need = np.ceil(_VANISHED / decay_rate(e) / 8).astype(np.intp) * 8
+        need = np.ceil(DIGITS / decay_rate(e) / 8).astype(np.intp) * 8
         terms = np.minimum(layout.m[source] + 1, need)
         per_zone = np.bincount(place, terms, minlength=len(solved)).astype(np.intp)
         before = np.cumsum(terms) - terms

@@ -31,7 +31,6 @@ from typing import Any
 import numpy as np
 
 from sie.basis.data import Array, Index, record
-from sie.basis.interval import LOG2 as _LOG2
 from sie.basis.interval import Complex, InPlane, OnLine, root_weight, theta
 from sie.basis.kernels import Kernel
 from sie.basis.sums import Grouped
@@ -261,7 +260,7 @@ class DensityJumps(ForcingJumps):
         kinks = k[~higher]
         return np.asarray(
             out
-            + self.of_kinks(kinks, _LOG2 - seen.log[:, None], seen.rho[:, None])
+            + self.of_kinks(kinks, np.log(2) - seen.log[:, None], seen.rho[:, None])
             @ (self.height[kinks] / np.pi)
         )
 
@@ -310,7 +309,7 @@ class DensityJumps(ForcingJumps):
             rest = (
                 0.5 * (0.5 * (z * root + g) - 2 * s * root + s * s * g)
                 + s * z
-                - (0.25 + 0.5 * s * s) * _LOG2
+                - (0.25 + 0.5 * s * s) * np.log(2)
                 - 0.5 * s * s
             )
         else:
@@ -327,7 +326,7 @@ class DensityJumps(ForcingJumps):
                 turned / 3
                 + s * z * (0.5 * z - 2 * s)
                 + 0.25 * z * double
-                + (0.5 * s + s**3 / 3) * _LOG2
+                + (0.5 * s + s**3 / 3) * np.log(2)
                 - constant
             )
         return main + rest

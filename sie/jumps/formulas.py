@@ -7,15 +7,14 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import comb
 
 from sie.basis.data import DIGITS, Array, Index, Mask, record
-from sie.basis.interval import LOG2, Outside, theta
+from sie.basis.interval import Outside, theta
 from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.sums import PerZone
 
 HIGHEST = 2
-# Binomial coefficient "q choose p" at [q, p]; zero for p > q.
-_BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
 
 
 @dataclass(frozen=True)
@@ -190,13 +189,13 @@ class PlacedJumps(PerZone):
         away, z, turn, grown, root = parts
         s, sine = self.s[k], self.sine[k]
         if q == 0:
-            rest = grown - LOG2 - 1
+            rest = grown - np.log(2) - 1
         elif q == 1:
-            rest = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * LOG2)
+            rest = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * np.log(2))
         else:
             square = sine * sine
             rest = (grown * (0.5 + s * s) + root * (0.5 * z - 2 * s)) / 3 - z * (0.5 * z - 1.5 * s)
-            rest = rest + (square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2))
+            rest = rest + (square / 9 - s * s / 2 - 1 / 12 - np.log(2) * (square / 6 + s * s / 2))
         return raised(away, q + 1) * turn / (q + 1) + sine * rest
 
     # Series of jumps k.
@@ -223,7 +222,7 @@ class PlacedJumps(PerZone):
             sines = self.sine_weights(some, j) * (2 / (np.pi * j))
             q, s = self.order[some], self.s[some]
             for power in range(int(q.max()) + 1):
-                weight = self.height[some] * _BINOMIAL[q, power] * (-s) ** np.maximum(q - power, 0)
+                weight = self.height[some] * comb(q, power) * (-s) ** np.maximum(q - power, 0)
                 powers[power, into[first]] += np.add.reduceat(
                     weight[:, None] * sines, first, axis=0
                 )

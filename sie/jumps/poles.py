@@ -35,13 +35,13 @@ from numpy.typing import ArrayLike
 from scipy.special import cosdg, sindg
 
 from sie.basis.data import DIGITS, Array, Complex, Index, record
-from sie.basis.interval import LOG2, InPlane, OnLine, What, root_weight, theta
+from sie.basis.interval import InPlane, OnLine, What, root_weight, theta
 from sie.basis.sums import PerZone
 from sie.basis.zones import Zones
 from sie.jumps.formulas import OPTIONS as JUMPS
 
 # Step of the trapezoidal rule in log(eta), with an error of exp(-pi^2/step) = exp(-DIGITS).
-_STEP = np.pi**2 / DIGITS
+_STEP = np.pi * np.pi / DIGITS
 
 
 @dataclass(frozen=True, eq=False)
@@ -279,7 +279,9 @@ class Poles(PerZone):
         def part(at: Index, k: Index) -> Array:
             rho = self.rho[k]
             log = np.log(-2.0 * rho * self._past(at, k, left, right))
-            return np.real(0.5 * self.q[k] * (0.5 * (rho - 1.0 / rho) * log - t[at] - LOG2 * rho))
+            return np.real(
+                0.5 * self.q[k] * (0.5 * (rho - 1.0 / rho) * log - t[at] - np.log(2) * rho)
+            )
 
         return self.summed(zone, part)
 
@@ -349,7 +351,9 @@ class Poles(PerZone):
         at, rho = seen.rho[:, None], np.concatenate((self.rho[k], np.conj(self.rho[k])))
         weight = 0.5 * np.concatenate((self.q[k], np.conj(self.q[k])))
         if what == "potential":
-            return np.asarray((0.5 * self._potential(rho, at, LOG2 - seen.log[:, None])) @ weight)
+            return np.asarray(
+                (0.5 * self._potential(rho, at, np.log(2) - seen.log[:, None])) @ weight
+            )
         both = rho * at
         if what == "transform":
             return np.asarray((both / (1.0 - both)) @ weight)

@@ -29,7 +29,6 @@ the number of knots.
 Positions are distances from the zone's left end, in half widths.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -37,9 +36,20 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import EPS, SUM_ROUNDING, Array, Index, Kept, Mask, legendre, record
+from sie.basis.data import (
+    EPS,
+    HALF_DIGITS,
+    SUM_ROUNDING,
+    Array,
+    Index,
+    Kept,
+    Mask,
+    legendre,
+    record,
+)
 from sie.basis.interval import Complex, InPlane, Outside, What, of_t, sides, theta
 from sie.basis.kernels import cauchy
+from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.sums import pair_blocks, waves
 from sie.trees.piecewise import PiecewiseTransform, clenshaw
 from sie.trees.tree import SEPARATION, TERMS
@@ -55,27 +65,11 @@ class SplineOptions:
     # The same number for jumps of the density. It is smaller because other zones are affected by
     # the round-off of n jumps, which is n^2 units of the last digit.
     min_density_jumps: int = 128
-    # Gauss nodes on a piece of the spline, or on a part of a piece.
-    gauss_nodes: int = 16
-    # Pieces nearer than this many of their lengths are integrated in closed form, others by Gauss's
-    # rule, whose error is (4 * 2.5)^-32.
-    near_lengths: float = 2.5
     # Chebyshev coefficients per knot in the series for the potential of a spline of the density.
     coefficients_per_knot: int = 8
 
-    @property
-    def max_turn(self) -> float:
-        """Largest change of l theta over one part or panel, for integrals of cos(l theta).
-
-        At two nodes per radian, Gauss's rule has no error above round-off.
-        """
-        return self.gauss_nodes / 2
-
 
 OPTIONS = SplineOptions()
-# Half of all digits. Knots nearer to an end of the zone are ignored, since they change g by the
-# square of this only. Jumps of f within this fraction of the declared ones count as equal.
-_HALF_DIGITS = math.sqrt(EPS)
 
 
 def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
@@ -85,8 +79,7 @@ def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
     """
     rounding = SUM_ROUNDING * size / np.minimum(length[1:], length[:-1]) ** 2
     return not np.any(
-        np.abs(found - wanted)
-        > np.maximum(_HALF_DIGITS * np.abs(wanted).max(initial=0.0), rounding)
+        np.abs(found - wanted) > np.maximum(HALF_DIGITS * np.abs(wanted).max(initial=0.0), rounding)
     )
 
 
@@ -162,7 +155,7 @@ class QuadraticSpline(Kept):
         Jumps are half of those of the second derivative. The result is None if f has other jumps
         than the given ones.
         """
-        within = np.flatnonzero(np.minimum(knots, 2 - knots) > _HALF_DIGITS)
+        within = np.flatnonzero(np.minimum(knots, 2 - knots) > HALF_DIGITS)
         knots = knots[within]
         u, v = knots[1:-2], knots[2:-1]
         values = np.asarray(f(knots))
@@ -241,11 +234,9 @@ class QuadraticSpline(Kept):
         They are (2/pi) int f T_l dt, and half of it for l = 0.
         """
         angle = np.arccos(np.clip(self.knots - 1, -1.0, 1.0))
-        parts = np.maximum(np.ceil(-np.diff(angle) * (count / OPTIONS.max_turn)), 1.0).astype(
-            np.intp
-        )
+        parts = np.maximum(np.ceil(-np.diff(angle) * (count / SUMS.max_turn)), 1.0).astype(np.intp)
         # Knots ascend, so the angles descend and the weights are negative.
-        theta, weights = legendre(angle, OPTIONS.gauss_nodes, parts)
+        theta, weights = legendre(angle, SUMS.gauss_nodes, parts)
         out = waves(
             (-2 / np.pi) * weights * np.sin(theta) * self(sides(theta)[0]), theta, count
         ).real
@@ -305,17 +296,20 @@ class QuadraticSpline(Kept):
         """
         knots, p = self.knots, self.pieces
         h = np.diff(knots)
-        places, weights = legendre(knots, OPTIONS.gauss_nodes)
+        places, weights = legendre(knots, SUMS.gauss_nodes)
         weighted = self(places) * weights
+        # At this distance, in lengths of a piece, the error (4 distance)^(-2 nodes) of Gauss's rule is
+        # the square of a round-off.
+        near = 0.25 * EPS ** (-1 / SUMS.gauss_nodes)
         power = 1 if what == "transform" else 2
         sign = 1.0 if what == "transform" else -1.0
         out = np.empty(seen.left.shape, dtype=complex)
         for here in pair_blocks(len(out), len(places)):
             at = seen.left[here]
             # A piece is close to a point if its middle is within a few of its lengths.
-            close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < OPTIONS.near_lengths * h
+            close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < near * h
             terms = sign * weighted / (at[:, None] - places) ** power
-            value = np.where(np.repeat(close, OPTIONS.gauss_nodes, axis=1), 0.0, terms).sum(axis=1)
+            value = np.where(np.repeat(close, SUMS.gauss_nodes, axis=1), 0.0, terms).sum(axis=1)
             i, j = np.nonzero(close)
             one, two, three, size = *p[j].T, h[j]
             past, before = at[i] - knots[j], at[i] - knots[j + 1]
@@ -362,7 +356,7 @@ class ConjugateSpline(Kept):
         result is None if g has other jumps than the given ones.
         """
         left = np.zeros_like(jumps)
-        inner = np.minimum(knots, 2 - knots) > _HALF_DIGITS
+        inner = np.minimum(knots, 2 - knots) > HALF_DIGITS
         knots, jumps = knots[inner], jumps[inner]
         piece = int(np.searchsorted(knots, 1.0))
         cut = 0.5 * float(np.append(0.0, knots)[piece] + np.append(knots, 2.0)[piece])
@@ -423,7 +417,7 @@ class ConjugateSpline(Kept):
         F is any function that is smooth between the cuts.
         """
         ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
-        phi, weights = legendre(theta(ends, 2 - ends), OPTIONS.gauss_nodes)
+        phi, weights = legendre(theta(ends, 2 - ends), SUMS.gauss_nodes)
         # Knots ascend, so the angles descend and the weights are negative.
         values = -weights * self.spline(sides(phi)[0])
         panel = np.clip(np.searchsorted(cuts, phi, side="right") - 1, 0, len(cuts) - 2)
@@ -455,7 +449,7 @@ class ConjugateSpline(Kept):
         """First `count` coefficients of the density as a sum of T_l / sqrt(1 - t^2)."""
         known = self.known.get("c", np.zeros(0))
         if len(known) < count:
-            panels = int(np.ceil(np.pi * (count + 1) / OPTIONS.max_turn)) + 1
+            panels = int(np.ceil(np.pi * (count + 1) / SUMS.max_turn)) + 1
             phi, weight = self._moments(np.linspace(0.0, np.pi, panels + 1))
             known = 0.5 * waves((2 / np.pi) * weight, phi, count + 2).real[1:]
             known[2:] -= known[:-2].copy()

@@ -22,11 +22,6 @@ from sie.fast.iteration import Iterative
 from sie.jumps.forcing import ForcingJumps
 from sie.states.sizes import Sizes
 
-# The equation is unresolved if the last coupled coefficients are above this fraction of the
-# largest. Then a zone lies too close to a singularity, or a user's function varies too much.
-UNRESOLVED = 1e-6
-
-
 # Solver of the assembled rows for further right sides: LU factors, or an iteration.
 Solver = Factored | Iterative
 
@@ -84,10 +79,12 @@ class Answered(Kept):
 
     @property
     def unresolved(self) -> bool:
-        """Whether the largest number of modes does not resolve the equation on the zones."""
-        return self.whole.field_tail > UNRESOLVED and int(
-            self.whole.system.layout.m.max()
-        ) >= modes.most(self.equation.kernel)
+        """Whether the largest number of modes does not resolve the equation on the zones.
+
+        Then a zone lies too close to a singularity, or a user's function varies too much.
+        """
+        most_modes = int(self.whole.system.layout.m.max()) >= modes.most(self.equation.kernel)
+        return most_modes and self.whole.field_tail > modes.OPTIONS.nearly_decayed
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,10 +196,9 @@ def coefficient_sizes(density: Density, start: int = 0) -> Array:
     sizes = row_sizes(density.coefficients[:, start:])
     if len(density.jumps) == 0:
         return sizes
-    leading = density.first(modes.OPTIONS.leading_coefficients)[:, start:]
-    return np.maximum(
-        row_sizes(leading), row_sizes(density.coefficients[:, modes.OPTIONS.leading_coefficients :])
-    )
+    count = modes.OPTIONS.first_nodes
+    leading = density.first(count)[:, start:]
+    return np.maximum(row_sizes(leading), row_sizes(density.coefficients[:, count:]))
 
 
 def density_of(system: System, y: Array) -> Density:

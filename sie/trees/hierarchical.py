@@ -21,8 +21,8 @@ Entries = Callable[[Index, Index], Array]
 class InverseOptions:
     """Options of the hierarchical inverse."""
 
-    leaf_size: int = 128
-    max_rank: int = 40
+    # Number of rows of a block that is inverted directly. Blocks have at most this rank, too.
+    leaf_size: int = 64
 
 
 _OPTIONS = InverseOptions()
@@ -68,12 +68,12 @@ class Inverse:
 
 def cross(entries: Entries, rows: Index, columns: Index, tolerance: float) -> tuple[Array, Array]:
     """(U, V), where U V' approximates the block, by adaptive cross approximation."""
-    u, v = np.zeros((len(rows), _OPTIONS.max_rank)), np.zeros((len(columns), _OPTIONS.max_rank))
+    u, v = np.zeros((len(rows), _OPTIONS.leaf_size)), np.zeros((len(columns), _OPTIONS.leaf_size))
     unused = np.ones(len(rows), dtype=bool)
     # The first pivot row is next to the other half, where the entries vary most.
     pivot = len(rows) - 1 if rows[0] < columns[0] else 0
     size = 0.0
-    for k in range(min(_OPTIONS.max_rank, len(rows), len(columns))):
+    for k in range(min(_OPTIONS.leaf_size, len(rows), len(columns))):
         unused[pivot] = False
         row = entries(rows[pivot], columns) - v[:, :k] @ u[pivot, :k]
         j = int(np.argmax(np.abs(row)))

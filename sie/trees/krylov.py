@@ -10,10 +10,6 @@ from scipy.linalg import norm, solve_triangular
 
 from sie.basis.data import Array, record
 
-# A vector is orthogonalised twice if the first time reduces its norm below this fraction (L.
-# Giraud, J. Langou and M. Rozloznik, Comput. Math. Appl. 50, 2005, 1069-1075).
-_LITTLE = 0.1
-
 
 @record
 class Iterated:
@@ -51,8 +47,9 @@ def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int
         h = basis[: k + 1] @ w
         w -= h @ basis[: k + 1]
         below = float(norm(w))
-        if below < _LITTLE * size:
-            # After so much cancellation the round-off is not orthogonal to the basis.
+        if 2 * below * below < size * size:
+            # After so much cancellation the round-off is not orthogonal to the basis (L. Giraud,
+            # J. Langou and M. Rozloznik, Comput. Math. Appl. 50, 2005, 1069-1075).
             again = basis[: k + 1] @ w
             w -= again @ basis[: k + 1]
             h += again

@@ -24,11 +24,12 @@ import numpy as np
 from scipy import fft
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Complex, Index, Kept, by_rows, record
+from sie.basis.data import HALF_DIGITS, SUM_ROUNDING, Array, Complex, Index, Kept, by_rows, record
 from sie.basis.kernels import Kernel
+from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.zones import Zones
 from sie.trees.skeleton import SKELETON, Skeleton, skeleton_of
-from sie.trees.tree import CACHED, TERMS
+from sie.trees.tree import TERMS
 
 Function = Callable[[Array, Array], Array]
 
@@ -37,25 +38,14 @@ Function = Callable[[Array, Array], Array]
 class PanelOptions:
     """Options of the panels of a smooth kernel."""
 
-    # Largest number of panels on the zones, or on half a period. A kernel that varies faster is
-    # summed directly.
-    max_panels: int = 512
-    # For very many zones there may be this number of panels for each.
+    # Largest number of panels for each zone. A kernel that varies faster is summed directly, unless
+    # the table of all its matrices is small.
     panels_per_zone: int = 8
     # From this number of zones on, a kernel that does not depend on x - xi alone has a skeleton.
     min_zones_of_skeleton: int = 32
-    # Last coefficients below `SKELETON.max_error` are the kernel's own round-off if halving the
-    # panels does not reduce them to this fraction.
-    noise_fall: float = 0.3
-    # Round-off of a position, relative to a panel.
-    place_rounding: float = 1e-9
 
 
 OPTIONS = PanelOptions()
-
-# If a series decays by the factor SKELETON.decayed in TERMS terms, the kernel has no singularity
-# closer to the line than this number of panel widths.
-_REACH = 0.5 * math.sinh(-math.log(SKELETON.decayed) / TERMS)
 
 
 def panels_over(kernel: Kernel, zones: Zones) -> Panels | Skeleton | None:
@@ -69,17 +59,16 @@ def panels_over(kernel: Kernel, zones: Zones) -> Panels | Skeleton | None:
     if not kernel.of_lag:
         return skeleton_of(kernel, zones)
     return panels_of(
-        kernel,
-        float(zones.a[0]),
-        float(zones.b[-1]),
-        max(OPTIONS.max_panels, OPTIONS.panels_per_zone * len(zones)),
+        kernel, float(zones.a[0]), float(zones.b[-1]), OPTIONS.panels_per_zone * len(zones)
     )
 
 
-def panels_of(
-    kernel: Kernel, lo: float, hi: float, most: int = OPTIONS.max_panels
-) -> Panels | None:
-    """At most `most` panels of the regular part over [lo, hi]; None if these are too few."""
+def panels_of(kernel: Kernel, lo: float, hi: float, most: int = 0) -> Panels | None:
+    """At most `most` panels of the regular part over [lo, hi]; None if these are too few.
+
+    More panels are allowed if the table of their matrices has at most `memory_pairs` numbers.
+    """
+    most = max(most, SUMS.memory_pairs // TERMS**2)
     if kernel.regular is None or kernel.sure or not hi > lo:
         return None
     # Without a period the panels end where the zones end, since the kernel need not be defined
@@ -107,9 +96,8 @@ def panels_of(
             kernel.kept_panels[key] = Panels(kernel, step, origin, first, count, farthest)
         found: Panels = kernel.kept_panels[key]
         tail = found.tail
-        if tail <= SKELETON.decayed or (
-            tail <= SKELETON.max_error and tail > OPTIONS.noise_fall * before
-        ):
+        # Small last coefficients that shorter panels do not halve are the kernel's own round-off.
+        if tail <= SUM_ROUNDING or (tail <= SKELETON.max_error and tail > 0.5 * before):
             return found
         step, before = 0.5 * step, tail
 
@@ -134,8 +122,11 @@ class Panels(Kept):
 
         It holds both for the field on a zone and for the effect of the density of a zone.
         """
-        fall = np.arcsinh(_REACH * self.step / half)
-        return np.asarray(np.ceil(-math.log(SKELETON.decayed) / fall), dtype=np.intp) + 2
+        # The series on a panel decay to round-off in TERMS terms. So the kernel has no singularity
+        # closer to the line than this distance.
+        reach = 0.5 * self.step * math.sinh(-math.log(SUM_ROUNDING) / TERMS)
+        fall = np.arcsinh(reach / half)
+        return np.asarray(np.ceil(-math.log(SUM_ROUNDING) / fall), dtype=np.intp) + 2
 
     @cached_property
     def tail(self) -> float:
@@ -160,8 +151,8 @@ class Panels(Kept):
         nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
         out = np.empty((high - low, TERMS, TERMS))
         with np.errstate(all="ignore"):  # values may overflow while panels are too long
-            for start in range(low, high, CACHED // TERMS):
-                lags = np.arange(start, min(start + CACHED // TERMS, high))
+            for start in range(low, high, SUMS.cache_pairs // TERMS):
+                lags = np.arange(start, min(start + SUMS.cache_pairs // TERMS, high))
                 # One of the two panels is the first one, so that both lie where the kernel is
                 # defined.
                 target, source = np.maximum(lags, 0)[:, None], np.maximum(-lags, 0)[:, None]
@@ -289,7 +280,7 @@ class Panels(Kept):
             by_rows(
                 lambda some: function(some[:, None], nodes) @ weights,
                 x,
-                max_rows=max(1, CACHED * TERMS // len(nodes)),
+                max_rows=max(1, SUMS.cache_pairs * TERMS // len(nodes)),
             )
         )
 
@@ -321,9 +312,7 @@ class Spread(Kept):
         panel = np.floor(place)
         # The last panel includes its right end.
         last = panels.first + panels.count - 1
-        panel = np.where(
-            (panel == last + 1) & (place - panel < OPTIONS.place_rounding), last, panel
-        )
+        panel = np.where((panel == last + 1) & (place - panel < HALF_DIGITS), last, panel)
         theta = np.arccos(np.clip(2 * (place - panel) - 1, -1.0, 1.0))
         table = np.cos(theta[:, None] * np.arange(TERMS))
         order = np.argsort(panel, kind="stable")

@@ -22,12 +22,9 @@ from sie.basis import chebyshev
 from sie.basis.data import Array, Index, by_rows
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
+from sie.basis.sums import OPTIONS as SUMS
 from sie.trees.far import FarSum, Nested
-from sie.trees.tree import CACHED, SEPARATION, TERMS, Tree
-
-# Jumps closer to a cell than this fraction of its length are evaluated in closed form. Series of
-# TERMS terms resolve the effect of all others.
-_MARGIN = 0.5 * SEPARATION
+from sie.trees.tree import SEPARATION, TERMS, Tree
 
 
 @dataclass(frozen=True)
@@ -42,10 +39,6 @@ class CellOptions:
 
 
 _OPTIONS = CellOptions()
-
-# Beyond this distance from the middle of a piece, in half widths, its closed form cancels. Its
-# moments are used instead.
-_CLOSE = 1 + SEPARATION
 
 
 class PiecewiseTransform:
@@ -105,7 +98,9 @@ class PiecewiseTransform:
         self._kinks = kinks[order] / np.pi if len(kinks) else None
         self.ends = _cells(ends, self._at)
         self.half = 0.5 * np.diff(self.ends)
-        reach = 2 * _MARGIN * self.half
+        # Jumps within `SEPARATION` half lengths of a cell are evaluated in closed form. Series of
+        # TERMS terms resolve the effect of all others.
+        reach = SEPARATION * self.half
         self._first = np.searchsorted(self._at, self.ends[:-1] - reach)
         self._count = np.searchsorted(self._at, self.ends[1:] + reach, side="right") - self._first
         self._series = np.ascontiguousarray(self._made(ends, pieces).T)
@@ -136,15 +131,15 @@ class PiecewiseTransform:
         series = far(moments)[0]
         near, (left, right) = far.near, chebyshev.gauss_sides(TERMS)
         values = np.zeros((len(w), TERMS))
-        for s in range(0, len(near), CACHED):
-            here = slice(s, s + CACHED)
+        for s in range(0, len(near), SUMS.cache_pairs):
+            here = slice(s, s + SUMS.cache_pairs)
             found = self._from(
                 near.target[here], near.source[here], near.shift[here], local, moments
             )
             np.add.at(values, near.target[here], found)
         cells = np.arange(len(w))
-        for s in range(0, len(w), CACHED):
-            some = cells[s : s + CACHED, None]
+        for s in range(0, len(w), SUMS.cache_pairs):
+            some = cells[s : s + SUMS.cache_pairs, None]
             values[some[:, 0]] -= self._near(some, w[some] * left, w[some] * right)
         return np.asarray(series + values @ chebyshev.to_series(TERMS))
 
@@ -172,7 +167,8 @@ class PiecewiseTransform:
         log = np.where(own[:, None], 1.0, sign) * np.log(ratio)
         p = local[source].T[:, :, None]
         out = ((p[0] + z * (p[1] + z * p[2])) * log - 2 * (p[1] + p[2] * z)) / np.pi
-        distant = np.flatnonzero(outside.min(axis=1) > _CLOSE - 1)
+        # Far from a piece its closed form cancels, and its moments are used instead.
+        distant = np.flatnonzero(outside.min(axis=1) > SEPARATION)
         if len(distant):
             e, m = outside[distant], moments[source[distant]]
             seen = Outside(sign[distant], e)
@@ -211,7 +207,7 @@ class PiecewiseTransform:
     def __call__(self, x: ArrayLike) -> Array:
         """The transform at points from the first end to the last."""
         x = np.asarray(x, dtype=float)
-        return np.reshape(by_rows(self._at_points, x.ravel(), max_rows=CACHED), x.shape)
+        return np.reshape(by_rows(self._at_points, x.ravel(), max_rows=SUMS.cache_pairs), x.shape)
 
     def _at_points(self, x: Array) -> Array:
         cell = np.clip(np.searchsorted(self.ends, x, side="right") - 1, 0, len(self) - 1)
@@ -225,8 +221,8 @@ class PiecewiseTransform:
 def clenshaw(table: Array, cell: Index, t: Array) -> Array:
     """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence, in blocks that stay in the cache."""
     out = np.empty(len(t))
-    for start in range(0, len(t), CACHED):
-        here = slice(start, start + CACHED)
+    for start in range(0, len(t), SUMS.cache_pairs):
+        here = slice(start, start + SUMS.cache_pairs)
         of, x = cell[here], t[here]
         twice, one, two, new = 2 * x, np.zeros(len(x)), np.zeros(len(x)), np.empty(len(x))
         for row in table[:0:-1]:
@@ -243,8 +239,9 @@ def _cells(ends: Array, at: Array) -> Array:
     between = np.append(np.diff(at), np.inf)
     while True:
         length = np.diff(ends)
-        first = np.searchsorted(at, ends[:-1] - _MARGIN * length)
-        near = np.searchsorted(at, ends[1:] + _MARGIN * length, side="right") - first
+        reach = 0.5 * SEPARATION * length
+        first = np.searchsorted(at, ends[:-1] - reach)
+        near = np.searchsorted(at, ends[1:] + reach, side="right") - first
         dense = near > _OPTIONS.max_jumps
         for k in range(_OPTIONS.max_jumps - 1):
             of = np.flatnonzero((near > k + 1) & ~dense)

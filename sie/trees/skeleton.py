@@ -20,7 +20,7 @@ import numpy as np
 from scipy import linalg
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Kept, record
+from sie.basis.data import SUM_ROUNDING, Array, Index, Kept, record
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
@@ -29,15 +29,11 @@ from sie.basis.zones import Zones
 class SkeletonOptions:
     """Options of the skeleton of a smooth kernel."""
 
-    # A pivot of the QR decomposition below this, relative to the largest, is round-off.
-    decayed: float = 1e-15
     # Largest accepted error at other positions, relative to the largest value of the kernel.
     max_error: float = 1e-12
     # Numbers of nodes on each zone that are tried in turn to find the number of modes of the kernel
     # there, and numbers of positions that are tried for the skeleton.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
-    # Coefficients of the kernel below this, relative to the largest value, are noise.
-    rounding: float = 1e-14
     # Number of positions of the skeleton at which these coefficients are computed.
     sampled_places: int = 8
     # Number of skeletons stored with a kernel.
@@ -91,7 +87,7 @@ class Skeleton(Kept):
             )
             values = np.array([regular(x, some[:, None, None]), regular(some[:, None, None], x)])
             size = np.abs(chebyshev.t_means(values)).max(axis=(0, 1))
-            seen = (size > SKELETON.rounding * largest) * np.arange(q)
+            seen = (size > SUM_ROUNDING * largest) * np.arange(q)
             last = seen.max(axis=1)
             known = last < q - q // 6
             out[pending[known]] = last[known] + 2
@@ -177,7 +173,7 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
         table = np.concatenate([one / size for one, size in zip(tables, scale, strict=True)])
         triangle, order = linalg.qr(table, mode="r", pivoting=True, check_finite=False)
         size = np.abs(np.diagonal(triangle))
-        rank = max(int(np.count_nonzero(size > SKELETON.decayed * size[0])), 1)
+        rank = max(int(np.count_nonzero(size > SUM_ROUNDING * size[0])), 1)
         if rank > len(xi) // 2:
             continue
         chosen = table[:, order[:rank]]

@@ -16,13 +16,6 @@ from sie.basis.data import Array, Index, record
 
 TERMS = 24
 SEPARATION = 1.45
-# Numbers processed together, so that they stay in the cache. Insensitive: around this value the
-# time on one core does not change.
-CACHED = 1 << 14
-# The cut of a node is moved from the middle of its hull by at most its number of intervals divided
-# by `_ASIDE`, and by at most `_FARTHEST` intervals.
-_ASIDE = 8
-_FARTHEST = 24
 
 
 @record
@@ -101,19 +94,16 @@ class Tree:
 def _between_wide(cut: Index, first: Index, last: Index, narrower: Array) -> Index:
     """Cuts of nodes, moved to positions where the intervals on both sides are wide.
 
+    A cut is moved by at most the square root of the number of intervals in the node.
     The potential difference of two intervals separated by a cut has a round-off that is relative to
     the whole node. Narrow intervals would be affected most.
     """
-    reach = np.minimum((last - first + 1) // _ASIDE, _FARTHEST)
-    out = cut.copy()
-    some = np.flatnonzero(reach > 0)
-    if len(some) == 0:
-        return out
-    at = cut[some, None] + np.arange(-_FARTHEST, _FARTHEST + 1)
-    near = np.abs(at - cut[some, None]) <= reach[some, None]
-    width = np.where(near, narrower[np.clip(at - 1, 0, len(narrower) - 1)], -1.0)
-    out[some] = at[np.arange(len(some)), np.argmax(width, axis=1)]
-    return np.clip(out, first + 1, last)
+    reach = np.sqrt(last - first).astype(np.intp)
+    at = cut[:, None] + np.arange(-reach.max(), reach.max() + 1)
+    within = (np.abs(at - cut[:, None]) <= reach[:, None]) & (at > first[:, None])
+    within &= at <= last[:, None]
+    width = np.where(within, narrower[np.clip(at - 1, 0, len(narrower) - 1)], -1.0)
+    return at[np.arange(len(cut)), np.argmax(width, axis=1)]
 
 
 @record

@@ -16,7 +16,7 @@ from sie.ends.steps import damped
 from sie.fast.system import IterativeSystem
 from sie.fast.zone_sums import Nested, ZoneSums
 from sie.jumps.forcing import ForcingJumps
-from sie.trees.far import ROUGH, FarSum
+from sie.trees.far import FarSum
 from sie.trees.hierarchical import Inverse, cross
 from sie.trees.krylov import gmres
 from sie.trees.tree import SEPARATION, TERMS, Tree, interactions
@@ -304,9 +304,9 @@ def test_rough_sums_move_series_as_the_others_do():
     rng = np.random.default_rng(4)
     zones = scattered(70, rng)
     kept, made = (Nested(Tree.over(zones.a, zones.b), kept=kept) for kept in (True, False))
-    moments = rng.normal(size=(70, ROUGH))
+    moments = rng.normal(size=(70, TERMS // 2))
     assert np.allclose(kept.upward(moments), made.upward(moments), rtol=0, atol=1e-12)
-    series, middle = rng.normal(size=(ROUGH, len(kept.tree))), rng.normal(size=len(kept.tree))
+    series, middle = rng.normal(size=(TERMS // 2, len(kept.tree))), rng.normal(size=len(kept.tree))
     for one, other in zip(
         *(nested.downward(series.copy(), middle.copy())[:2] for nested in (kept, made)), strict=True
     ):

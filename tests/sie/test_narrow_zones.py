@@ -119,7 +119,7 @@ class TestPlacesBeyondTheLastDigit:
         assert error < 1e-14
 
     def test_without_it_the_rounding_of_places_is_seen(self, monkeypatch):
-        monkeypatch.setattr(modes, "OPTIONS", modes.ModeOptions(exact_places=np.inf))
+        monkeypatch.setattr(modes, "SUM_ROUNDING", np.inf)
         error = np.abs(self.found(sie.Forcing(self.value)) - self.exact(16)).max()
         assert error > 1e-10
 
