@@ -11,6 +11,7 @@ from sie.basis.data import EPS, SUM_ROUNDING, record
 from sie.dense import modes
 from sie.ends.newton import Free
 from sie.slits.system import AnyState, SlitState
+from sie.states.options import OPTIONS as ERRORS
 from sie.states.state import LOOKS, THETA, State
 
 
@@ -18,16 +19,10 @@ from sie.states.state import LOOKS, THETA, State
 class ReasonOptions:
     """Limits above which a measured cause is named as the reason."""
 
-    # A cause is named if it is at least this fraction of the tolerance: it is measured for one
-    # mode, and the number of modes multiplies it. An iteration is named if its error is at least
-    # this fraction of the other errors. A cause above this value excludes the side conditions as
-    # reason.
-    min_part: float = 0.01
-    # A residual smaller than this many round-offs of its terms is explained by round-off.
-    rounding_units: float = 1e3
-    # If the effect of the residual on the density is more than this many times the residual, the
-    # side conditions nearly depend on each other.
-    max_magnification: float = 1e4
+    # A residual smaller than this many round-offs of its terms is explained by round-off. If the
+    # effect of the residual on the density is more than this many times the residual, the side
+    # conditions nearly depend on each other.
+    max_ratio: float = 1e4
 
 
 OPTIONS = ReasonOptions()
@@ -52,7 +47,7 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
             )
     iteration, conditions, resolution = _parts(state)
     # The residual contains the error of an iteration once for each mode.
-    if iteration > max(0.1 * tol, OPTIONS.min_part * resolution):
+    if iteration > max(0.1 * tol, ERRORS.negligible * resolution):
         return (
             "the iteration by which so many zones are solved does not come to rest: "
             f"{iteration:.1e} of the density is open, as where "
@@ -61,9 +56,7 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
     worst = _Worst.of(state)
     largest = max(_causes(worst).values())
     rows = max(largest, EPS * worst.terms / max(state.size, 1e-300))
-    if largest < OPTIONS.min_part and conditions > max(
-        resolution, OPTIONS.max_magnification * rows
-    ):
+    if largest < ERRORS.negligible and conditions > max(resolution, OPTIONS.max_ratio * rows):
         return (
             f"what is left open in the rows changes the density by {conditions:.1e}, "
             f"{conditions / rows:.0e} times as much: "
@@ -166,7 +159,7 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
     state, m, causes = worst.state, int(worst.state.system.layout.m[worst.zone]), _causes(worst)
     neighbour, rounded, noisy = causes["neighbour"], causes["places"], _is_noisy(worst)
     cause = max(causes, key=lambda name: causes[name])
-    if causes[cause] < max(OPTIONS.min_part * tol, SUM_ROUNDING):
+    if causes[cause] < max(ERRORS.negligible * tol, SUM_ROUNDING):
         cause = "none"
     if cause == "neighbour":
         return (
@@ -192,7 +185,7 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
     if cause == "right side":
         return _of_right_side(worst)
     rounding = EPS * worst.terms
-    if worst.residual <= OPTIONS.rounding_units * rounding:
+    if worst.residual <= OPTIONS.max_ratio * rounding:
         return (
             f"that is what rounding leaves: terms of the size {worst.terms:.1e} add up to a "
             f"density of the size {state.size:.1e}"

@@ -20,7 +20,7 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import EPS, SUM_ROUNDING, Array, Index, record, root_of_squares, wrapped
-from sie.basis.interval import decay_rate
+from sie.basis.interval import decay_rate, excess_of
 from sie.basis.kernels import Kernel
 from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.zones import Zones
@@ -195,6 +195,15 @@ def decay(zones: Zones, kernel: Kernel) -> Array:
     """
     left, right = gaps(zones, kernel)
     return decay_rate(np.minimum(np.minimum(left, right) / zones.half, 1e300))
+
+
+def least_distance() -> float:
+    """Distance of a singularity from a zone, over its width, down to which nodes resolve it.
+
+    With the largest number of nodes, the coefficients of the zone then nearly decay.
+    """
+    rate = -math.log(OPTIONS.nearly_decayed) / OPTIONS.max_nodes
+    return 0.5 * excess_of(rate)
 
 
 def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:

@@ -31,12 +31,11 @@ class DensityOptions:
     # Distance from a singular end or a kink, relative to the half width, within which no error of
     # the density is stated: the error grows without bound there.
     end_distance: float = 0.01
-    # Least number of angles at which the density of a zone is sampled.
-    min_samples: int = 24
-    # Largest number of angles of a zone at which its response to motions of the ends is evaluated,
-    # and largest number of kinks next to which it is also evaluated.
+    # Least number of angles at which the density of a zone is sampled, and largest number of kinks
+    # next to which it is also sampled.
+    samples: int = 32
+    # Largest number of angles of a zone at which its response to motions of the ends is evaluated.
     max_angles: int = 256
-    max_kinks: int = 32
 
 
 OPTIONS = DensityOptions()
@@ -85,7 +84,7 @@ class Series(DensityBase):
         modes = np.count_nonzero(self.coefficients, axis=1)
         jumps = np.zeros(len(self.zones), dtype=np.intp)
         jumps[: len(self.jumps.count)] = self.jumps.count
-        return np.clip(2 * modes + 4 * jumps, OPTIONS.min_samples, BLOCKS.cache_pairs)
+        return np.clip(2 * modes + 4 * jumps, OPTIONS.samples, BLOCKS.cache_pairs)
 
     def first(self, count: int) -> Array:
         """First coefficients of T_l / sqrt(1 - t^2) on each zone, jumps included (Z, count)."""
@@ -265,7 +264,7 @@ def angles_at_kinks(left: Array, height: Array, theta: Array) -> Array:
         return theta
     away, order = min(OPTIONS.end_distance, 0.25 / len(left)), np.argsort(left)
     s = left[order] - 1
-    largest = s[np.argsort(-np.abs(height[order]))[: OPTIONS.max_kinks]]
+    largest = s[np.argsort(-np.abs(height[order]))[: OPTIONS.samples]]
     t = np.concatenate((np.cos(theta), largest - away, largest + away))
     place = np.searchsorted(s, t)
     distance = np.minimum(

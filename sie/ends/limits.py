@@ -6,6 +6,7 @@ import numpy as np
 
 from sie.basis.data import Array, record
 from sie.basis.zones import SINGULAR, Zones
+from sie.dense import modes
 from sie.ends.options import NewtonOptions
 from sie.equation.equation import Equation
 from sie.slits.system import AnyDensity
@@ -23,9 +24,7 @@ class DomainLimit:
     reason: str
 
 
-def domain_limit(
-    zones: Zones, equation: Equation, delta: Array, options: NewtonOptions
-) -> DomainLimit:
+def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
     """The domain limit of outward steps `delta` (2, Z) of the ends."""
     names, is_close = [], False
     distances, last = border_distances(zones, equation), len(zones) - 1
@@ -34,13 +33,13 @@ def domain_limit(
         if delta[side, zone] >= distance:
             names.append(f"the {name} (counted from 0)")
             width = float(zones.b[zone] - zones.a[zone])
-            is_close |= distance <= options.border_distance * width
+            is_close |= distance <= modes.least_distance() * width
     if not names:
         return DomainLimit(False, "")
     low, high = equation.within
     where = ", and may come back"
     if is_close:
-        part = f"{options.border_distance:g} of the zone"
+        part = f"{modes.least_distance():.1g} of the zone"
         where = f": the root lies at or beyond it, or nearer to it than {part}"
     limit = f"within=({low:.6g}, {high:.6g}){where}"
     return DomainLimit(is_close, f"{' and '.join(names)} would pass the limit {limit}")

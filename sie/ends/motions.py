@@ -35,12 +35,15 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import norm
 
-from sie.basis.data import Array, record
+from sie.basis.data import SUM_ROUNDING, Array, record
 from sie.basis.interval import edge_scale
 from sie.dense.lu import Factored
+from sie.dense.modes import OPTIONS as MODES
 from sie.dense.system import condition_rows
+from sie.fast.iteration import OPTIONS as ITERATION
 from sie.fast.iteration import Iterative
 from sie.fast.system import Applied, IterativeSystem
+from sie.states.options import OPTIONS as ERRORS
 from sie.states.solve import SingularSystem, rows_of
 from sie.states.state import State
 from sie.trees.krylov import gmres
@@ -118,22 +121,11 @@ class FreeEnds:
 class MotionOptions:
     """Options of the motions of ends."""
 
-    # Arnoldi's method for the growth rate: steps between two checks, and largest number of steps.
-    # The rate has converged when its relative change between checks is below `growth_change`.
-    arnoldi_check: int = 8
+    # Largest number of steps of Arnoldi's method for the growth rate.
     max_arnoldi: int = 64
-    growth_change: float = 0.02
-    # Relative tolerance of the motions in a Newton step; the next step corrects the rest.
-    step: float = 1e-6
-    # Relative tolerance of responses for the growth rate.
+    # Relative tolerance of responses for the growth rate. If the relative residual of GMRES stays
+    # above it, some motion leaves the intensities unchanged.
     response: float = 1e-4
-    # If the relative residual of GMRES stays above this, some motion leaves the intensities
-    # unchanged.
-    max_residual: float = 1e-3
-    # Above this condition number the inverse of the rates is round-off.
-    max_condition: float = 1e14
-    # Beyond this number of unknowns a matrix costs more than one iterative solution for each end.
-    max_matrix_unknowns: int = 8000
 
 
 OPTIONS = MotionOptions()
@@ -229,7 +221,7 @@ class IteratedMotions(FreeEnds):
         folded = [self.solver(-self._applied(none, one)[0], None, OPTIONS.response) for one in d.T]
         return [self.system.symmetry.unfold(one) for one in folded]
 
-    def meeting(self, change: Array, tolerance: float = OPTIONS.step) -> Array:
+    def meeting(self, change: Array, tolerance: float = ITERATION.correction) -> Array:
         """Motions of the free ends (E,) that change the intensities by `change`, or nan."""
         count = self.solver.size
 
@@ -250,7 +242,7 @@ class IteratedMotions(FreeEnds):
         right = precondition(np.zeros(count), change)
         found = gmres(apply, right, tolerance * float(norm(right)))
         self.solver.iterations += found.steps
-        if not found.residual <= max(OPTIONS.max_residual, tolerance) * float(norm(right)):
+        if not found.residual <= max(OPTIONS.response, tolerance) * float(norm(right)):
             return np.full(len(self.ends), np.nan)
         return np.asarray(found.x[count:] * self.width)
 
@@ -304,9 +296,10 @@ class IteratedMotions(FreeEnds):
             # If the new vector is as small as the error of the responses, the Krylov space is
             # complete.
             whole = k + 1 == most or h[k + 1, k] <= 10 * OPTIONS.response * size
-            if whole or (k + 1) % OPTIONS.arnoldi_check == 0:
+            # The rate is checked whenever the number of steps has doubled.
+            if whole or (k & (k + 1) == 0 and 8 * (k + 1) >= OPTIONS.max_arnoldi):
                 found = float(np.linalg.eigvals(h[: k + 1, : k + 1]).real.max())
-                if whole or abs(found - last) <= OPTIONS.growth_change * abs(found):
+                if whole or abs(found - last) <= ERRORS.negligible * abs(found):
                     return found
                 last = found
             basis.append(w / h[k + 1, k])
@@ -386,7 +379,7 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
     system, zones, layout = state.system, state.density.zones, state.system.layout
     free, solved, levels = FreeEnds(state), zones.solved, np.zeros((len(zones.solved), 0))
     each = np.eye(len(free.ends))
-    if state.iteration is not None and layout.size > OPTIONS.max_matrix_unknowns:
+    if state.iteration is not None and layout.size**2 > MODES.max_matrix_numbers:
         motions = IteratedMotions(state, state.iteration)
         columns = [motions.rates(one) for one in each]
         if system.wants_levels and len(columns):
@@ -475,8 +468,7 @@ class DirectMotions(FreeEnds):
         # A motion that leaves the intensities unchanged has rates of the size of round-off, not
         # exactly zero. So the condition number is tested.
         neutral = (
-            len(self.ends) > 0
-            and not np.linalg.cond(self._rates.intensities) < OPTIONS.max_condition
+            len(self.ends) > 0 and not SUM_ROUNDING * np.linalg.cond(self._rates.intensities) < 1.0
         )
         self._inverse = (
             np.full_like(self._rates.intensities, np.nan)

@@ -15,25 +15,22 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index
+from sie.basis.data import HALF_DIGITS, Array, Index
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.ends.limits import DomainLimit, domain_limit, pinned_at_limits, released
-from sie.ends.motions import OPTIONS as MOTIONS
 from sie.ends.motions import DirectMotions, IteratedMotions, motions_of
 from sie.ends.options import NewtonOptions, WarmStart
 from sie.ends.progress import Convergence, Progress, Step
 from sie.ends.steps import NewtonStep, corners_of, damped, growth_of, newton_step, place_rounding
 from sie.equation.equation import Equation
+from sie.fast.iteration import OPTIONS as ITERATION
 from sie.slits.system import AnyDensity, AnyState, solve_zones
-from sie.states.rounding import OPTIONS as ROUNDING
+from sie.states.options import OPTIONS as ERRORS
 from sie.states.rounding import density_changes
 from sie.states.sizes import Sizes, first_sizes, sizes_like
 from sie.states.solve import SingularSystem
 from sie.states.state import State
-
-# If the motions of the ends amplify errors by more than this, the system counts as singular.
-_MAX_AMPLIFICATION = 1e10
 
 _CONVERGED = "the ends are at rest"
 _UNSTABLE = (
@@ -42,7 +39,7 @@ _UNSTABLE = (
 _UNRESOLVED = "a column or the kernel's regular part varies more than the modes of a zone show"
 _UNDETERMINED = (
     "some motion of the ends, as of all of them together, leaves the intensities as they are, or "
-    "changes them by less than 1e-10 of what each end does by itself: these do not tell the ends"
+    "changes them so little that rounding hides it: these do not tell the ends"
 )
 
 
@@ -136,7 +133,7 @@ class Free:
         if not self.density.zones.follow_ends:
             return np.zeros(len(self.density.zones))
         errors = self._motions.of((self.end_error + self.end_truncation).T * self._width)
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(errors), ROUNDING.samples))
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(errors), ERRORS.samples))
         return density_changes(self.state.whole, self._motions.responses(errors[:, None] * signs))
 
     @cached_property
@@ -234,7 +231,7 @@ class _Search:
         rest = self.progress.after(self.zones, motion, corners, self.value, opened)
         if rest.reached and not is_released and not loose:
             return self._converged(state, motion, rest)
-        border = domain_limit(self.zones, self.equation, motion.delta, self.options)
+        border = domain_limit(self.zones, self.equation, motion.delta)
         if self._is_given_up(state, motion, border):
             reason = self._reason(state, motion, border)
             return self._failed(state, motion, rest, reason)
@@ -249,7 +246,7 @@ class _Search:
         sizes, progress = self.sizes, self.progress
         # An iteration has the open value in its right side, which saves the solve of `with_value`.
         sizes.linear, sizes.value = progress.linear, self.value
-        sizes.rough = sizes.linear > self.options.rough_solution
+        sizes.rough = sizes.linear > ITERATION.correction
         decay = self.decay
         if sizes.carried is not None:
             # For many zones, series are only as long as the accuracy of the next step requires.
@@ -274,7 +271,7 @@ class _Search:
         """The next Newton step; None if the intensities do not determine the ends."""
         opened, response = self.equation.open_condition, self.value_response
         if opened is not None and (
-            response is None or _moved_part(state, response) > self.options.max_response_move
+            response is None or _moved_part(state, response) > ERRORS.negligible
         ):
             # An error of the response is a relative error of the step. So the square root of the
             # tolerance of the solution is small enough.
@@ -295,7 +292,7 @@ class _Search:
         keeps_places = equation.forcing.cornered or equation.forcing.resolution.exact_places
         gaps = modes.gaps(self.zones, equation.kernel)[1]
         closes = motion.closes(gaps)
-        vanishes = motion.vanishes(self.zones, options)
+        vanishes = motion.vanishes(self.zones)
         moves = damped(self.zones, equation, motion.delta, options)
         self.zones = zones = pinned_at_limits(self.zones.moved(moves, keeps_places), options.limits)
         gaps = modes.gaps(zones, equation.kernel)[1]
@@ -371,9 +368,9 @@ class _Search:
         assert state.iteration is not None and motion.branch is not None
         motions, zones = IteratedMotions(state, state.iteration), state.density.zones
         amplification = motions.amplification()
-        if amplification > _MAX_AMPLIFICATION:
+        if amplification * HALF_DIGITS > 1.0:  # fewer than half of the digits are left
             return None
-        errors = motion.noise + MOTIONS.step * np.abs(motion.delta)
+        errors = motion.noise + ITERATION.correction * np.abs(motion.delta)
         error = (amplification * errors / (zones.b - zones.a)).T
         growth = growth_of(motions, self.options.signs, self.value_response)
         motion = replace(motion, branch=replace(motion.branch, growth=growth))

@@ -40,23 +40,16 @@ class NewtonOptions:
         cheap first approximation of very many zones.
     patience : int
         Newton steps granted to these ends.
-    max_shrink, max_growth, max_closing : float
-        Damping: largest fraction of its zone by which an end moves inward or outward in a step, and
-        largest fraction of the gap next to it. Two ends that face each other across a gap must not
-        meet, so `max_closing` is below 1/2.
-    border_distance : float
-        If an end this close to the border of the domain of g would still pass it, the search stops.
-        Nearer ends would need more nodes than a zone may have.
-    max_response_move : float
-        The response to the value of the open condition is reused while the moves of all ends add up
-        to less than this fraction of all widths. The relative error of a step is then of this size.
-    forcing, first_solution, last_solution : float
+    max_shrink, max_growth : float
+        Damping: largest fraction of its zone by which an end moves inward, or outward, in a step.
+        It moves outward by at most the fraction `max_shrink` of the gap next to it. Two ends that
+        face each other must not meet, so `max_shrink` is below 1/2. It is below `max_growth`, so
+        that zones far from the solution become wider on their way and do not stop.
+    forcing, first_solution : float
         Inexact Newton (S. C. Eisenstat and H. F. Walker, SIAM J. Sci. Comput. 17, 1996, 16-32): the
         linear system is solved to `forcing` * step^3, so that its error stays below that of two
         more Newton steps. The tolerance is at most `first_solution`, and at least
-        `last_solution` * tolerance.
-    rough_solution : float
-        Solutions with a tolerance above this use rough sums, which have an error of this size.
+        `forcing` * tolerance.
     step_margin : float
         The error of an end is estimated by its next step times this factor, for terms of second
         order.
@@ -66,24 +59,15 @@ class NewtonOptions:
         After this number of steps without progress, round-off may be the reason. With `allow_loss`,
         zones with the wrong sign of the density are given up after this number of steps, once the
         steps are below `close_step`.
-    wandering_steps : int
-        Number of steps after which the search is given up if ends still move by half of their
-        zones.
     close_step : float
         A guess is close to a solution if its first step is below this, and if each further step is
         below this fraction of the step before.
     vanished_part : float
-        A zone or a gap that has shrunk to this fraction of its first size has vanished.
-    last_zone_vanished : float
-        The same for a single zone. It is smaller, since one zone keeps the given total however
+        A zone or a gap that has shrunk to this fraction of its first size has vanished. For a single
+        zone it is this fraction of half of all digits, since one zone keeps the given total however
         narrow it is.
     insistent_steps : int
-        A zone or a narrow gap has vanished if the undamped steps would remove it this number of
-        times in a row.
-    closing_gap : float
-        A gap is narrow in this sense if it is below this fraction of the zones next to it.
-    slight_zone : float
-        A zone narrower than this fraction of a neighbour has hardly any effect on the others.
+        A zone has vanished if the undamped steps would remove it this number of times in a row.
 
     Examples
     --------
@@ -104,23 +88,14 @@ class NewtonOptions:
 
     max_shrink: float = 0.3
     max_growth: float = 0.5
-    max_closing: float = 0.4
-    border_distance: float = 1e-6
-    max_response_move: float = 0.01
     forcing: float = 1e-3
     first_solution: float = 1e-5
-    last_solution: float = 1e-3
-    rough_solution: float = 1e-7
     step_margin: float = 1.5
     rounding_step: float = 1e-6
     stalled_steps: int = 5
-    wandering_steps: int = 20
     close_step: float = 0.3
     vanished_part: float = 1e-3
-    last_zone_vanished: float = 1e-12
     insistent_steps: int = 3
-    closing_gap: float = 0.05
-    slight_zone: float = 0.01
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sie.basis.data import Array, Index, Mask, record
+from sie.basis.data import HALF_DIGITS, Array, Index, Mask, record
 from sie.basis.zones import Zones
 from sie.ends.options import NewtonOptions
 from sie.ends.steps import Branch, NewtonStep
@@ -90,7 +90,7 @@ class Progress:
     @property
     def tightest(self) -> float:
         """Tolerance of the last iterative solution."""
-        return self.options.last_solution * self.tolerance
+        return self.options.forcing * self.tolerance
 
     def after(
         self, zones: Zones, motion: NewtonStep, corners: Array, value: float, opened: bool
@@ -139,23 +139,17 @@ class Progress:
         """Whether these zones will not converge, so that other zones are needed.
 
         certain: whether the density has the right sign next to all ends. If it has not, the search
-        is hopeless once the ends have settled or stalled. In any case it is hopeless if the ends
-        have moved by large steps for long.
+        is hopeless once the ends have settled or stalled.
         """
         options, move = self.options, self.trace[-1].move
-        if not certain:
-            settled = len(self.trace) >= options.stalled_steps and move < options.close_step
-            if options.allow_loss and settled:
-                return True
-            stays = self.stalled >= 3 * options.stalled_steps and self._stays()
-            stalled = self.stalled >= options.stalled_steps
-            if stalled and (move < options.rounding_step or stays):
-                return True
-        return (
-            len(self.trace) > options.wandering_steps
-            and min(step.move for step in self.trace[-10:]) > 0.5
-            and self._stays()
-        )
+        if certain:
+            return False
+        settled = len(self.trace) >= options.stalled_steps and move < options.close_step
+        if options.allow_loss and settled:
+            return True
+        stays = self.stalled >= 3 * options.stalled_steps and self._stays()
+        stalled = self.stalled >= options.stalled_steps
+        return stalled and (move < options.rounding_step or stays)
 
     def _stays(self) -> bool:
         """Whether, in the last steps, the widths hardly changed and the moves did not decrease."""
@@ -186,8 +180,10 @@ class Progress:
         options, width = self.options, zones.b - zones.a
         self.closing = np.where(closes, (self.closing if len(self.closing) else 0) + 1, 0)
         self.leaving = np.where(vanishes, (self.leaving if len(self.leaving) else 0) + 1, 0)
-        # One zone keeps the given total however narrow it is; without a total it may vanish.
-        part = options.vanished_part if len(zones) > 1 else options.last_zone_vanished
+        part = options.vanished_part
+        if len(zones) == 1:
+            # One zone keeps the given total however narrow it is; without a total it may vanish.
+            part *= HALF_DIGITS
         gone = width < np.maximum(part * self.first_width, 8 * np.spacing(np.abs(zones.a)))
         # A damped step leaves most of a zone. So a zone has vanished if several undamped steps in a
         # row would have removed it.
@@ -196,12 +192,9 @@ class Progress:
             # The search continues without it, and also without others that would vanish soon.
             insists = self.leaving >= 2
         narrowest = np.minimum(width, self.first_width)
-        closed = self.closing >= 2
-        if not options.allow_loss:
-            closed = (self.closing >= options.insistent_steps) & (
-                gaps < options.closing_gap * narrowest
-            )
-        closed |= gaps < options.vanished_part * np.minimum(self.first_gap, narrowest)
+        closed = gaps < options.vanished_part * np.minimum(self.first_gap, narrowest)
+        if options.allow_loss:
+            closed |= self.closing >= 2
         return np.flatnonzero(gone | insists), np.flatnonzero(closed)
 
     @property

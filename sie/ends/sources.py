@@ -14,13 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sie.basis.data import Array, Index, numbered
+from sie.basis.data import DIGITS, Array, Index, numbered
 from sie.basis.interval import edge_scale
 from sie.dense.system import Places, fields, outside
 from sie.states.state import State
-
-# A power of rho below this is below round-off.
-_NOTHING = 1e-18
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +165,8 @@ def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
     """
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(m)):
-        least = _NOTHING ** (1.0 / (int(m[i]) + 1))
+        # Below this product of both rho, all powers in the sum are below round-off.
+        least = np.exp(-DIGITS / (int(m[i]) + 1))
         for q in range(seen.shape[2]):
             # Pairs far from the zone contribute less than round-off and are left out.
             sources = np.flatnonzero(

@@ -49,8 +49,6 @@ from sie.equation.forcing import Forcing
 # A jump farther away than this many plain steps is ignored. It changes the plain step by less than
 # 2 %, which the next step corrects. A root search would lose the digits of small steps.
 _FARTHEST_JUMP = 20.0
-# Halvings that exhaust the digits of a number.
-_HALVINGS = 60
 # Largest inward step, relative to the distance from a logarithm with J < 0, which an end must not
 # pass.
 _STOP_BEFORE = 0.9
@@ -66,22 +64,17 @@ def facing(of_ends: NDArray[Any]) -> NDArray[Any]:
 
 
 def gap_steps(
-    gaps: Array,
-    widths: Array,
-    moves: Mask,
-    k: Array,
-    slopes: Array,
-    alike: bool,
-    tips: Array | float = 0.0,
+    gaps: Array, widths: Array, moves: Mask, k: Array, slopes: Array, tips: Array | None = None
 ) -> tuple[Array, Mask]:
     """(outward steps (2, Z), mask of the ends for which they are valid) at narrow gaps.
 
     A gap is narrow if it is narrower than both zones next to it. gaps, moves, k, slopes: values
     (2, Z) at both ends of all zones. k is the intensity K less its target and slopes the edge slope
     A, with signs so that a density of the right sign has A > 0, and K > 0 drives the end outward.
-    alike: whether the density has the same sign on both sides of a gap. tips: heights J of the
-    logarithms in the gaps (2, Z), if it has not.
+    tips: None if the density has the same sign on both sides of a gap, else the heights J of the
+    logarithms in the gaps (2, Z).
     """
+    alike = tips is None
     of_both = np.array([widths, widths])
     pairs = moves & facing(moves) & (gaps < np.minimum(of_both, facing(of_both)))
     if not np.any(pairs):
@@ -101,7 +94,9 @@ def gap_steps(
     # `share` is the fraction of S that comes from the kink. With the new half gap (1 - e) c, the
     # closing load is (1 - e)^2 (1 - share) / 2 + (1 - e) share, which determines e.
     mean = np.where(holds, 0.5 * (straight + across), 1.0)
-    share = np.clip(np.asarray(tips) / np.pi * np.sqrt(2 / c) / mean, 0.0, 1.0)
+    share = np.clip(
+        np.asarray(0.0 if tips is None else tips) / np.pi * np.sqrt(2 / c) / mean, 0.0, 1.0
+    )
     left = np.maximum(0.5 * (1 + share) - (rho + rho_other), 0.0)
     wedged = 1 - 2 * left / np.maximum(share + np.sqrt(share**2 + 2 * (1 - share) * left), 1e-300)
     closing = np.where(share > 0, np.where(left > 0, wedged, 1.0), closing)
@@ -211,7 +206,7 @@ def _root(decreasing: Callable[[Array], Array], low: Array, high: Array, kink: A
         return np.asarray(kink + np.sign(root) * root**2)
 
     low, high = (np.sign(bound - kink) * np.sqrt(np.abs(bound - kink)) for bound in (low, high))
-    for _ in range(_HALVINGS):
+    for _ in range(np.finfo(np.float64).bits):  # halvings that exhaust the digits of a number
         middle = 0.5 * (low + high)
         positive = decreasing(at(middle)) > 0
         low, high = np.where(positive, middle, low), np.where(positive, high, middle)

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from sie.basis.data import Array, Mask, record
 from sie.basis.zones import Zones
@@ -15,10 +14,6 @@ from sie.ends.step_models import StepAtJumps, corner_distances, gap_steps, logar
 from sie.equation.equation import Equation
 from sie.slits.system import AnyDensity, AnyState
 from sie.states.state import State
-
-# Number of zones on either side whose steps matter for a closing gap. Their effect decreases as the
-# square of the distance, so that of the 15th is below 1/200.
-_NEIGHBOURS = 15
 
 
 @record
@@ -59,17 +54,9 @@ class NewtonStep:
         """Mask of the gaps, right of each zone, that the undamped step would close."""
         return np.asarray(self.delta[1] + np.roll(self.delta[0], -1) >= (1 - 1e-9) * gaps)
 
-    def vanishes(self, zones: Zones, options: NewtonOptions) -> Mask:
-        """Mask of the zones that vanish: the undamped step would leave nothing of them.
-
-        With `allow_loss` it includes zones with the wrong sign of the density that are much
-        narrower than a neighbour. They have hardly any effect on the others, so the search need not
-        wait until they have vanished.
-        """
-        width = np.pad(zones.b - zones.a, 1)
-        slight = width[1:-1] < options.slight_zone * np.maximum(width[:-2], width[2:])
-        slight &= options.allow_loss
-        return np.asarray((self.delta.sum(axis=0) <= zones.a - zones.b) | (self.weak & slight))
+    def vanishes(self, zones: Zones) -> Mask:
+        """Mask of the zones of which the undamped step would leave nothing."""
+        return np.asarray(self.delta.sum(axis=0) <= zones.a - zones.b)
 
 
 def newton_step(
@@ -114,11 +101,10 @@ def _with_step_models(
     side, moves = np.array(options.signs, dtype=float)[:, None], plain.moves
     gaps = np.array(modes.gaps(zones, kernel))
     jumps = forcing.density_jumps
-    inside = logarithms_in_gaps(forcing, zones, kernel.period) if jumps else 0.0
-    alike = options.signs[0] == options.signs[1]
-    across, holds = gap_steps(
-        gaps, zones.b - zones.a, moves, side * residual, side * a, alike, inside
-    )
+    tips = None
+    if options.signs[0] != options.signs[1]:
+        tips = logarithms_in_gaps(forcing, zones, kernel.period) if jumps else np.zeros(gaps.shape)
+    across, holds = gap_steps(gaps, zones.b - zones.a, moves, side * residual, side * a, tips)
     delta, weak = np.where(holds, across, plain.delta), plain.weak & ~holds
     by_gaps = 2 * state.intensity_noise / np.abs(np.where(holds, a, 1.0))
     noise = np.where(holds, by_gaps, plain.noise)
@@ -217,22 +203,12 @@ def bordered(
 
 
 def damped(zones: Zones, equation: Equation, delta: Array, options: NewtonOptions) -> Array:
-    """Outward steps (2, Z), limited to fractions of the zones, of the gaps and of the domain.
-
-    An end that would close its gap does not move while the steps of its neighbours are larger than
-    that gap. Its step is then mostly an effect of the square of their remaining errors.
-    """
+    """Outward steps (2, Z), limited to fractions of the zones, of the gaps and of the domain."""
     width = zones.b - zones.a
     gaps = np.array(modes.gaps(zones, equation.kernel))
-    room = options.max_closing * np.minimum(gaps, border_distances(zones, equation))
-    cut = delta > room
-    others = np.abs(np.where(cut, 0.0, delta)).max(axis=0)
-    others = np.pad(others, _NEIGHBOURS, mode="edge")
-    largest = sliding_window_view(others, 2 * _NEIGHBOURS + 1).max(axis=1)
-    growth = np.minimum(options.max_growth * width, room)
-    return np.where(
-        cut & (largest > room), 0.0, np.clip(delta, -options.max_shrink * width, growth)
-    )
+    room = options.max_shrink * np.minimum(gaps, border_distances(zones, equation))
+    outward = np.minimum(options.max_growth * width, room)
+    return np.clip(delta, -options.max_shrink * width, outward)
 
 
 def _coupled_step(

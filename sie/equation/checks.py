@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import SUM_ROUNDING, Array
+from sie.basis.data import HALF_DIGITS, SUM_ROUNDING, Array
 from sie.basis.kernels import Kernel
 from sie.basis.zones import MAX_ASYMMETRY, Zones
 from sie.equation.conditions import Weighted, speaks_of_levels
@@ -24,7 +24,10 @@ from sie.equation.forcing import Forcing
 
 @dataclass(frozen=True)
 class CheckOptions:
-    """Places at which a user's functions are checked, and the tolerances of the checks."""
+    """Places at which a user's functions are checked, and the tolerances of the checks.
+
+    A claimed degree, number of modes or dependence on the lag must hold to half of all digits.
+    """
 
     # Normalised positions of the check points on each of at most three zones.
     places: tuple[float, ...] = (-0.7, 0.1, 0.6)
@@ -35,9 +38,6 @@ class CheckOptions:
     # Largest difference between the slope of a primitive and its function, relative to the largest
     # value of the function. It is above the round-off of both steps.
     max_slope_error: float = 1e-4
-    # Largest relative deviation from a claimed degree, number of modes or dependence on the lag:
-    # the round-off of the function with a wide margin.
-    max_claim_error: float = 1e-9
     # Number of coefficients beyond the claimed ones that are checked to be zero.
     extra_coefficients: int = 8
 
@@ -219,7 +219,7 @@ def _check_degree(name: str, weight: Callable[[Array], Array], degree: int, zone
         )
         size = np.abs(chebyshev.t_means(values))
         beyond = size[degree + 1 :].max()
-        if beyond > OPTIONS.max_claim_error * size.max() + _of_places(x, zones.half[zone], values):
+        if beyond > HALF_DIGITS * size.max() + _of_places(x, zones.half[zone], values):
             raise ValueError(
                 f"{name} is no polynomial of degree {degree}: on zone {zone} (counted from 0) "
                 f"{beyond / size.max():.1e} of it is of a "
@@ -239,7 +239,7 @@ def _check_modes(name: str, forcing: Forcing, zones: Zones) -> None:
         values = _real(name, _called(name, forcing.value, x), x.shape, f"x of shape {x.shape}")
         size = np.abs(chebyshev.u_coefficients(values[None])[0])
         beyond = size[modes:].max()
-        if beyond > OPTIONS.max_claim_error * size.max() + _of_places(x, zones.half[zone], values):
+        if beyond > HALF_DIGITS * size.max() + _of_places(x, zones.half[zone], values):
             raise ValueError(
                 f"{name} has more than modes={modes} modes: on zone {zone} (counted from 0) "
                 f"{beyond / size.max():.1e} of it is "
@@ -275,7 +275,7 @@ def _check_lag(kernel: Kernel, x: Array, half: Array) -> None:
     rounding = _of_places(x, shift, values[0])
     difference = np.abs(values[1] - values[0])
     worst = int(np.argmax(difference))
-    if difference[worst] > OPTIONS.max_claim_error * size + rounding:
+    if difference[worst] > HALF_DIGITS * size + rounding:
         raise ValueError(
             "the kernel's regular part is said to depend on x - xi alone (of_lag=True), but for x "
             f"- xi = {lag[worst]:.6g} it is "

@@ -282,7 +282,7 @@ class SlitDensity(DensityBase):
             theta_of(2 - geometry.rest / w, geometry.rest / w),
         )
         return np.clip(
-            2 * self.sampling * (left - right) / np.pi, SAMPLES.min_samples, SAMPLES.max_angles
+            2 * self.sampling * (left - right) / np.pi, SAMPLES.samples, SAMPLES.max_angles
         ).astype(np.intp)
 
     def _sample_angles(self, piece: int, count: int) -> Array:

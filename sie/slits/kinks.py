@@ -42,7 +42,6 @@ is taken. That term is (derived here)
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -51,22 +50,13 @@ import numpy as np
 from sie.basis import chebyshev
 from sie.basis.data import Array, Kept, Mask, legendre, record
 from sie.basis.interval import Outside, root_weight, sides, theta
+from sie.basis.sums import OPTIONS as SUMS
 from sie.jumps.formulas import HIGHEST
+from sie.trees.tree import SEPARATION
 
-
-@dataclass(frozen=True)
-class KinkOptions:
-    """Number of nodes and range for integrals of the slack of a jump in a slit."""
-
-    # Number of Gauss nodes for means over a slit, and for integrals over the slit on either side
-    # of the jump.
-    nodes: int = 32
-    # Distance from a slit, in its half widths, beyond which the slack of a jump of order 2 is
-    # integrated numerically: its closed forms lose digits by cancellation there.
-    far: float = 4.0
-
-
-OPTIONS = KinkOptions()
+# Nodes of Gauss's rule for means over a slit, and for integrals over the slit on either side of the
+# jump. A narrow zone beside the slit needs twice as many as a panel.
+_NODES = 2 * SUMS.gauss_nodes
 
 
 @record
@@ -101,9 +91,9 @@ class SlitKink(Kept):
     @cached_property
     def mean_places(self) -> tuple[Array, Array, Array]:
         """Gauss nodes for means over the slit: (z, distances from the wide zone's two ends)."""
-        left, right = chebyshev.gauss_sides(OPTIONS.nodes)
+        left, right = chebyshev.gauss_sides(_NODES)
         return (
-            chebyshev.gauss(OPTIONS.nodes),
+            chebyshev.gauss(_NODES),
             self.start + self.half * left,
             self.rest + self.half * right,
         )
@@ -157,7 +147,7 @@ class SlitKink(Kept):
         weights W); int psi f dt = sum W f.
         """
         border = float(theta(*self._jump_distances[::-1]))
-        beta, weights = legendre(np.array([0.0, border, np.pi]), OPTIONS.nodes)
+        beta, weights = legendre(np.array([0.0, border, np.pi]), _NODES)
         weight = weights * np.sin(beta)
         right, left = sides(beta)
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right
@@ -248,8 +238,10 @@ class SlitKink(Kept):
 
         outside: distance from the slit in its half widths; past: whether a point is right of it.
         """
-        if self.order == HIGHEST and np.any(outside > OPTIONS.far):
-            out, far = np.empty(outside.shape), outside > OPTIONS.far
+        # Far from the slit the closed forms for order 2 lose digits by cancellation. The slack is
+        # integrated numerically there.
+        if self.order == HIGHEST and np.any(outside > SEPARATION):
+            out, far = np.empty(outside.shape), outside > SEPARATION
             out[far] = self._summed(from_left[far], from_right[far], outside[far], past[far])
             out[~far] = self.outside_slit(
                 from_left[~far], from_right[~far], outside[~far], past[~far]

@@ -39,6 +39,7 @@ from sie.basis.interval import (
     transform_of,
     transform_slope_of,
 )
+from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.sums import pair_blocks
 from sie.density.density import Density
 from sie.jumps.formulas import HIGHEST
@@ -118,7 +119,7 @@ class SlitPlane:
         top = np.maximum(y, float(self.geometry.wide.half.max()))
         out = self.whole.plane(complex_of(x, top), "potential")
         parts, weights = legendre(
-            np.append(0.0, 0.5 ** np.arange(_PANELS, -1, -1)), OPTIONS.path_nodes
+            np.append(0.0, 0.5 ** np.arange(_PANELS, -1, -1)), SUMS.gauss_nodes
         )
         down = np.flatnonzero(top > y)
         for some in pair_blocks(len(down), len(parts)):

@@ -34,6 +34,7 @@ from sie.basis.data import DIGITS, TINY, Array, Index, Kept, Mask, record, sum_e
 from sie.basis.interval import Outside, decay_rate, root_weight, theta, transform_of
 from sie.basis.zones import Zones
 from sie.dense.lu import Factored
+from sie.dense.modes import OPTIONS as MODES
 from sie.dense.modes import gaps
 from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals
 from sie.equation.equation import Equation
@@ -54,26 +55,13 @@ class SlitOptions:
     # The limit, relative to the narrower adjacent zone, for gaps that contain a jump of order 2 or
     # an algebraic point. It is stricter, because a spline may have hundreds of such jumps.
     max_gap_with_jumps: float = 0.003
-    # Modes of the slack in a slit.
-    min_modes: int = 12
+    # Largest number of modes of the slack in a slit.
     max_modes: int = 512
-    # Largest number of modes that a jump of order 0, 1 or 2 next to a slit needs.
-    max_modes_for_jump: tuple[int, ...] = (64, 256, 160)
     # Least number of coefficients of the slack from which its far field is computed.
     min_slack_modes: int = 48
-    # Gauss nodes on each panel of the path along which a complex potential is integrated.
-    path_nodes: int = 12
-    # Tolerance of the iteration for the wide zones without slits. Its result is only the starting
-    # point of the iteration with slits.
-    start_tolerance: float = 0.1
     # Largest last change of the solution, relative to its largest coefficient. Smaller changes are
     # added to the stated error; larger ones raise `SlitsNotConverged`.
     max_change: float = 1e-10
-    # If an error exceeds the tolerance by this factor and a kink lies in a slit, the zones are
-    # also solved without slits.
-    retry_error: float = 1e3
-    # Factor on the rounding at ends of slits: there it acts at one point and is not averaged.
-    safety: float = 3.0
 
 
 OPTIONS = SlitOptions()
@@ -378,7 +366,7 @@ class Slits(Kept):
         waves = modes * half / w / np.sin(middle)
         nearest = np.minimum(before, after) / half
         need = self._modes_needed(jumps, start + half / w, half / w, nearest, 2 * waves)
-        size = np.clip(np.ceil(need), OPTIONS.min_modes, OPTIONS.max_modes).astype(int)
+        size = np.clip(np.ceil(need), MODES.first_nodes, OPTIONS.max_modes).astype(int)
         self.slits = [
             Slit(float(s), float(r), float(h) / w, float(h), int(n))
             for s, r, h, n in zip(start, rest, half, size, strict=True)
@@ -409,12 +397,11 @@ class Slits(Kept):
         if self.zone not in jumps.by_zone:
             return np.asarray(need)
         # A jump outside the slit is a weak singularity. Its terms decay slowly but are small, so
-        # that `max_modes_for_jump` limits their number.
-        place, order = jumps.places(self.zone)
-        other = ~np.isin(place, np.append(jumps.left[self._inside], self._knots.left))
-        place, order = place[other], order[other]
+        # that half of the largest number of modes is enough.
+        place = jumps.places(self.zone)[0]
+        place = place[~np.isin(place, np.append(jumps.left[self._inside], self._knots.left))]
         away = np.maximum(np.abs(place[:, None] - middle) / half - 1, TINY)
-        most = np.array(OPTIONS.max_modes_for_jump)[order][:, None]
+        most = OPTIONS.max_modes / 2
         of_jumps = np.minimum(DIGITS / decay_rate(away), most).max(axis=0, initial=0.0)
         return np.maximum(need, of_jumps)
 

@@ -27,6 +27,7 @@ from sie.equation.equation import Equation
 from sie.slits.density import SlitDensity
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, merge
 from sie.states.base import Answered, Solver, density_of
+from sie.states.options import OPTIONS as ERRORS
 from sie.states.rounding import density_rounding, truncation_through_rows
 from sie.states.sizes import Carried, Sizes, first_sizes
 from sie.states.solve import SingularSystem, more_modes, solve_fixed
@@ -353,11 +354,14 @@ class SlitState(Answered):
 
     @cached_property
     def intensity_noise(self) -> Array:
-        """Rounding of the intensities K at the left and right ends of the given zones (2, n)."""
+        """Rounding of the intensities K at the left and right ends of the given zones (2, n).
+
+        At the ends of slits it acts at one point and is not averaged.
+        """
         rest = self.rest * row_sizes(self.whole.density.coefficients).max()
         # Round-off of the sums of the wide zones' coefficients.
         noise = self.whole.intensity_noise.max(axis=0) / edge_scale(self.geometry.wide.half)
-        return self._intensities_of(noise + rest, OPTIONS.safety)
+        return self._intensities_of(noise + rest, ERRORS.safety)
 
     @cached_property
     def _tails(self) -> Array:
@@ -551,8 +555,9 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
-    # An iterative solution without the slits is only a starting point.
-    inner.linear = sizes.linear if equation.grows else max(sizes.linear, OPTIONS.start_tolerance)
+    # An iterative solution without the slits is only a starting point, whose error may be as large
+    # as the solution.
+    inner.linear = sizes.linear if equation.grows else 1.0
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value
     profile, kernel, iterations = (
@@ -588,7 +593,7 @@ def solve_zones(
     sizes.iterations += inner.iterations - iterations
     found_state = SlitState(slit_system, wide, density, series, rest, sizes)
     if any(here.kinks for here in slit_system.slits) and found_state.density_error > max(
-        OPTIONS.retry_error * tolerance, OPTIONS.max_change
+        tolerance / ERRORS.negligible, OPTIONS.max_change
     ):
         # An undeclared jump of a derivative does no harm in a gap between the given zones. With a
         # slit it lies within a wide zone, and the solution without slits may be better.

@@ -8,8 +8,6 @@ round-off of these. So a lightly loaded zone between heavy ones is affected by t
 heights.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from sie.basis.chebyshev import bounded_part
@@ -21,29 +19,7 @@ from sie.dense.modes import conformal_radius, gaps
 from sie.equation.conditions import speaks_of_levels
 from sie.equation.equation import Forcing
 from sie.states.base import Solved
-
-
-@dataclass(frozen=True)
-class RoundingOptions:
-    """Options of the random errors of rows."""
-
-    # The largest of some hundred rounding errors is about four times their root mean square.
-    safety: float = 4.0
-    # Relative tolerance of the iterative solution for random errors. A looser one would not show
-    # the few changes that nearly dependent conditions enlarge.
-    solution: float = 1e-2
-    # Number of samples of random errors. With four, the estimate is below a quarter of the true
-    # size in one of a hundred cases.
-    samples: int = 4
-    # Angles of each zone at which the density is evaluated.
-    angles: int = 24
-    # Singular parts are not evaluated closer to an end than this distance, in half widths.
-    end_distance: float = 0.03
-    # Ends at which the rounding of the primitive is measured.
-    primitive_samples: int = 32
-
-
-OPTIONS = RoundingOptions()
+from sie.states.options import OPTIONS
 
 
 def intensity_rounding(state: Solved) -> Array:
@@ -215,7 +191,7 @@ def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
         some, of_low = _low_rows(state, low)
         rows[some] += of_low
         right = rows * chance.choice([-1.0, 1.0], len(rows))
-        changes.append(symmetry.unfold(iteration(right, None, OPTIONS.solution)))
+        changes.append(symmetry.unfold(iteration(right, None, OPTIONS.negligible)))
     iteration.error, iteration.random_changes = stated, (asked, changes)
     return changes
 
@@ -288,7 +264,7 @@ def _largest(coefficients: Array) -> Array:
     """
     k = np.arange(max(coefficients.shape[1], 2))
     # The angles are denser close to the ends, where high modes add up.
-    theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, OPTIONS.angles)[:, None]) ** 2
+    theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, OPTIONS.places)[:, None]) ** 2
     u = bounded_part(coefficients)[2]
     whole = (
         coefficients
@@ -328,7 +304,7 @@ def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> 
     heights = np.asarray(
         forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between)))
     )
-    look = ends[:: max(1, len(ends) // OPTIONS.primitive_samples)]
+    look = ends[:: max(1, len(ends) // OPTIONS.places)]
     near = look[:, None] + 4 * np.spacing(np.abs(look))[:, None] * np.arange(-4, 5)
     bend = 0.5 * np.abs(
         np.diff(np.asarray(forcing.primitive(near.ravel())).reshape(near.shape), 2, axis=1)

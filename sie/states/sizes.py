@@ -15,6 +15,7 @@ from sie.equation.checks import check_functions
 from sie.equation.equation import Equation
 from sie.fast.coarse import CoarseOperator
 from sie.fast.system import IterativeSystem
+from sie.states.options import OPTIONS
 from sie.trees.panels import panels_over
 
 
@@ -156,10 +157,6 @@ class Carried:
         )
 
 
-# An iteration is solved to this fraction of the truncation tolerance: its error is then negligible.
-_OF_ITERATION = 0.01
-
-
 def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Sizes:
     """Numbers of modes to start with.
 
@@ -179,7 +176,7 @@ def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Siz
     else:
         least = max((column.resolution.modes or 0 for column in equation.columns), default=0)
     own = modes.own_at_first(zones, equation.forcing.jumps.singular_at, equation.kernel.period)
-    return Sizes(own, least, linear=_OF_ITERATION * tolerance)
+    return Sizes(own, least, linear=OPTIONS.negligible * tolerance)
 
 
 def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Sizes:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, root_of_squares
+from sie.basis.data import EPS, Array, Index, root_of_squares
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.lu import Factored
@@ -28,11 +28,8 @@ from sie.states.state import State, field_tails
 
 @dataclass(frozen=True)
 class SolveOptions:
-    """When fast sums replace a matrix, and when a matrix counts as singular."""
+    """When fast sums replace a matrix, and the largest matrix."""
 
-    # A matrix whose reciprocal condition number is below this counts as singular: it is round-off,
-    # since the rows are of size one.
-    dependent: float = 1e-15
     # From this number of unknowns on, fast sums cost less than a matrix (measured on one core).
     min_fast_unknowns: int = 600
     # A matrix of this size and its factors need more than six gigabytes of memory.
@@ -192,9 +189,11 @@ def _solve_once(
     if not all(np.all(np.isfinite(part)) for part in (samples.coefficients, right, matrix)):
         raise SingularSystem(_not_finite(equation, system))
     solver = Factored.of(matrix)
+    # The rows are of size one, so that a smaller reciprocal condition number is round-off.
+    singular = 4 * EPS
     if (
-        _condition(solver, matrix) < OPTIONS.dependent
-        and _condition(Factored.of(rows := _even(matrix)), rows) < OPTIONS.dependent
+        _condition(solver, matrix) < singular
+        and _condition(Factored.of(rows := _even(matrix)), rows) < singular
     ):
         raise SingularSystem(_singular(equation))
     folded = solver(right)
@@ -207,7 +206,7 @@ def _solve_once(
         rows=matrix if zones.follow_ends else None,
     )
     sizes.kernel_evaluations += matrix.size
-    return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
+    return _state(system, solver, folded, scale, samples, sizes)
 
 
 def _condition(solver: Factored, matrix: Array) -> float:
@@ -311,15 +310,7 @@ def _solve_iterated(
     sizes.iterations += solver.iterations
     sizes.kernel_evaluations += solver.iterations * system.sums.size
     solver.tolerance = 0.0
-    state = _state(
-        system,
-        solver,
-        folded,
-        solver.equations,
-        np.ones(solver.size - solver.equations),
-        samples,
-        sizes,
-    )
+    state = _state(system, solver, folded, np.ones(solver.size - solver.equations), samples, sizes)
     sizes.carried = Carried.of(system, state.unknowns, {})
     return state
 
@@ -328,7 +319,6 @@ def _state(
     system: System,
     solver: Solver,
     folded: Array,
-    conditions_from: int,
     scale: Array,
     samples: modes.Samples,
     sizes: Sizes,
@@ -348,7 +338,7 @@ def _state(
         solver,
         y,
         folded,
-        conditions_from,
+        solver.size - len(scale),
         scale,
         truncation,
         tail,

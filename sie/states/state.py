@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -12,37 +12,20 @@ from sie.dense import modes
 from sie.dense.system import System
 from sie.density.density import Density
 from sie.states.base import Solved, coefficient_sizes
+from sie.states.options import OPTIONS
 from sie.states.rounding import density_rounding, intensity_rounding, truncation_through_rows
 
 # max over t of |T_k / sqrt(1 - t^2) - its singular parts| is 0.73 k, near an end.
 _AT_ENDS = 0.73
-# Neglected coefficients count twice, since sampling at nodes also adds them to the kept ones.
-_FOLDED = 2.0
 
-
-@dataclass(frozen=True)
-class ErrorOptions:
-    """Options of the error estimate."""
-
-    # Neglected coefficients are assumed to decay at this fraction of the observed rate.
-    slower_fall: float = 0.9
-
-
-_OPTIONS = ErrorOptions()
 
 # Round-off of n coefficients, close to an end that moves so that the 1/sqrt(d) term vanishes: 0.42
 # n^1.5 times their mean size, which is a third of the largest. Here is half of this, 0.07 n^1.5;
-# the factor _FOLDED restores the other half.
+# `State.made_of` restores the other half.
 _OF_ROUNDING = 0.08
-# Long series are checked close to the ends too, where all neglected coefficients add up. The angles
-# of the check points are these numbers divided by the number of coefficients.
-_ADDING_UP = np.array([0.5, 1.0, 2.0])
 # Points of every zone at which the residual is evaluated; none of them is a node.
 LOOKS = 15
 THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
-# Matrix of sin(k theta) at these points for the modes k that they separate, and its pseudo-inverse.
-_FIRST = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
-_FIRST_OF = np.linalg.pinv(_FIRST)
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +157,7 @@ class State(Solved):
         The round-off is subtracted from them.
         """
         rounding = self.residual_rounding[self.density.zones.solved, None]
-        return np.maximum(np.abs(self._residuals @ _FIRST_OF.T) - rounding, 0.0)
+        return np.maximum(np.abs(self._residuals @ separated_modes()[1].T) - rounding, 0.0)
 
     @cached_property
     def zone_sizes(self) -> Array:
@@ -197,8 +180,11 @@ class State(Solved):
         )
 
     def made_of(self, left_out: Array) -> Array:
-        """Errors of the density of each zone (Z,) by sums of neglected coefficients (Z,)."""
-        return np.asarray(_FOLDED * left_out * np.maximum(self.sizes.own[: len(left_out)], 1))
+        """Errors of the density of each zone (Z,) by sums of neglected coefficients (Z,).
+
+        These count twice, since sampling at nodes also adds them to the kept ones.
+        """
+        return np.asarray(2 * left_out * np.maximum(self.sizes.own[: len(left_out)], 1))
 
     @cached_property
     def _missing(self) -> Array:
@@ -290,7 +276,7 @@ class State(Solved):
         head, last = self._ends_of_series
         with np.errstate(divide="ignore", invalid="ignore"):
             fall = np.where(head > 0, np.maximum(last / head, 1e-300), 1.0) ** (
-                2.0 * _OPTIONS.slower_fall / n
+                2.0 * OPTIONS.slower_fall / n
             )
         rest = 1 / np.maximum(1 - fall, 1.0 / n)
         flat, following = np.array(
@@ -332,6 +318,13 @@ class State(Solved):
         return np.asarray(value.reshape(theta.shape) * np.sin(theta))
 
 
+@lru_cache(maxsize=1)
+def separated_modes() -> tuple[Array, Array]:
+    """(values of sin(k theta) at the angles THETA, pseudo-inverse), for the modes they separate."""
+    values = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
+    return values, np.linalg.pinv(values)
+
+
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
     """(whether the last coefficients hardly decrease, ratio of the next one to their largest).
 
@@ -349,12 +342,13 @@ def _continued(row: Array, fall: float) -> tuple[bool, float]:
 def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array:
     """The largest residual close to the ends of zones with long series (n,), 0 of other zones.
 
-    All neglected coefficients add up there. kept: number of coefficients of each zone; residual:
-    function of zones (k,) and angles (k, points), the residual times sqrt(1 - t^2).
+    All neglected coefficients add up there, at angles of about one over their number. kept: number
+    of coefficients of each zone; residual: function of zones (k,) and angles (k, points), the
+    residual times sqrt(1 - t^2).
     """
     out, long = np.zeros(len(kept)), np.flatnonzero(kept >= modes.OPTIONS.long_series)
     if len(long):
-        theta = _ADDING_UP / kept[long, None]
+        theta = np.exp2([-1, 0, 1]) / kept[long, None]
         out[long] = np.abs(residual(long, np.concatenate((theta, np.pi - theta), axis=1))).max(
             axis=1
         )
@@ -374,8 +368,9 @@ def residual_errors(
     zones the points separate the first modes from the rest. Of the rest only the largest value is
     known. It causes an error of the density of up to this value times the number of modes.
     """
-    low = residuals @ _FIRST_OF.T
-    rest = np.abs(residuals - low @ _FIRST.T).max(axis=1)
+    values, amplitudes_of = separated_modes()
+    low = residuals @ amplitudes_of.T
+    rest = np.abs(residuals - low @ values.T).max(axis=1)
     high = np.where(separated, rest, np.abs(residuals).max(axis=1)) / size
     low = (
         np.where(

@@ -12,7 +12,6 @@ import sie
 from sie.dense import modes
 from sie.dense.system import MirrorSymmetry, System
 from sie.density.treecode import Treecode
-from sie.ends.steps import damped
 from sie.fast.system import IterativeSystem
 from sie.fast.zone_sums import Nested, ZoneSums
 from sie.jumps.forcing import ForcingJumps
@@ -311,19 +310,3 @@ def test_rough_sums_move_series_as_the_others_do():
         *(nested.downward(series.copy(), middle.copy())[:2] for nested in (kept, made)), strict=True
     ):
         assert np.allclose(one, other, rtol=0, atol=1e-11)
-
-
-def test_an_end_does_not_wait_for_zones_far_from_it():
-    """One that would close its gap waits for those about it to come to rest, but not for the others
-    of very many.
-    """
-    ends = np.arange(80.0).reshape(40, 2)
-    ends[20, 1] += 0.9
-    zones, delta = sie.Zones.of(ends), np.zeros((2, 40))
-    delta[1, 20] = 0.08
-    for other, waits in ((0, False), (21, True)):
-        moves = delta.copy()
-        moves[0, other] = -0.25
-        assert (
-            damped(zones, equation(sie.cauchy()), moves, sie.NewtonOptions())[1, 20] == 0.0
-        ) == waits

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import sie
-from sie.ends.motions import DirectMotions, IteratedMotions, MotionOptions
+from sie.dense.modes import ModeOptions
+from sie.ends.motions import DirectMotions, IteratedMotions
 from sie.states.solve import SolveOptions
 
 BUMPS = sie.Forcing(
@@ -48,7 +49,7 @@ def test_motions_do_the_same_by_fast_sums_and_by_the_matrix(monkeypatch, name, s
     direct, iterated = both(monkeypatch, lambda: sie.solve_fixed(equation, zones))
     assert iterated.iterated and not direct.iterated
     one, by_matrix = sie.end_rates(direct), sie.end_rates(iterated)
-    monkeypatch.setattr("sie.ends.motions.OPTIONS", MotionOptions(max_matrix_unknowns=1))
+    monkeypatch.setattr("sie.ends.motions.MODES", ModeOptions(max_matrix_numbers=1))
     for other in (by_matrix, sie.end_rates(iterated)):
         assert one.ends == other.ends
         assert other.intensities == pytest.approx(one.intensities, abs=1e-13)

@@ -1,7 +1,5 @@
 """What neighbours do to a small zone, zones in doubt, and places known beyond their last digit."""
 
-from dataclasses import replace
-
 import mpmath
 import numpy as np
 import pytest
@@ -10,7 +8,6 @@ import sie
 from contact.reference.inverse import random_problem
 from sie.dense import modes
 from sie.dense.modes import conformal_radius, felt
-from sie.ends import newton as free_boundary
 from sie.jumps.forcing import ForcingJumps
 
 
@@ -165,33 +162,6 @@ def test_zones_in_doubt_are_dropped_or_joined_on_the_way_and_the_rest_is_as_with
     assert found.converged and found.density.zones.table == pytest.approx(
         right.density.zones.table, abs=1e-10
     )
-
-
-def test_a_slight_zone_that_does_not_push_outward_is_not_waited_for(monkeypatch):
-    """Beside a wide zone one a thousandth as wide, whose density looks as if it pulled, step by
-    step: the others are found without it.
-    """
-    wave = sie.Forcing(
-        lambda x: np.sin(2 * np.pi * x), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi)
-    )
-    row = sie.Equation(sie.hilbert(8.0), wave, (sie.Total(2.0), sie.EqualPotential()))
-    right = sie.find_ends(
-        row, sie.Zones.of(np.arange(-3.0, 4.0)[:, None] + [-0.2, 0.2]), 1e-11
-    ).density.zones.table
-    original = free_boundary.newton_step
-
-    def in_doubt(state, zones, *given):
-        motion = original(state, zones, *given)
-        return (
-            replace(motion, delta=np.zeros_like(motion.delta), weak=np.arange(8) == 4)
-            if len(zones) == 8
-            else motion
-        )
-
-    monkeypatch.setattr(free_boundary, "newton_step", in_doubt)
-    doubtful = sie.Zones.of(np.insert(right, 4, right[3, 1] + np.array([1e-3, 1.4e-3]), axis=0))
-    found = sie.find_ends(row, doubtful, 1e-11, sie.NewtonOptions(allow_loss=True))
-    assert found.converged and found.density.zones.table == pytest.approx(right, abs=1e-10)
 
 
 def test_zones_joined_across_the_border_of_the_period_go_on_beyond_it():
