@@ -35,7 +35,8 @@ class ModeOptions:
     """Limits and tolerances of the numbers of modes."""
 
     # Largest number of nodes of a zone. If its last coefficients are below `nearly_decayed` of the
-    # largest, a zone may have more, while the table of all zones has at most `memory_pairs` numbers.
+    # largest, a zone may have more, while the table of all zones has at most `memory_pairs`
+    # numbers.
     max_nodes: int = 8192
     # Coefficients below this fraction of the largest have nearly decayed. Those that have stopped
     # decreasing are noise only below it. Those of a kernel as rough as |x - xi| decrease to less
@@ -47,8 +48,6 @@ class ModeOptions:
     first_nodes: int = 16
     # With fewer nodes for each jump on a zone, the decay of coefficients is not judged.
     nodes_per_piece: int = 4
-    # Series from this length on are cut where noise begins.
-    long_series: int = 96
     # Largest number of coupled modes of a zone. For a regular kernel that needs more, or next to
     # narrow gaps with fixed ends, it is the last of `COUPLED_SIZES`. Zones with moving ends do not
     # need more, since narrow gaps between them are treated as slits.
@@ -316,7 +315,7 @@ def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
     Close to an end the sum of the round-off of n coefficients grows as n^1.5. It is smaller with
     fewer coefficients from the same number of nodes.
     """
-    for zone in zones[own[zones] >= OPTIONS.long_series]:
+    for zone in zones[own[zones] >= SUMS.max_direct_terms]:
         n = int(own[zone])
         size = np.abs(table[zone, : n + 1])
         last_half = size[n // 2 : n - n // 8].max()

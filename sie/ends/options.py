@@ -53,8 +53,6 @@ class NewtonOptions:
     step_margin : float
         The error of an end is estimated by its next step times this factor, for terms of second
         order.
-    rounding_step : float
-        Steps below this that no longer decrease are round-off.
     stalled_steps : int
         After this number of steps without progress, round-off may be the reason. With `allow_loss`,
         zones with the wrong sign of the density are given up after this number of steps, once the
@@ -63,9 +61,9 @@ class NewtonOptions:
         A guess is close to a solution if its first step is below this, and if each further step is
         below this fraction of the step before.
     vanished_part : float
-        A zone or a gap that has shrunk to this fraction of its first size has vanished. For a single
-        zone it is this fraction of half of all digits, since one zone keeps the given total however
-        narrow it is.
+        A zone or a gap that has shrunk to this fraction of its first size has vanished. A single
+        zone keeps the given total however narrow it is. So it has vanished only if half of all
+        digits of this fraction are lost.
     insistent_steps : int
         A zone has vanished if the undamped steps would remove it this number of times in a row.
 
@@ -91,7 +89,6 @@ class NewtonOptions:
     forcing: float = 1e-3
     first_solution: float = 1e-5
     step_margin: float = 1.5
-    rounding_step: float = 1e-6
     stalled_steps: int = 5
     close_step: float = 0.3
     vanished_part: float = 1e-3

@@ -125,9 +125,9 @@ class Progress:
 
     def _moves_by_rounding(self, delta: Array, width: Array, noise: Array) -> float:
         """Ratio of the largest recent move to the last one, if round-off causes them; else 0."""
-        move, rounding_step = self.trace[-1].move, self.options.rounding_step
-        quiet = delta < np.clip(100 * noise, rounding_step * width, 1e-2 * width)
-        by_rounding = (self.stalled >= 2 and move < 1e-3 * rounding_step) or (
+        move = self.trace[-1].move
+        quiet = delta < np.clip(100 * noise, HALF_DIGITS * width, 1e-2 * width)
+        by_rounding = (self.stalled >= 2 and move < HALF_DIGITS) or (
             self.stalled >= self.options.stalled_steps and bool(np.all(quiet))
         )
         if not by_rounding:
@@ -149,7 +149,7 @@ class Progress:
             return True
         stays = self.stalled >= 3 * options.stalled_steps and self._stays()
         stalled = self.stalled >= options.stalled_steps
-        return stalled and (move < options.rounding_step or stays)
+        return stalled and (move < HALF_DIGITS or stays)
 
     def _stays(self) -> bool:
         """Whether, in the last steps, the widths hardly changed and the moves did not decrease."""

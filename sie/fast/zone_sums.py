@@ -57,7 +57,7 @@ class NearRows:
         )
         gap = np.where(right, past, before_it)
         half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
-        # The decay at the node nearest to the source determines how many powers are above round-off.
+        # The decay at the node nearest to the source tells how many powers are above round-off.
         e = (
             gap
             + width

@@ -298,8 +298,8 @@ class QuadraticSpline(Kept):
         h = np.diff(knots)
         places, weights = legendre(knots, SUMS.gauss_nodes)
         weighted = self(places) * weights
-        # At this distance, in lengths of a piece, the error (4 distance)^(-2 nodes) of Gauss's rule is
-        # the square of a round-off.
+        # At this distance, in lengths of a piece, Gauss's rule errs by (4 distance)^(-2 nodes),
+        # which is the square of a round-off.
         near = 0.25 * EPS ** (-1 / SUMS.gauss_nodes)
         power = 1 if what == "transform" else 2
         sign = 1.0 if what == "transform" else -1.0

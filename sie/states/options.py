@@ -15,9 +15,6 @@ class ErrorOptions:
     # Number of samples of random errors. With four, the estimate is below a quarter of the true
     # size in one of a hundred cases.
     samples: int = 4
-    # Angles of each zone at which the density is evaluated, and ends at which the rounding of the
-    # primitive is measured.
-    places: int = 24
     # Singular parts are not evaluated closer to an end than this distance, in half widths.
     end_distance: float = 0.03
     # Neglected coefficients are assumed to decay at this fraction of the observed rate.

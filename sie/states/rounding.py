@@ -16,6 +16,7 @@ from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.dense.lu import Factored
 from sie.dense.modes import conformal_radius, gaps
+from sie.density.series import OPTIONS as SAMPLES
 from sie.equation.conditions import speaks_of_levels
 from sie.equation.equation import Forcing
 from sie.states.base import Solved
@@ -264,7 +265,7 @@ def _largest(coefficients: Array) -> Array:
     """
     k = np.arange(max(coefficients.shape[1], 2))
     # The angles are denser close to the ends, where high modes add up.
-    theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, OPTIONS.places)[:, None]) ** 2
+    theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, SAMPLES.samples)[:, None]) ** 2
     u = bounded_part(coefficients)[2]
     whole = (
         coefficients
@@ -304,7 +305,7 @@ def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> 
     heights = np.asarray(
         forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between)))
     )
-    look = ends[:: max(1, len(ends) // OPTIONS.places)]
+    look = ends[:: max(1, len(ends) // SAMPLES.samples)]
     near = look[:, None] + 4 * np.spacing(np.abs(look))[:, None] * np.arange(-4, 5)
     bend = 0.5 * np.abs(
         np.diff(np.asarray(forcing.primitive(near.ravel())).reshape(near.shape), 2, axis=1)

@@ -8,6 +8,7 @@ import numpy as np
 
 from sie.basis.data import Array, Index, Mask, row_sizes
 from sie.basis.interval import edge_scale
+from sie.basis.sums import OPTIONS as SUMS
 from sie.dense import modes
 from sie.dense.system import System
 from sie.density.density import Density
@@ -17,8 +18,6 @@ from sie.states.rounding import density_rounding, intensity_rounding, truncation
 
 # max over t of |T_k / sqrt(1 - t^2) - its singular parts| is 0.73 k, near an end.
 _AT_ENDS = 0.73
-
-
 # Round-off of n coefficients, close to an end that moves so that the 1/sqrt(d) term vanishes: 0.42
 # n^1.5 times their mean size, which is a third of the largest. Here is half of this, 0.07 n^1.5;
 # `State.made_of` restores the other half.
@@ -346,7 +345,7 @@ def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array
     of coefficients of each zone; residual: function of zones (k,) and angles (k, points), the
     residual times sqrt(1 - t^2).
     """
-    out, long = np.zeros(len(kept)), np.flatnonzero(kept >= modes.OPTIONS.long_series)
+    out, long = np.zeros(len(kept)), np.flatnonzero(kept >= SUMS.max_direct_terms)
     if len(long):
         theta = np.exp2([-1, 0, 1]) / kept[long, None]
         out[long] = np.abs(residual(long, np.concatenate((theta, np.pi - theta), axis=1))).max(

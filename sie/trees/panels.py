@@ -28,7 +28,7 @@ from sie.basis.data import HALF_DIGITS, SUM_ROUNDING, Array, Complex, Index, Kep
 from sie.basis.kernels import Kernel
 from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.zones import Zones
-from sie.trees.skeleton import SKELETON, Skeleton, skeleton_of
+from sie.trees.skeleton import MAX_STORED, SKELETON, Skeleton, skeleton_of
 from sie.trees.tree import TERMS
 
 Function = Callable[[Array, Array], Array]
@@ -90,7 +90,7 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = 0) -> Panels | N
         key = step, origin, first, count
         if key not in kernel.kept_panels:
             if (
-                len(kernel.kept_panels) >= SKELETON.kept_with_kernel
+                len(kernel.kept_panels) >= MAX_STORED
             ):  # the stored panels may be those of zones that have moved since
                 kernel.kept_panels.clear()
             kernel.kept_panels[key] = Panels(kernel, step, origin, first, count, farthest)

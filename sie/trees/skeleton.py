@@ -36,11 +36,11 @@ class SkeletonOptions:
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
     # Number of positions of the skeleton at which these coefficients are computed.
     sampled_places: int = 8
-    # Number of skeletons stored with a kernel.
-    kept_with_kernel: int = 24
 
 
 SKELETON = SkeletonOptions()
+# Number of skeletons, or of sets of panels, that are stored with a kernel.
+MAX_STORED = 24
 
 
 @record
@@ -152,7 +152,7 @@ def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
     if too_high in kernel.kept_panels:
         return None
     if key not in kernel.kept_panels:
-        if len(kernel.kept_panels) >= SKELETON.kept_with_kernel:
+        if len(kernel.kept_panels) >= MAX_STORED:
             kernel.kept_panels.clear()
         kernel.kept_panels[key] = _made(kernel, zones)
     found: Skeleton | None = kernel.kept_panels[key]
