@@ -120,6 +120,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def density(self) -> sie.AnyDensity:
+        """The scaled pressure; its `transform` at complex points gives stresses in the body."""
         return self.state.density
 
     @property

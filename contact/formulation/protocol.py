@@ -3,6 +3,19 @@
 `Solution`, its files, pictures and warnings ask for these members only, and need not know how a
 contact was found. Values are in SI units. Those called scaled are in the units of `problem.units`.
 The unknown of the method, the pressure or the slope of the gap, is not part of the protocol.
+
+    ZoneFields            the pressure on zones                  contact.formulation.fields
+    ClosedFields          one symmetric zone in closed form      contact.closed.fields
+    GapFields             the slope of the gap on gaps           contact.formulation.gaps
+    FullFields            full contact                           contact.formulation.full_contact
+    ApartFields           surfaces that do not touch             contact.formulation.full_contact
+    CohesiveFields        zones with tension around them         contact.adhesion.cohesive_fields
+    CohesiveGapFields     gaps, with tension everywhere          contact.adhesion.cohesive_fields
+    SeparatedFields       tension without contact                contact.adhesion.separated_fields
+
+The protocol has places on the line only. Below the surface, the transform of the pressure at complex
+points gives the stresses: `density.transform` and `density.transform_slope` of `ZoneFields`, see
+"A stress field from a solution" in docs/architecture.md.
 """
 
 from typing import Protocol
