@@ -22,7 +22,15 @@ from sie.ends.limits import DomainLimit, domain_limit, pinned_at_limits, release
 from sie.ends.motions import DirectMotions, IteratedMotions, motions_of
 from sie.ends.options import NewtonOptions, WarmStart
 from sie.ends.progress import Convergence, Progress, Step
-from sie.ends.steps import NewtonStep, corners_of, damped, growth_of, newton_step, place_rounding
+from sie.ends.steps import (
+    LastMoves,
+    NewtonStep,
+    corners_of,
+    damped,
+    growth_of,
+    newton_step,
+    place_rounding,
+)
 from sie.equation.equation import Equation
 from sie.fast.iteration import OPTIONS as ITERATION
 from sie.slits.system import AnyDensity, AnyState, solve_zones
@@ -217,6 +225,7 @@ class _Search:
         self.sizes = _sizes_at_first(equation, zones, start.modes_like)
         # The density caused by a unit of the open condition's value; None if not yet computed.
         self.value_response: AnyDensity | None = None
+        self.last: LastMoves | None = None
 
     def step(self) -> Free | None:
         """Solve on the zones and move their ends; return the result if the search has ended."""
@@ -277,7 +286,7 @@ class _Search:
             # tolerance of the solution is small enough.
             tolerance = float(np.sqrt(self.sizes.linear))
             self.value_response = state.response(state.values(opened), tolerance)
-        motion = newton_step(state, self.zones, self.options, self.value_response)
+        motion = newton_step(state, self.zones, self.options, self.value_response, self.last)
         if motion.branch is not None:
             self.progress.branches.append(motion.branch)
         if np.isfinite(motion.delta).all():
@@ -294,7 +303,11 @@ class _Search:
         closes = motion.closes(gaps)
         vanishes = motion.vanishes(self.zones)
         moves = damped(self.zones, equation, motion.delta, options)
-        self.zones = zones = pinned_at_limits(self.zones.moved(moves, keeps_places), options.limits)
+        before = self.zones
+        self.zones = zones = pinned_at_limits(before.moved(moves, keeps_places), options.limits)
+        if motion.residual is not None:
+            moved = np.array([before.a - zones.a, zones.b - before.b])
+            self.last = LastMoves(motion.residual, moved)
         gaps = modes.gaps(zones, equation.kernel)[1]
         lost, met = self.progress.vanished(zones, gaps, vanishes, closes)
         changes = len(lost) + len(met)
@@ -303,7 +316,7 @@ class _Search:
         if options.allow_loss and changes < len(zones) and not zones.symmetric:
             # Vanishing zones bear little load, so the search continues with the others.
             self.zones, kept = zones.changed(lost, met, equation.kernel.period)
-            self.value_response, self.sizes = None, self.sizes.of(kept)
+            self.value_response, self.last, self.sizes = None, None, self.sizes.of(kept)
             self.progress.continue_with(
                 self.zones, modes.gaps(self.zones, equation.kernel)[1], kept
             )

@@ -29,6 +29,17 @@ class Branch:
 
 
 @record
+class LastMoves:
+    """The last step as it was carried out.
+
+    residual: intensities less the prescribed ones before it (2, Z); moves: outward moves (2, Z).
+    """
+
+    residual: Array
+    moves: Array
+
+
+@record
 class NewtonStep:
     """One undamped Newton step.
 
@@ -44,6 +55,7 @@ class NewtonStep:
     change: float
     weak: Mask
     branch: Branch | None = None
+    residual: Array | None = None
 
     @property
     def certain(self) -> bool:
@@ -60,11 +72,16 @@ class NewtonStep:
 
 
 def newton_step(
-    state: AnyState, zones: Zones, options: NewtonOptions, value_response: AnyDensity | None
+    state: AnyState,
+    zones: Zones,
+    options: NewtonOptions,
+    value_response: AnyDensity | None,
+    last: LastMoves | None = None,
 ) -> NewtonStep:
     """The next step of the free ends of the zones.
 
     value_response: the density caused by a unit of the open condition's value, if there is one.
+    last: the last step, if it has left the same zones.
     """
     moves, density = zones.moves, state.density
     k = np.array(density.intensities)
@@ -73,7 +90,7 @@ def newton_step(
         # If intensities other than zero are prescribed there are no slits, so `whole` is complete.
         return _coupled_step(state.whole, moves, residual, options, value_response)
     a, noise_k = np.array(density.edge_slopes), state.intensity_noise
-    safe, weak = _safe_slopes(density, state.natural, options.signs)
+    safe, weak = _safe_slopes(density, state.natural, options.signs, residual, last)
     delta = np.where(moves, 2 * residual / safe, 0.0)
     noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
     change = 0.0
@@ -115,22 +132,34 @@ def _with_step_models(
         # If a corner shortens the step, it reduces the effect of round-off in K by the same factor.
         noise = noise * np.minimum(np.abs(bent) / np.maximum(np.abs(delta), 1e-300), 1.0)
         delta = bent
-    return NewtonStep(moves, delta, noise, plain.change, np.asarray((weak & moves).any(axis=0)))
+    weak_zones = np.asarray((weak & moves).any(axis=0))
+    return NewtonStep(moves, delta, noise, plain.change, weak_zones, residual=residual)
 
 
 def _safe_slopes(
-    density: AnyDensity, natural: Array, signs: tuple[float, float]
+    density: AnyDensity,
+    natural: Array,
+    signs: tuple[float, float],
+    residual: Array,
+    last: LastMoves | None,
 ) -> tuple[Array, Mask]:
     """(edge slopes A for the division in Newton's step (2, Z), mask where they are replaced).
 
     At the solution A has the sign of the density. Far from the solution A may have the other sign
-    or vanish. There it is replaced by its natural size, so that K alone determines the direction.
-    natural: largest coefficient of each zone beyond c_0 (Z,).
+    or vanish. There the change of the residual in the last step gives a slope: dK/d(end) = -A / 2.
+    If that has the wrong sign, too, A is replaced by its natural size. On a thin layer this size is
+    much too large, and the steps would be much too short. natural: largest coefficient of each zone
+    beyond c_0 (Z,); residual: intensities less the prescribed ones (2, Z).
     """
     a, root = np.array(density.edge_slopes), np.sqrt(density.zones.half)
     side = np.array(signs)[:, None]
-    weak = side * a <= 1e-8 * natural / root
-    return np.where(weak, side * (natural / root + 1e-300), a), weak
+    least, safe = 1e-8 * natural / root, side * (natural / root + 1e-300)
+    weak = side * a <= least
+    if last is not None and weak.any():
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            secant = -2 * (residual - last.residual) / last.moves
+        safe = np.where(np.isfinite(secant) & (side * secant > least), secant, safe)
+    return np.where(weak, safe, a), weak
 
 
 def corners_of(state: AnyState) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contact
+import sie
 from contact.studies.grid_judge import judge_period
 from tests.contact.judge import solve, true_error
 
@@ -228,6 +229,24 @@ def test_a_contact_of_hundreds_of_thicknesses_has_few_unknowns_under_every_contr
         )
         assert true_error(again, given) < 3 * (again.error + given.error) + 1e-9
         assert again.plan.counts["solves"] < 15
+
+
+@pytest.mark.parametrize("base, nu", KINDS)
+@pytest.mark.parametrize("width", [0.9, 1.02, 1.1, 1.5])
+def test_the_ends_on_a_thin_layer_are_found_from_zones_that_are_too_wide(base, nu, width):
+    """Next to the ends of a zone that is too wide, the edge slopes have the wrong sign. Steps by
+    their natural size would be a hundred times too short.
+    """
+    layer = contact.Layer(1e-3, nu, base)
+    half = 0.15
+    scene = contact.Scene(WAVE, 1.0, ALONE, substrate=layer, half_width=half)
+    # With the modulus 1 the density is twice the pressure.
+    total = sie.Total(2 * contact.solve(scene, tol=1e-7).load)
+    equation = sie.Equation(scene.operator.kernel(1.0), sie.Forcing(WAVE.slope), (total,))
+    free = sie.find_ends(equation, sie.Zones.of([[-width * half, width * half]]), 1e-7)
+    assert free.converged
+    assert len(free.trace) < 12
+    assert np.allclose(free.next_zones.table, [[-half, half]], rtol=0, atol=1e-7)
 
 
 @dataclass(frozen=True)

@@ -493,6 +493,10 @@ class _Run:
             if high < np.inf and high - low <= OPTIONS.closed * high:
                 if inf.is_periodic:
                     raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
+                if slope * load > OPTIONS.first_tolerance * depth:
+                    # The level still rises with the load. So this is not the largest approach:
+                    # the solutions were too inexact, as for a nearly incompressible layer.
+                    return replace(state, converged=False)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
             guess = state.pressure
             load += step
