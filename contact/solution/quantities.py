@@ -85,7 +85,7 @@ def peaks(scene: Scene, zones: Array, pressure_at: Callable[[Array, int], Array]
             found[zone] = np.inf
             continue
         more = PEAKS.samples_per_length * (right - left) / resolution
-        count = int(min(SAMPLING.min_gap_points + more, SAMPLING.max_gap_points))
+        count = int(min(SAMPLING.min_points + more, SAMPLING.max_points))
 
         def over_angle(angle: Array, zone: int = zone) -> Array:
             return pressure_at(np.clip(np.cos(angle), -1.0, 1.0), zone)

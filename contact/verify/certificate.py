@@ -19,28 +19,17 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import NARROWEST
 from contact.formulation.quadrature import chebyshev_nodes, sides
 from contact.formulation.tables import runs_of
-from contact.verify.minima import SAMPLING, Signs, lowest, signs_on
+from contact.verify.minima import SAMPLING, Signs, lowest, signs_on, zoomed
 from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, Mask, record
 
 
-def _min_samples() -> Array:
-    """The smallest set of sample points in (0, 1), dense at the ends and sparse in the middle."""
-    every, second = (
-        np.sin(0.5 * np.pi * (np.arange(n) + 0.5) / n) ** 2
-        for n in (SAMPLING.min_gap_points, SAMPLING.min_gap_points // 2)
-    )
-    at_ends = np.minimum(every, 1 - every) < SAMPLING.dense_part
-    return np.asarray(
-        np.sort(
-            np.concatenate(
-                (every[at_ends], second[np.minimum(second, 1 - second) >= SAMPLING.dense_part])
-            )
-        )
-    )
+def _places(count: int) -> Array:
+    """Places in (0, 1), denser at the ends: there contact is likely."""
+    return np.asarray(np.sin(0.5 * np.pi * (np.arange(count) + 0.5) / count) ** 2)
 
 
-_MIN_SAMPLES = _min_samples()
+_FEW_PLACES = _places(SAMPLING.min_points)
 
 
 @dataclass(frozen=True)
@@ -69,8 +58,8 @@ class Certificate:
 
     smallest_pressure: float
     smallest_gap: float | None
-    points: int
     holds: bool
+    points: int = 0
     gap_rounding: float = 0.0
     load_balance: float = 0.0
     level_spread: float = 0.0
@@ -104,13 +93,11 @@ class Certificate:
 
 
 NOT_CHECKED = Certificate(
-    np.nan,
-    None,
-    0,
-    False,
-    0.0,
-    np.nan,
-    np.nan,
+    smallest_pressure=np.nan,
+    smallest_gap=None,
+    holds=False,
+    load_balance=np.nan,
+    level_spread=np.nan,
     note="a formal solution: its signs were not checked",
 )
 
@@ -121,7 +108,7 @@ def _allowed_gap(fields: ZoneFields) -> float:
     moved = state.density_error * state.size * float((zones.b - zones.a).sum())
     return (
         TOLERANCES.gap_margin * (moved + fields.gap_rounding)
-        + TOLERANCES.shape_mismatch * fields.largest_shape
+        + TOLERANCES.noise * fields.largest_shape
     )
 
 
@@ -193,7 +180,7 @@ def certify(
     if equilibrium is not None:
         note = equilibrium.fault or f"{equilibrium.note}{'; ' + note if note else ''}"
     undecided = (gaps.least is not None and -gaps.rounding <= gaps.least <= 0.0) or (
-        dip <= TOLERANCES.dip_rounding and not negative
+        dip <= TOLERANCES.rounding and not negative
     )
     return Certificate(
         smallest_pressure=signs.least * units.pressure,
@@ -310,7 +297,7 @@ def _pressures(fields: ZoneFields) -> Signs:
         scale = np.abs(np.where(finite, value, 0.0)).max(axis=1)
         return (
             np.where(finite, value, np.inf),
-            scale * np.clip(2 * noise[group], TOLERANCES.dip_rounding, 1e-6),
+            scale * np.clip(2 * noise[group], TOLERANCES.rounding, TOLERANCES.noise),
             scale,
         )
 
@@ -328,7 +315,7 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
     at, zone, inside = density.locate(kinks[heights < 0])
     found: list[tuple[float, float]] = []
     left_out = 0
-    distances = np.geomspace(NARROWEST, 1.0, SAMPLING.min_gap_points)
+    distances = np.geomspace(NARROWEST, 1.0, SAMPLING.min_points)
     for x, i in zip(at[inside], zone[inside], strict=True):
         half = density.zones.half[i]
         left, right = (x - density.zones.a[i]) / half, (density.zones.b[i] - x) / half
@@ -367,16 +354,15 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
         inner = np.flatnonzero(low & ((gap[1:-1] < bend) | (place[1:-1] >= near))) + 1
     minima = lowest(points, gap, np.flatnonzero(low & (gap[1:-1] > rounding)) + 1)
     lo, hi, found, values, places = points[inner - 1], points[inner + 1], [points], [gap], [place]
-    for _ in range(SAMPLING.zooms if len(inner) else 0):
+    inside = place[inner]
+    while len(lo):
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
         with np.errstate(over="ignore", invalid="ignore"):
             value = _finite(fields.formal_gap(fine.ravel())).reshape(fine.shape)
-        best = np.clip(np.argmin(value, axis=1), 1, 7)
-        rows = np.arange(len(best))
-        lo, hi = fine[rows, best - 1], fine[rows, best + 1]
         found.append(fine.ravel())
         values.append(value.ravel())
-        places.append(np.repeat(place[inner], 9))
+        places.append(np.repeat(inside, 9))
+        lo, hi, (inside,) = zoomed(fine, value, np.full(len(fine), rounding), (inside,))
     x, gap, place = np.concatenate(found), np.concatenate(values), np.concatenate(places)
     order = np.lexsort((x, place))
     x, gap, place = x[order], gap[order], place[order]
@@ -434,9 +420,9 @@ def _samples_in(
     tips = np.searchsorted(fields.tips, hi, side="left") > np.searchsorted(
         fields.tips, lo, side="right"
     )
-    plain = between & ~tips & (4 * (hi - lo) / fields.spacing <= SAMPLING.min_gap_points // 2)
+    plain = between & ~tips & (4 * (hi - lo) / fields.spacing <= SAMPLING.min_points)
     x = np.clip(
-        lo[plain, None] + (hi - lo)[plain, None] * _MIN_SAMPLES, lo[plain, None], hi[plain, None]
+        lo[plain, None] + (hi - lo)[plain, None] * _FEW_PLACES, lo[plain, None], hi[plain, None]
     )
     # In gaps as narrow as rounding some samples coincide.
     differ = np.diff(x, axis=1, prepend=-np.inf) > 0
@@ -455,8 +441,7 @@ def _samples_between(
 ) -> Array:
     """Places of samples in (lo, hi): evenly spaced, with spacing decreasing towards zones.
 
-    They include convex kinks and the limit of a half-line, as the body may touch exactly there. In
-    a gap that is short compared with the profile's resolution, samples in the middle are left out.
+    They include convex kinks and the limit of a half-line, as the body may touch exactly there.
     """
     known = fields.problem.profile.resolution is not None and (
         fields.is_bounded or (left_zone and right_zone)
@@ -465,13 +450,13 @@ def _samples_between(
     n = int(
         np.clip(
             asked,
-            SAMPLING.min_gap_points,
-            SAMPLING.max_gap_points if known else SAMPLING.max_guessed_points,
+            SAMPLING.min_points,
+            SAMPLING.max_points if known else SAMPLING.max_guessed_points,
         )
     )
     s = (np.arange(n) + 0.5) / n
     if left_zone and right_zone:
-        s = _MIN_SAMPLES if asked <= SAMPLING.min_gap_points // 2 else np.sin(0.5 * np.pi * s) ** 2
+        s = _places(n)
     elif left_zone:
         s = np.append(s * s, 1.0)
     elif right_zone:

@@ -87,7 +87,7 @@ def _error_of_body(found: SolvedZones) -> float:
         return 0.0
     state = found.fields.state.whole
     left = state.field_tail if np.isfinite(state.system.equation.kernel.length) else 0.0
-    return TOLERANCES.neglected_modes * left + _kernel_rounding(
+    return TOLERANCES.margin * left + _kernel_rounding(
         found.fields.problem, state.density.zones.table
     )
 
@@ -98,7 +98,7 @@ def _kernel_rounding(problem: Problem, table: Array) -> float:
     The compliance is taken at the longest wave of the widest scaled zone (n, 2).
     """
     width = float((table[:, 1] - table[:, 0]).max()) * problem.units.length
-    return TOLERANCES.compliance_rounding / float(
+    return TOLERANCES.kernel_rounding / float(
         problem.operator.substrate.symbol(np.array([np.pi / width]))[0]
     )
 
@@ -116,7 +116,7 @@ def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
         or not _kernel_rounding(problem, table) > tolerance
     ):
         return ""
-    part = TOLERANCES.compliance_rounding / _kernel_rounding(problem, table)
+    part = TOLERANCES.kernel_rounding / _kernel_rounding(problem, table)
     return (
         f"under a zone as wide as this {problem.substrate.name} gives way by {part:.1e} of what a "
         "half-plane does, and the rounding of the "
@@ -275,8 +275,9 @@ class SolvedGaps(Solved):
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]
         moved = self.free.end_error + state.end_truncation
-        # An error of R moves the ends as a change of the mean pressure does, up to a small factor.
-        mean_error = self.control_error + TOLERANCES.relief_shift * of_relief
+        # An error of R moves the ends as a change of the mean pressure does. An uneven one moves
+        # the two ends of a gap in opposite ways, hence the factor 2.
+        mean_error = self.control_error + 2 * of_relief
         if mean_error:
             moved = moved + mean_error * self.widening / width
         shift = np.maximum(moved * width, self._place_error[:, None])
@@ -316,8 +317,7 @@ class SolvedGaps(Solved):
         gaps, relief = fields.gap_slope.zones, fields.relief
         out = np.zeros(len(gaps))
         _, gap, inside = fields.gap_slope.locate(relief.at)
-        narrow = np.flatnonzero(self.free.end_error.max(axis=1) > TOLERANCES.unresolved_gap)
-        some = np.setdiff1d(narrow, gap[inside & (relief.heights < 0)])
+        some = np.setdiff1d(np.arange(len(gaps)), gap[inside & (relief.heights < 0)])
         if len(some):
             step = (
                 (profile.resolution or fields.problem.units.length * fields.period)

@@ -10,7 +10,6 @@ from contact.formulation.full_contact import NARROWEST
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import sides
 from contact.formulation.tables import located, runs_of
-from contact.model.profiles.noise import EPS
 from contact.verify.certificate import Certificate, unresolved_gaps_note
 from contact.verify.minima import SAMPLING, Signs, follow, lowest, may_be_negative, signs_on
 from contact.verify.tolerances import TOLERANCES
@@ -34,7 +33,7 @@ def certify_gaps(fields: GapFields) -> Certificate:
         smallest_gap=openings.least * units.height,
         points=openings.points + points,
         holds=not (negative or openings.negative),
-        undecided=left_out > 0 or (dip <= TOLERANCES.dip_rounding and not negative),
+        undecided=left_out > 0 or (dip <= TOLERANCES.rounding and not negative),
         note=note,
         dip=dip,
         negative=np.array(sorted(negative)).reshape(-1, 2),
@@ -55,7 +54,7 @@ def _openings(fields: GapFields) -> tuple[Signs, Array]:
         )
         x = gaps.middle[group][:, None] + gaps.half[group][:, None] * np.cos(theta)
         minima.append(lowest(x.ravel(), opening.ravel(), row * len(theta) + at + 1))
-        return opening, 64 * EPS * sizes[group], opening.max(axis=1)
+        return opening, TOLERANCES.rounding * sizes[group], opening.max(axis=1)
 
     signs = signs_on(gaps, density.sampling, sampled, density.integral_at)
     return signs, np.concatenate(minima)
@@ -130,25 +129,20 @@ def _sampled(fields: GapFields) -> _Samples:
 
     The even places are those of the samples that the fields compute anyway.
     """
-    zones, spacing = fields.zones, fields.relief.spacing
+    zones, near_end = fields.zones, fields.relief.spacing
     half = 0.5 * (zones[:, 1] - zones[:, 0])
-    counts = np.clip(
-        SAMPLING.points_per_length * half / spacing,
-        2 * SAMPLING.min_gap_points,
-        SAMPLING.max_gap_points,
-    ).astype(int)
-    is_wide = half > SAMPLING.wide_zone * spacing
-    wide = np.flatnonzero(is_wide)
     x, known = fields.samples
+    step = x[1] - x[0]
+    # In the middle of a zone even angles are as dense as the even places.
+    counts = np.clip(np.pi * half / step, 2 * SAMPLING.min_points, SAMPLING.max_points).astype(int)
+    # The pressure varies more near a gap than the profile, within one shortest length of that.
+    is_wide = half > 2 * near_end
+    wide = np.flatnonzero(is_wide)
     inside = located(zones, x)[0]
     from_left, from_right = x - zones[inside, 0], zones[inside, 1] - x
-    inner = np.flatnonzero(
-        is_wide[inside] & (np.minimum(from_left, from_right) > SAMPLING.edge_lengths * spacing)
-    )
+    inner = np.flatnonzero(is_wide[inside] & (np.minimum(from_left, from_right) > near_end))
     # Samples near the ends of wide zones overlap with the inner samples by some steps.
-    edge_angle = 2 * np.arcsin(
-        np.sqrt(0.5 * (SAMPLING.edge_lengths * spacing + 3 * (x[1] - x[0])) / half[wide])
-    )
+    edge_angle = 2 * np.arcsin(np.sqrt(0.5 * (near_end + 3 * step) / half[wide]))
     few = np.minimum(np.ceil(edge_angle * counts[wide] / np.pi).astype(int) + 1, counts[wide])
     lengths = counts.copy()
     lengths[wide] = few
@@ -174,7 +168,9 @@ def _sampled(fields: GapFields) -> _Samples:
     # and may consist of their rounding only.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
     over_sine = 1 / np.sqrt(left * right)
-    return _Samples(run, zone, left, right, pressure * over_sine, 64 * EPS * size * over_sine)
+    return _Samples(
+        run, zone, left, right, pressure * over_sine, TOLERANCES.rounding * size * over_sine
+    )
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:

@@ -19,20 +19,9 @@ from sie import Array, Index, Mask, record
 class SamplingOptions:
     """Samples by which the signs of pressure and gap are checked on the whole line."""
 
-    # number of zooms into a minimum; each one narrows its bracket to a quarter or less
-    zooms: int = 7
-    dip_samples: int = 4  # this many negative samples show the width of a dip
-    count_digits: int = 3  # binary digits of the number of samples, so that many zones share one
-    min_gap_points: int = 48
-    max_gap_points: int = 2**17  # largest number if the profile states its resolution
+    min_points: int = 48  # in an interval: three of them in the first hundredth of a gap
+    max_points: int = 2**17  # largest number if the profile states its resolution
     max_guessed_points: int = 4000  # largest number if the resolution is a guess
-    # part of a gap at either end that is sampled closely: contact is likely there
-    dense_part: float = 0.05
-    points_per_length: int = (
-        64  # of a zone of nearly full contact; a shortest length of the profile
-    )
-    wide_zone: float = 16.0  # shortest lengths of the profile: wider zones have even samples inside
-    edge_lengths: float = 2.0  # shortest lengths of the profile between even samples and the ends
 
 
 SAMPLING = SamplingOptions()
@@ -79,30 +68,43 @@ def follow(
     """
     negative: list[tuple[int, float, float]] = []
     least = relative = lowest = np.inf
-    for zoom in range(SAMPLING.zooms if len(zone) else 0):
+    while len(zone):
         angle = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 17)
         here = over_root(zone[:, None], angle)
         here = np.where(np.isfinite(here), here, np.inf)
         least = min(least, float(here[here > rounding[:, None]].min(initial=np.inf)))
         relative = min(relative, float((here.min(axis=1) / scale).min()))
-        best = np.clip(np.argmin(here, axis=1), 1, 15)
         fails = here < -rounding[:, None]
-        each = np.arange(len(zone))
-        lo, hi = angle[each, best - 1], angle[each, best + 1]
-        keep = np.ones(len(zone), dtype=bool)
-        for k in np.flatnonzero(fails.any(axis=1)):
+        for k in np.flatnonzero(fails.sum(axis=1) > 1):
             at = np.flatnonzero(fails[k])
-            lo[k], hi[k] = angle[k, max(at[0] - 1, 0)], angle[k, min(at[-1] + 1, 16)]
-            # A few negative samples show where the pressure changes sign. A single one may stand
-            # for an interval much shorter than the spacing.
-            keep[k] = len(at) < SAMPLING.dip_samples and zoom < SAMPLING.zooms - 1
-            if not keep[k]:
-                negative.append((int(zone[k]), float(lo[k]), float(hi[k])))
-                lowest = min(lowest, float(here[k].min()))
-        if not keep.any():
-            break
-        zone, lo, hi, scale, rounding = zone[keep], lo[keep], hi[keep], scale[keep], rounding[keep]
+            first, last = angle[k, max(at[0] - 1, 0)], angle[k, min(at[-1] + 1, 16)]
+            negative.append((int(zone[k]), float(first), float(last)))
+            lowest = min(lowest, float(here[k].min()))
+        lo, hi, (zone, scale, rounding) = zoomed(angle, here, rounding, (zone, scale, rounding))
     return Dips(negative, least, relative, lowest)
+
+
+def zoomed(
+    at: Array, value: Array, rounding: Array, others: tuple[Array, ...]
+) -> tuple[Array, Array, tuple[Array, ...]]:
+    """Brackets about the least of the samples in each row that need a closer look.
+
+    at, value: places and values of the samples (k, n). rounding: that of the values (k,). others:
+    arrays (k,) to be reduced to the rows that remain. Returns the lower and upper ends of the
+    brackets, and the others.
+
+    A bracket is left out if the parabola through its samples does not fall below the rounding. It
+    is also left out if more than one sample is below it: they show how wide the interval of wrong
+    signs is. A single one may stand for an interval much narrower than the spacing. The second
+    difference falls with the square of the spacing, so that the zooms end.
+    """
+    each, best = np.arange(len(value)), np.clip(np.argmin(value, axis=1), 1, value.shape[1] - 2)
+    before, here, after = (value[each, best + k] for k in (-1, 0, 1))
+    with np.errstate(invalid="ignore"):
+        may_fail = before - 2 * here + after > here + rounding
+    keep = may_fail & (np.sum(value < -rounding[:, None], axis=1) < 2)
+    lo, hi = at[each, best - 1][keep], at[each, best + 1][keep]
+    return lo, hi, tuple(other[keep] for other in others)
 
 
 def lowest(x: Array, value: Array, at: Index) -> Array:
@@ -190,6 +192,5 @@ def signs_on(
 
 
 def _rounded_up(counts: Index) -> Index:
-    """Counts rounded up to a few binary digits, so that many intervals are sampled together."""
-    step = 2.0 ** np.maximum(np.floor(np.log2(counts)) - SAMPLING.count_digits, 0)
-    return np.asarray(np.ceil(counts / step) * step, dtype=np.intp)
+    """Counts rounded up to powers of two, so that many intervals are sampled together."""
+    return np.asarray(2 ** np.ceil(np.log2(counts)), dtype=np.intp)
