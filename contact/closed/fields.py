@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
-from contact.closed.series import summed
+from contact.closed.series import SAMPLES_PER_DEGREE, summed
 from contact.closed.zone import ClosedZone
 from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields, mean_shape
@@ -22,12 +22,8 @@ from contact.formulation.problem import Problem
 from contact.formulation.roots import maximum
 from contact.formulation.units import Units
 from contact.model.scene import Scene
+from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, nearest_image
-
-# Number of angles at which the pressure is sampled to bracket its maximum.
-ANGLES = 64
-# Tolerance of the density that the engine solves for; it is no part of the stated error.
-DENSITY_TOLERANCE = 1e-13
 
 
 class ClosedFields(ZoneFields):
@@ -66,7 +62,7 @@ class ClosedFields(ZoneFields):
         end = problem.end if self.zone.problem.corner is None else sie.SINGULAR
         equation = problem.equation(Load(self.load / problem.units.load))
         on = sie.Zones.of(zones, end, end, symmetric=True)
-        return sie.solve_zones(equation, on, DENSITY_TOLERANCE)
+        return sie.solve_zones(equation, on, TOLERANCES.rounding)
 
     # Quantities that the series gives.
 
@@ -148,7 +144,7 @@ class ClosedFields(ZoneFields):
             return math.inf
         return maximum(
             lambda angle: self.pressure_at(-1, np.cos(angle)),
-            np.linspace(0.0, math.pi, ANGLES + 1),
+            np.linspace(0.0, math.pi, SAMPLES_PER_DEGREE * self.zone.nodes + 1),
             levels=7,
         )[1]
 

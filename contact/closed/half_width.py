@@ -12,33 +12,24 @@ equilibrium measure of the zone. The localized model adds its correction (16).
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 import sie
+from contact.closed.zone import OPTIONS
 from contact.errors import OutOfRange
 from contact.extras import require
 from contact.formulation.controls import Control, HalfWidth
 from contact.formulation.problem import Problem
 from contact.formulation.roots import smooth_root
+from contact.model.profiles.noise import EPS
 from sie import Array
 
 NODES = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # positive half of 16 Gauss-Chebyshev nodes
 
 
-@dataclass(frozen=True)
-class BranchOptions:
-    """Options of the scan over half widths; a guess needs two digits, the branch's maximum nine."""
-
-    points_per_decade: int = 4  # the controlled quantity is smooth in the logarithm
-    decades: int = 10  # scanned below the widest zone; loads of narrower ones are lost in round-off
-    open_decades: int = 12  # scanned above and below 1 where nothing limits the zone
-    branch_points: int = 40  # solved along the branch from zero load
-    maximum_tolerance: float = 1e-9  # of the half width at the maximum; the load is flat there
-
-
-OPTIONS = BranchOptions()
+# Of a half width at which a quantity is largest: the quantity is flat there.
+MAXIMUM_TOLERANCE = math.sqrt(EPS)
 
 
 def guess_half_width(problem: Problem, control: Control) -> float:
@@ -51,25 +42,22 @@ def guess_half_width(problem: Problem, control: Control) -> float:
     if control.width is not None:
         return 0.5 * control.width
     limit = widest(problem)
-    density, decades, open_decades = (
-        OPTIONS.points_per_decade,
-        OPTIONS.decades,
-        OPTIONS.open_decades,
-    )
+    steps = OPTIONS.decades * OPTIONS.points_per_decade
     if math.isfinite(limit):
-        a = limit * np.logspace(-decades, 0, decades * density + 1)
+        a = limit * np.logspace(-OPTIONS.decades, 0, steps + 1)
     else:
-        a = np.logspace(-open_decades, open_decades, 2 * open_decades * density + 1)
+        a = np.logspace(-OPTIONS.decades, OPTIONS.decades, 2 * steps + 1)
     value = _carried(problem, control, a)
     above = np.flatnonzero(value >= control.value)
     if len(above) == 0:
         # A maximum between two scanned half widths may still reach it.
-        k = int(np.clip(np.argmax(value), 1, len(a) - 2))
+        # The widest of equal ones: a flat punch carries no load below its corners.
+        k = int(np.clip(np.flatnonzero(value == value.max())[-1], 1, len(a) - 2))
         top = require("scipy.optimize").minimize_scalar(
             lambda x: -float(_carried(problem, control, np.array([x]))[0]),
             bounds=(float(a[k - 1]), float(a[k + 1])),
             method="bounded",
-            options={"xatol": OPTIONS.maximum_tolerance * float(a[k])},
+            options={"xatol": MAXIMUM_TOLERANCE * float(a[k])},
         )
         if -top.fun < control.value:
             return float(top.x)
@@ -145,10 +133,11 @@ def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
     if not math.isfinite(limit):
         limit = 1e3 * guess_half_width(problem, control)
     # Even steps where the period limits the width, geometric ones where nothing does.
+    steps = OPTIONS.decades * OPTIONS.points_per_decade
     a = limit * (
-        np.linspace(0, 1, OPTIONS.branch_points + 1)[1:]
+        np.linspace(0, 1, steps + 1)[1:]
         if problem.cell is not None
-        else np.geomspace(1e-4, 1, OPTIONS.branch_points)
+        else np.geomspace(1e-4, 1, steps)
     )
     values = np.array([carried_by(problem, control, float(x)) for x in a])
     falls = np.flatnonzero(np.diff(values) < 0)
@@ -160,6 +149,6 @@ def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
         lambda x: -carried_by(problem, control, x),
         bounds=(low, high),
         method="bounded",
-        options={"xatol": OPTIONS.maximum_tolerance * high},
+        options={"xatol": MAXIMUM_TOLERANCE * high},
     )
     return np.append(a[: max(k, 1)], best.x), np.append(values[: max(k, 1)], -best.fun)

@@ -18,37 +18,16 @@ e sum k^2 |g_k|: each term by e k g_k (1 - cos(a) cos(k a)) / sin(a), at most e 
 """
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from contact.closed.line import Value, column, everywhere, largest, least
 from contact.closed.series import SAMPLES_PER_DEGREE, off, off_integral, table
-from contact.closed.zone import ROUND_OFF, ClosedZone
+from contact.closed.zone import OPTIONS, ROUND_OFF, ClosedZone
 from contact.model.profiles.noise import EPS
+from contact.verify.tolerances import TOLERANCES
 from sie import Array
-
-
-@dataclass(frozen=True)
-class SignOptions:
-    """Options of the checks of signs and of the stated error."""
-
-    clear_of_zero: float = (
-        1e-9  # least pressure or fall of a gap, over the largest: round-off x 1e6
-    )
-    border_places: int = 32  # places at which the gap is sampled up to the border
-    places_per_feature: int = 4  # least number of places per length over which the shape varies
-    max_places: int = 4096  # shapes that vary more closely have no closed form of use
-    far_places: int = 512  # places without a border, evenly in ln t
-    farthest: float = 1e12  # half lengths; the profile dwarfs every load there
-    least_of_widest: float = 0.05  # a smaller gap past its maximum may be a contact
-    stated_round_off: float = 4e-14  # sums of some hundred terms; the other routes state it too
-    # ratio of the pressure next to a corner to its mean, for the stated error
-    edge_peak: float = 8.0
-
-
-OPTIONS = SignOptions()
 
 
 def signs(zone: ClosedZone) -> tuple[Value, Value]:
@@ -69,7 +48,7 @@ def signs(zone: ClosedZone) -> tuple[Value, Value]:
 def _pushes(zone: ClosedZone) -> Value:
     """Whether the polynomial q plus the least term of the kink is clearly above zero."""
     most, kinked, first = zone.sums[1], zone.problem.kink / math.pi, zone.first
-    bounded = kinked + first + abs(first) - most > OPTIONS.clear_of_zero * (kinked + most)
+    bounded = kinked + first + abs(first) - most > TOLERANCES.noise * (kinked + most)
     if everywhere(bounded):
         return bounded
     value = table(zone.nodes // 2).samples(zone.g) + kinked
@@ -77,7 +56,7 @@ def _pushes(zone: ClosedZone) -> Value:
     # for.
     bend = np.abs(value[..., :-2] - 2.0 * value[..., 1:-1] + value[..., 2:])
     low = np.minimum(least(value), least(value[..., 1:-1] - 0.25 * bend))
-    return bounded | (low > OPTIONS.clear_of_zero * largest(value))
+    return bounded | (low > TOLERANCES.noise * largest(value))
 
 
 def least_inside(zone: ClosedZone) -> tuple[float, int]:
@@ -98,12 +77,12 @@ def places(zone: ClosedZone) -> Array:
     problem, half = zone.problem, column(zone.half)
     if not math.isfinite(problem.limit):
         return _to_far_away() + 0.0 * half
-    feature, count = problem.profile.resolution, OPTIONS.border_places
+    feature, count = problem.profile.resolution, OPTIONS.outer_places
     if feature is not None:
         room = problem.limit - float(np.min(zone.half_width))
-        count = int(
-            min(max(OPTIONS.places_per_feature * room / feature, count), OPTIONS.max_places)
-        )
+        # Shapes that vary more closely than the series resolves have no closed form.
+        most = SAMPLES_PER_DEGREE * OPTIONS.max_nodes
+        count = int(min(max(SAMPLES_PER_DEGREE * room / feature, count), most))
     return 1.0 + (problem.top / half - 1.0) * _squares(count)
 
 
@@ -116,8 +95,8 @@ def _squares(count: int) -> Array:
 @lru_cache(maxsize=1)
 def _to_far_away() -> Array:
     """Places from 1 to the farthest one, closer together near 1."""
-    far = np.geomspace(4.5, OPTIONS.farthest, OPTIONS.far_places)
-    return np.concatenate((1.0 + 3.0 * _squares(OPTIONS.border_places), far))
+    far = 4.0 * np.geomspace(1.0, 10.0**OPTIONS.decades, OPTIONS.decades * OPTIONS.outer_places + 1)
+    return np.concatenate((1.0 + 3.0 * _squares(OPTIONS.outer_places), far))
 
 
 def _opens(zone: ClosedZone) -> tuple[Value, Value]:
@@ -149,7 +128,7 @@ def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[b
 
     Called where the slope of the gap is not positive everywhere.
     """
-    problem, clear = zone.problem, OPTIONS.clear_of_zero
+    problem = zone.problem
     rounding = 4.0 * ROUND_OFF * (np.abs(own) + zone.sums[0] + problem.kink)
     if (rises > -rounding).all() and rises.max() > 0.0:
         return True, math.inf
@@ -160,9 +139,11 @@ def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[b
     gap = height - float(problem.profile.height(zone.half_width)) - sunk
     top = int(np.argmax(gap))
     lowest = float(gap[top:].min())
-    # Past its maximum the gap falls less between two samples than over all samples.
-    rising = bool(np.all(np.diff(gap[: top + 1]) >= -clear * gap[top]))
-    return rising and lowest > OPTIONS.least_of_widest * float(gap[top]) > 0.0, lowest
+    lost = TOLERANCES.rounding * float((np.abs(height) + np.abs(sunk)).max())
+    rising = bool(np.all(np.diff(gap[: top + 1]) >= -lost))
+    # Past its maximum the gap falls less between two samples than it is above zero.
+    steepest = float(-np.diff(gap[top:]).min(initial=0.0))
+    return rising and lowest > max(steepest, TOLERANCES.noise * float(gap[top])), lowest
 
 
 # The stated error.
@@ -172,7 +153,7 @@ def stated(zone: ClosedZone) -> Value:
     """The stated error of ends and pressure, without the error that the profile claims."""
     problem, way = zone.problem, zone.problem.map
     if problem.corner is not None:
-        return OPTIONS.edge_peak * OPTIONS.stated_round_off + 0.0 * zone.half
+        return TOLERANCES.singular_end * TOLERANCES.rounding + 0.0 * zone.half
     scale, _, follows = zone.sums
     scale = scale + abs(problem.kink)
     # Coefficients fall as a geometric series from 1 to round-off: the sum of those left off.
@@ -183,4 +164,4 @@ def stated(zone: ClosedZone) -> Value:
     pressure = zone.end_error * (follows + scale * turns) + left + ROUND_OFF * scale
     rise = way.load_factor / weight
     of_ends = zone.end_error * zone.half * rise / zone.widths + 0.5 * EPS
-    return OPTIONS.stated_round_off + np.maximum(of_ends, pressure * zone.widths / zone.totals)
+    return TOLERANCES.rounding + np.maximum(of_ends, pressure * zone.widths / zone.totals)

@@ -29,21 +29,29 @@ from sie import Array, Mask, record
 ROUND_OFF = 4 * EPS
 # Smaller numbers lose digits.
 SMALLEST = float(np.finfo(float).tiny) / EPS
-# Gauss points of the mean height over the angle from 0 to pi/2, in which heights are smooth.
-GAUSS_POINTS = 64
 
 
 @dataclass(frozen=True)
 class OneZoneOptions:
-    """Options of Newton's method on the half length of a zone."""
+    """Options of Newton's method on the half length of a zone, and of the samples around it."""
 
+    # Decades in which a half length, or a place outside, is looked for where nothing limits it.
+    # Loads of narrower zones are lost in round-off, and no gap closes farther away.
+    decades: int = 12
+    # half lengths that are scanned in each decade; the controlled quantity is smooth in it
+    points_per_decade: int = 4
+    # places at which the gap is sampled next to the zone, and in each decade far from it
+    outer_places: int = 32
+    gauss_points: int = 64  # of the mean height over an angle, in which heights are smooth
     first_nodes: int = 8  # a sinusoid or a parabola needs no more
     finer: int = 4  # factor to the next number of nodes if the series is not resolved
     max_nodes: int = 512  # contact over 0.95 of a period, the widest taken, needs some 250
     max_steps: int = 60  # five are usual; a load that no zone bears uses all of them
-    settled_step: float = 1e-9  # in ln h; the step after it is below round-off
     # step in ln h; after a smaller one the series is nearly that of the solution
     refine_below: float = 0.1
+
+
+OPTIONS = OneZoneOptions()
 
 
 @record
@@ -210,10 +218,7 @@ def _punch(problem: OneZoneProblem, corner: float, loads: Value) -> ClosedZone:
 
 
 def _newton(
-    problem: OneZoneProblem,
-    half: Value,
-    residual: Residual,
-    options: OneZoneOptions = OneZoneOptions(),
+    problem: OneZoneProblem, half: Value, residual: Residual, options: OneZoneOptions = OPTIONS
 ) -> ClosedZone:
     """The zone by Newton's method for ln half, for all loads together.
 
@@ -237,7 +242,8 @@ def _newton(
         done = resolved & (settled | (abs(move) <= 4.0 * rounding))
         if everywhere(done | fails):
             break
-        settled = abs(move) <= options.settled_step
+        # Newton's method converges quadratically: the next step is below round-off.
+        settled = abs(move) <= math.sqrt(EPS)
         if not everywhere(fails | resolved | (abs(move) > options.refine_below)):
             size *= options.finer
             if size > options.max_nodes:
@@ -261,5 +267,5 @@ def _newton(
 @lru_cache(maxsize=1)
 def _quarter_turn() -> tuple[Array, Array]:
     """(Gauss points t = cos(angle), weights) of the mean over angles from 0 to pi/2."""
-    s, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    s, weights = np.polynomial.legendre.leggauss(OPTIONS.gauss_points)
     return np.cos(0.25 * math.pi * (1.0 + s)), 0.5 * weights

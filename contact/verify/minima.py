@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -85,8 +86,8 @@ def follow(
 
 
 def zoomed(
-    at: Array, value: Array, rounding: Array, others: tuple[Array, ...]
-) -> tuple[Array, Array, tuple[Array, ...]]:
+    at: Array, value: Array, rounding: Array, others: tuple[Any, ...]
+) -> tuple[Array, Array, tuple[Any, ...]]:
     """Brackets about the least of the samples in each row that need a closer look.
 
     at, value: places and values of the samples (k, n). rounding: that of the values (k,). others:
