@@ -20,6 +20,7 @@ from functools import lru_cache
 import numpy as np
 
 from contact.errors import SceneError
+from contact.model.plugin_checks.jumps import CHECKS
 from contact.model.profiles.base import Profile, is_of_package
 from contact.model.profiles.noise import EPS, PLACES, STEP, deviations, rounding
 from sie import Array, record
@@ -29,24 +30,15 @@ from sie import Array, record
 class ClaimOptions:
     """Numbers of the check; twice or half of each one finds the same false claims.
 
-    few, many: least and largest number of panels, and of kinks; between these limits there are two
-    panels per length `resolution`. If the slope is derived from heights, `few` is the largest
-    number, as each value of the slope takes many heights. nodes: number of nodes of Gauss's rule,
-    which is applied to one, two and three parts of a panel. margin: factor on estimated errors;
-    also the ratio of the errors of pressures and ends to the relative error of the slope. parts,
-    levels: a panel that disagrees is divided into this many parts, this many times. jump: relative
-    difference from which the jump at a kink is false. refused: relative error above which a claim
-    is refused; a smaller error is added to the stated error.
+    panels: number of panels. nodes: number of nodes of Gauss's rule, which is applied to one, two
+    and three parts of a panel. A panel that disagrees is divided into as many parts. margin: factor
+    on estimated errors; also the ratio of the errors of pressures and ends to the relative error of
+    the slope.
     """
 
-    few: int = 16
-    many: int = 64
+    panels: int = 16
     nodes: int = 8
     margin: float = 4.0
-    parts: int = 5
-    levels: int = 2
-    jump: float = 1e-3
-    refused: float = 1e-6
 
 
 OPTIONS = ClaimOptions()
@@ -103,7 +95,7 @@ def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | No
 def _checked(profile: Profile, lo: float, hi: float) -> Claims:
     panels = _Panels.of(profile, *_panels(profile, lo, hi))
     mismatch, limit = _mismatch(profile, panels)
-    if mismatch > OPTIONS.refused and not profile.slope_is_derived:
+    if mismatch > CHECKS.same and not profile.slope_is_derived:
         return Claims(fault=limit)
     fault = _kink_fault(profile, panels) or _symmetry_fault(profile, panels, lo, hi)
     fault = fault or _period_fault(profile, panels) or _summit_fault(profile, panels, lo, hi)
@@ -117,18 +109,16 @@ def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
     """
     length, options = hi - lo, OPTIONS
     resolution = profile.resolution
-    wanted = (
-        options.few if resolution is None else max(options.few, np.ceil(2 * length / resolution))
-    )
-    most = options.few if profile.slope_is_derived else options.many
+    most = options.panels
+    wanted = most if resolution is None else max(most, np.ceil(2 * length / resolution))
     breaks = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
     breaks = breaks[(breaks > lo) & (breaks < hi)]
     width = length / wanted
-    starts = lo + width * np.floor(np.linspace(0.0, wanted - 1.0, int(min(wanted, most))))
+    starts = lo + width * np.floor(np.linspace(0.0, wanted - 1.0, most))
     a = np.concatenate((starts, breaks[:: max(1, len(breaks) // most)]))
     following = np.append(breaks, hi)[np.searchsorted(breaks, a, side="right")]
     b = np.minimum(a + width, following)
-    wide = b - a > options.refused * width
+    wide = b - a > CHECKS.same * width
     return a[wide], b[wide]
 
 
@@ -211,17 +201,14 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     """Largest relative error of the slope seen on several parts of a panel, and a description."""
     missing = panels.relative
     which = np.flatnonzero(missing > 0.0)
-    least, a, b = missing[which], panels.a[which], panels.b[which]
-    for _ in range(OPTIONS.levels if len(which) else 0):
-        cuts = np.linspace(a, b, OPTIONS.parts + 1)
-        found = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel()).relative.reshape(
-            OPTIONS.parts, -1
-        )
-        second, each = np.argsort(found, axis=0)[-2], np.arange(len(a))
-        least = np.minimum(least, found[second, each])
-        a, b = cuts[second, each], cuts[second + 1, each]
-    worst = int(np.argmax(least)) if len(which) else 0
-    if not len(which) or not least[worst] > 0.0:
+    if not len(which):
+        return 0.0, ""
+    cuts = np.linspace(panels.a[which], panels.b[which], OPTIONS.nodes + 1)
+    parts = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel()).relative
+    second = np.sort(parts.reshape(OPTIONS.nodes, -1), axis=0)[-2]
+    least = np.minimum(missing[which], second)
+    worst = int(np.argmax(least))
+    if not least[worst] > 0.0:
         return 0.0, ""
     k = int(which[worst])
     kind = "the slope that is derived from the heights" if profile.slope_is_derived else "slope"
@@ -240,15 +227,15 @@ def _kink_fault(profile: Profile, panels: _Panels) -> str:
     # Jumps at one place of the cell are added.
     at, which = np.unique(np.asarray(profile.wrap(kinks[:, 0])), return_inverse=True)
     kinks = np.column_stack((at, np.bincount(which, kinks[:, 1])))
-    kinks = kinks[:: max(1, len(kinks) // OPTIONS.many)]
+    kinks = kinks[:: max(1, len(kinks) // OPTIONS.panels)]
     places = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
     apart = float(np.diff(places).min(initial=float(np.max(panels.b - panels.a))))
-    distance = OPTIONS.refused * apart + 4 * np.spacing(np.abs(kinks[:, 0]))
+    distance = CHECKS.same * apart + 4 * np.spacing(np.abs(kinks[:, 0]))
     sides = np.asarray(
         profile.slope(kinks[:, 0] + distance * np.array([[-1.0], [1.0]])), dtype=np.float64
     )
     seen = sides[1] - sides[0]
-    error = np.abs(seen - kinks[:, 1]) - OPTIONS.jump * np.maximum(
+    error = np.abs(seen - kinks[:, 1]) - CHECKS.jump * np.maximum(
         np.abs(kinks[:, 1]), np.abs(sides).max(axis=0)
     )
     worst = int(np.argmax(np.where(np.isfinite(error), error, -np.inf)))
@@ -304,7 +291,7 @@ def _differ(x: Array, here: Array, there: Array, panels: _Panels, message: str, 
     error = np.where(np.isfinite(error), error, -np.inf)
     heights = panels.heights[np.isfinite(panels.heights)]
     worst = int(np.argmax(error))
-    if not error[worst] > OPTIONS.refused * float(np.ptp(heights)):
+    if not error[worst] > CHECKS.same * float(np.ptp(heights)):
         return ""
     return message.format(here[worst], x[worst], there[worst], y[worst])
 
@@ -319,9 +306,7 @@ def _summit_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> st
     top = float(np.min(np.asarray(profile.height(tips))))
     lowest = int(np.argmin(np.where(np.isfinite(panels.heights[0]), panels.heights[0], np.inf)))
     below = top - float(panels.heights[0, lowest])
-    if not below > OPTIONS.margin * panels.noise + OPTIONS.refused * float(
-        np.ptp(panels.heights[0])
-    ):
+    if not below > OPTIONS.margin * panels.noise + CHECKS.same * float(np.ptp(panels.heights[0])):
         return ""
     return (
         f"summits are the lowest places, {top:.9g} m, but the height is "

@@ -34,7 +34,9 @@ from scipy.special import zeta
 import sie
 from contact.errors import SceneError
 from contact.formulation.pieces import Pieces
+from contact.model.plugin_checks.jumps import CHECKS
 from contact.model.profiles.base import Profile, is_of_package
+from contact.model.profiles.derive import DETAIL
 from contact.model.profiles.noise import EPS
 from contact.model.profiles.trigonometric import Sum
 from sie import Array, Complex, record
@@ -44,9 +46,7 @@ from sie import Array, Complex, record
 class ConjugateOptions:
     """Numbers for the Hilbert transform H f' of a sampled slope, and for its error estimate."""
 
-    min_samples: int = 256
     max_samples: int = 2**18
-    samples_per_length: int = 16  # per shortest length of the profile
     # number of pairs of a point and a jump computed at once; bounds the memory
     block: int = 1 << 20
     # Error of H f' relative to the residual and its conjugate at the samples: the peaks of noise
@@ -55,19 +55,13 @@ class ConjugateOptions:
     # The same for a residual of terms that fall like those of a jump, or slower: at 1e-5 of the
     # period from a corner the conjugate is 4 times the jump.
     jump_margin: float = 8.0
-    # relative to the largest term: terms above this that do not decay are not noise
-    max_noise: float = 1e-9
     no_decay: float = 0.6  # ratio of terms one octave apart, above which they do not decay
-    checks: int = 32  # places at which a user's closed form is compared with the series
-    # relative mismatch: a larger one is refused, a smaller one adds to the error
-    max_mismatch: float = 1e-6
-    jump_in_samples: float = 64.0  # messages call a step of this many median steps a jump
-    pole_reach: float = 0.25  # periods: farther poles stay in the series (0.1 to 0.5 are the same)
-    # periods: nearer to a kink than this a closed form is extrapolated linearly
-    kink_reach: float = 1e-5
 
 
 OPTIONS = ConjugateOptions()
+# Nearer to a kink, in periods, a closed form is extrapolated linearly. The error of that is about
+# the square of the distance; round-off next to the kink grows as one over the distance.
+_KINK_REACH = np.cbrt(EPS)
 
 
 @record
@@ -152,12 +146,13 @@ class Conjugate(sie.Kept):
 
         Raises SceneError if the difference is so large that the closed form must be wrong.
         """
-        x = self.profile.x0 + self.period * (np.arange(OPTIONS.checks) + 0.4142) / OPTIONS.checks
+        checks = 2 * DETAIL.samples_per_length
+        x = self.profile.x0 + self.period * (np.arange(checks) + 0.4142) / checks
         here, there = closed(x), series.smooth(x)
         difference = np.abs(here - there)
         worst = int(np.argmax(difference))
         size = max(float(np.abs(there).max()), series.scale)
-        if not difference[worst] <= OPTIONS.max_mismatch * size + 2 * series.error:
+        if not difference[worst] <= CHECKS.same * size + 2 * series.error:
             at, given, wanted = (float(values[worst]) for values in (x, here, there))
             less = ", less the logarithms of the kinks," if len(self.kinks) else ""
             raise SceneError(
@@ -278,7 +273,7 @@ def _sampled_series(
     """
     # Fewer samples than the resolution of the profile asks for would cause aliasing.
     least = 2 ** np.ceil(np.log2(8 * length / (profile.resolution or length)))
-    n = int(np.clip(least, OPTIONS.min_samples, OPTIONS.max_samples))
+    n = int(np.clip(least, DETAIL.samples, OPTIONS.max_samples))
     while True:
         x = profile.x0 + length * (np.arange(n) + 0.5) / n
         slope = np.asarray(profile.slope(x))
@@ -335,7 +330,7 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
         )
     steps = np.abs(np.diff(smooth, append=smooth[:1]))
     at = int(np.argmax(steps))
-    if steps[at] > OPTIONS.jump_in_samples * float(np.median(steps)):
+    if steps[at] > CHECKS.stands_out * float(np.median(steps)):
         return (
             f"the slope jumps by {steps[at]:.3g} at x = {x[at]:.6g} m, and kinks of the profile "
             "does not say so"
@@ -349,6 +344,7 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
 class _PeriodicPoles:
     """Poles of the algebraic points of a periodic slope, each by tanh(pi eta/L) and c.
 
+    Poles farther than half a period from the line stay in the series.
     With s = sin(pi y/L), k = cos(pi y/L), T = tanh(pi eta/L): cot(pi (y - i eta)/L) = (s k (1 -
     T^2) + i T) / (s^2 + k^2 T^2).
     """
@@ -361,7 +357,7 @@ class _PeriodicPoles:
     def of(cls, profile: Profile, length: float) -> "_PeriodicPoles":
         at, n, left, right = np.asarray(profile.algebraic_points, dtype=float).T
         points = sie.AlgebraicPoints(at, n - 1, -n * left, n * right)
-        some = [points.poles(k, OPTIONS.pole_reach * length) for k in range(len(points.places))]
+        some = [points.poles(k, 0.5 * length) for k in range(len(points.places))]
         return cls(
             length,
             points,
@@ -393,9 +389,7 @@ class _PeriodicPoles:
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
                 # At the place itself the terms i c / (-i eta) of poles too close for `poles` count.
-                out[turns == 0.0] -= self.points.left_out(
-                    place, OPTIONS.pole_reach * self.length
-                ).real
+                out[turns == 0.0] -= self.points.left_out(place, 0.5 * self.length).real
         return out.reshape(np.shape(x))
 
 
@@ -406,7 +400,8 @@ def _noise(size: Array, scale: float) -> float:
     profile decrease.
     """
     last, before = _last_octaves(size)
-    return 6 * last if OPTIONS.no_decay * before < last < OPTIONS.max_noise * scale else 0.0
+    # Terms above half of the digits are not noise.
+    return 6 * last if OPTIONS.no_decay * before < last < np.sqrt(EPS) * scale else 0.0
 
 
 def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[[Array], Array]:
@@ -419,7 +414,7 @@ def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[
 
     def smooth(x: Array) -> Array:
         x = np.asarray(x, dtype=float)
-        reach = OPTIONS.kink_reach * length
+        reach = _KINK_REACH * length
         away = (x[..., None] - kinks[:, 0] + 0.5 * length) % length - 0.5 * length
         which = np.argmin(np.abs(away), axis=-1)
         nearest = np.take_along_axis(away, which[..., None], axis=-1)[..., 0]

@@ -16,8 +16,8 @@ from contact.formulation.controls import Load
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import cuts_between, over_period, panels, sides
 from contact.formulation.roots import maximum, reaches
-from contact.model.profiles.derive import detail_of
-from contact.model.profiles.noise import EPS
+from contact.model.profiles.derive import DETAIL, detail_of
+from contact.model.profiles.noise import EPS, ROUND_OFF
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 
@@ -26,11 +26,9 @@ class FieldOptions:
     """Sampling of the fields of a contact, and tolerances of further solutions on its zones."""
 
     peak_zones: int = 16  # zones in which the highest pressure is located between samples
-    far_from: float = 1e3  # half-lines are sampled closely up to this many spans of the zones,
-    far_to: float = 1e12  # and on a logarithmic scale up to this many
-    far_samples: int = 512
-    max_gap_panels: int = 4000  # of a quadrature over one gap
-    solve_tolerance: float = 1e-13  # of solutions on the same zones: round-off x condition
+    # Half-lines are sampled closely up to this many spans of the zones. Farther out they are
+    # sampled on a logarithmic scale, up to where the zones are round-off of the distance.
+    far_from: float = 1e3
     guess_tolerance: float = 1e-4  # of rates that only start a search
 
 
@@ -163,9 +161,7 @@ class ZoneFields(sie.Kept):
         rate = self.centring - float(state.level_rates(values).mean())
         if self.amplitude_rate:
             rate -= self.amplitude_rate * float(
-                by_nominal_pressure(
-                    self.problem, self.density.zones, OPTIONS.solve_tolerance
-                ).levels.mean()
+                by_nominal_pressure(self.problem, self.density.zones, ROUND_OFF).levels.mean()
             )
         if self.density.zones.follow_ends:
             k = np.array(state.response(state.values()).intensities)
@@ -205,7 +201,7 @@ class ZoneFields(sie.Kept):
         assert wanted
         whole = sie.Zones.of(zones.table, self.problem.end, self.problem.end)
         state = sie.solve_zones(
-            self.problem.equation(Load(self.density.total)), whole, OPTIONS.solve_tolerance
+            self.problem.equation(Load(self.density.total)), whole, ROUND_OFF
         ).whole
         rates = sie.end_rates(state)
         matrix = rates.intensities
@@ -229,9 +225,7 @@ class ZoneFields(sie.Kept):
         total, breaks = 0.0, self.problem.forcing.jumps.broken_at
         for lo, hi, _, _ in self.open_intervals():
             x, weights = panels(
-                cuts_between(
-                    lo, hi, max(0.5 * self.spacing, (hi - lo) / OPTIONS.max_gap_panels), breaks
-                )
+                cuts_between(lo, hi, max(0.5 * self.spacing, (hi - lo) / DETAIL.samples), breaks)
             )
             total += float(self.scaled_gap(x) @ weights)
         return total / self.problem.repeat_length * units.height
@@ -401,7 +395,7 @@ class ZoneFields(sie.Kept):
             return
         zones, (lo, hi) = self.density.zones, self._limits
         first, last = float(zones.a[0]), float(zones.b[-1])
-        away = (last - first) * np.geomspace(OPTIONS.far_from, OPTIONS.far_to, OPTIONS.far_samples)
+        away = (last - first) * np.geomspace(OPTIONS.far_from, 1 / ROUND_OFF, DETAIL.samples)
         if not np.isfinite(lo):
             yield first - away[::-1]
         if not np.isfinite(hi):
@@ -478,7 +472,7 @@ class ZoneFields(sie.Kept):
         if problem.moment is None:
             whole = replace(density.zones, symmetric=False)
             equation = replace(problem, moment=self.scaled_moment).equation(Load(density.total))
-            state = sie.solve_zones(equation, whole, OPTIONS.solve_tolerance)
+            state = sie.solve_zones(equation, whole, ROUND_OFF)
         else:
             state = self.state
         values = np.zeros(len(state.condition_scale))
@@ -510,10 +504,7 @@ class ZoneFields(sie.Kept):
         density = self.density
         if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
             left, right = density.intensities
-            if (
-                max(left.max(), right.max())
-                > OPTIONS.solve_tolerance * np.abs(density.coefficients).max()
-            ):
+            if max(left.max(), right.max()) > ROUND_OFF * np.abs(density.coefficients).max():
                 return np.inf
         if np.any((density.jumps.height > 0) & (density.jumps.order == 0)):
             return np.inf

@@ -10,8 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.formulation.claims import OPTIONS as CLAIMS
 from contact.formulation.problem import Problem
-from contact.model.profiles.derive import verdicts
+from contact.model.profiles.derive import VERDICTS, verdicts
+from contact.model.profiles.noise import EPS
 from sie import Array
 
 
@@ -19,19 +21,17 @@ from sie import Array
 class InputCheckOptions:
     """Numbers of the check.
 
-    parts: number of parts of the widest zone on which rises are compared with integrals, and number
-    of nodes in each part. wider: widths of further intervals, divided by that of the zone. counts:
-    smallest difference, relative to the rise, that is reported. grows: largest factor by which
-    round-off may grow on the wider intervals.
+    counts: smallest difference, relative to the rise, that is reported. grows: largest factor by
+    which round-off may grow on the wider intervals.
     """
 
-    parts: int = 16
-    wider: tuple[float, ...] = (1e2, 1e3, 1e4, 1e5, 1e6)
     counts: float = 1e-7
     grows: float = 1e3
 
 
 _OPTIONS = InputCheckOptions()
+# Parts of the widest zone on which rises are compared with integrals, and nodes in each part.
+_PARTS = CLAIMS.panels
 
 
 def height_rounding(problem: Problem, table: Array) -> str:
@@ -45,11 +45,13 @@ def height_rounding(problem: Problem, table: Array) -> str:
     if not here > _OPTIONS.counts * rise:
         return ""
     # Heights with digits that contradict the slope are not rounded: one of the two is wrong.
-    at = middle + half * np.linspace(-1, 1, _OPTIONS.parts)
-    scale = np.full(at.shape, half / _OPTIONS.parts)
+    at = middle + half * np.linspace(-1, 1, _PARTS)
+    scale = np.full(at.shape, half / _PARTS)
     if verdicts(problem.shape, problem.slope, at, scale).contradicted.any():
         return ""
-    for wider in _OPTIONS.wider:
+    # Wider intervals reach up to half of the digits.
+    for power in range(2, int(0.5 * -np.log(EPS) / np.log(VERDICTS.ratio)) + 1):
+        wider = VERDICTS.ratio**power
         there, risen, _ = _differences(problem, middle, wider * half)
         if there <= 10 * _OPTIONS.counts * risen and there <= _OPTIONS.grows * here:
             break
@@ -71,8 +73,8 @@ def _differences(problem: Problem, middle: float, half: float) -> tuple[float, f
 
     Returns the median of the differences, then the ranges of the cumulated rises and differences.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(_OPTIONS.parts)
-    at = middle + half * np.linspace(-1, 1, _OPTIONS.parts + 1)
+    nodes, weights = np.polynomial.legendre.leggauss(_PARTS)
+    at = middle + half * np.linspace(-1, 1, _PARTS + 1)
     with np.errstate(all="ignore"):
         step = at[1:] - at[:-1]
         x = 0.5 * (at[1:] + at[:-1])[:, None] + 0.5 * step[:, None] * nodes

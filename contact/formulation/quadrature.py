@@ -9,13 +9,14 @@ from functools import lru_cache
 import numpy as np
 
 from contact.model.profiles.base import Profile
+from contact.model.profiles.noise import EPS
 from sie import Array
 
 IN_PANEL = 32  # nodes of a panel with crowded nodes
 _PERIOD_NODES = 12  # nodes of a panel in a rule over a period
 # Panels next to an algebraic point are halved this often. The integral of |y|^n, n > 1, over the
-# last one is below 2^(-2 * 28) of the whole, which is round-off.
-_HALVINGS = 28
+# last one is below the square of its width, which is round-off.
+_HALVINGS = int(-np.log2(np.sqrt(EPS)))
 
 
 @lru_cache(maxsize=1)
@@ -82,7 +83,7 @@ def over_period(profile: Profile, least: int = 8) -> tuple[Array, Array, Array]:
     inner = (np.asarray(profile.breakpoints) - profile.x0) / length
     points = (np.asarray(profile.algebraic_points)[:, :1] - profile.x0) / length
     graded = (
-        points + np.outer([1.0, -1.0], 0.5 ** np.arange(1, _HALVINGS) / panels).ravel()
+        points + np.outer([1.0, -1.0], 0.5 ** np.arange(1, _HALVINGS + 1) / panels).ravel()
     ).ravel()
     inner = np.concatenate((inner, graded, graded + 1.0))
     cuts = np.unique(

@@ -21,6 +21,7 @@ from contact.formulation.quadrature import over_period
 from contact.formulation.units import Units
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
+from contact.model.profiles.derive import DETAIL
 from contact.model.profiles.noise import noise_at
 from contact.model.profiles.trigonometric import Sum, coefficients
 from sie import Array, Complex, Index, record
@@ -161,8 +162,8 @@ class ScaledRelief(sie.Kept):
         """
         n = int(
             np.clip(
-                OPTIONS.samples_per_length * self.period / self.spacing,
-                OPTIONS.min_samples,
+                DETAIL.samples_per_length * self.period / self.spacing,
+                DETAIL.samples,
                 OPTIONS.max_samples,
             )
         )
@@ -201,7 +202,7 @@ def harmonics(profile: Profile, count: int) -> Complex:
 def height_noise(profile: Profile) -> float:
     """Largest noise of the heights of a periodic profile [m]."""
     x = period_samples(profile)
-    x = x[:: max(1, len(x) // OPTIONS.min_samples)]
+    x = x[:: max(1, len(x) // DETAIL.samples)]
     return noise_at(profile.height, x, profile.resolution or profile.period or 1.0)
 
 
@@ -211,8 +212,8 @@ def period_samples(profile: Profile) -> Array:
     assert length is not None
     n = int(
         np.clip(
-            OPTIONS.samples_per_length * length / (profile.resolution or length / 16),
-            OPTIONS.min_samples,
+            DETAIL.samples_per_length * length / (profile.resolution or length / 16),
+            DETAIL.samples,
             OPTIONS.max_samples,
         )
     )

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.model.profiles.noise import EPS
+from contact.model.profiles.noise import EPS, ROUND_OFF
 from sie import Array
 
 
@@ -20,7 +20,6 @@ class RootOptions:
 
     max_values: int = 100
     points: int = 4  # of the inverse interpolation
-    rounding: float = 1e-12  # relative: below it rounding may keep the steps from falling
 
 
 _OPTIONS = RootOptions()
@@ -53,7 +52,7 @@ def smooth_root(
         if (
             step <= rtol * abs(guess)
             or closes
-            or (step > 0.5 * steps[-1] and step < _OPTIONS.rounding * abs(guess))
+            or (step > 0.5 * steps[-1] and step < ROUND_OFF * abs(guess))
         ):
             return guess
         if not low < guess < high or step > 0.5 * steps[-2]:

@@ -24,25 +24,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.model.profiles.noise import EPS
-from contact.model.symbols import ONE, WAVES, Symbol
+from contact.model.symbols import WAVES, Symbol
 from sie import Array, record
 
 
 @dataclass(frozen=True)
 class LineLoadOptions:
-    """Series, panels and nodes of the smooth part; with them it is accurate to rounding."""
+    """Series and panels of the smooth part; with them it is accurate to rounding.
 
-    terms: int = 24  # of the Chebyshev series in a panel of r
-    first_panel: float = (
-        12.0  # end of the first panel of r, times the shortest wave number of L - 1
-    )
-    max_summed_phase: float = 400.0  # q r up to which panels of q are summed
-    panel_phase: float = 20.0  # of the longest panel of q
-    panel_nodes: int = 32
-    halvings: int = 60  # of panels of q towards 0; panels of r double twice as often at most
+    nodes: terms of the Chebyshev series in a panel of r, and nodes of Gauss's rule in a panel of q.
+        They resolve a phase q r of half their number.
+    max_summed_phase: largest q r up to which panels of q are summed.
+    """
+
+    nodes: int = 24
+    max_summed_phase: float = 400.0
 
 
-_OPTIONS = LineLoadOptions()
+OPTIONS = LineLoadOptions()
+# Halvings of panels of q from the shortest wave to the longest, and doublings of panels of r.
+_HALVINGS = int(np.log2(WAVES.max() / WAVES.min()))
 
 
 @record
@@ -68,15 +69,15 @@ class SmoothPart:
         """The smooth part for a symbol of q [1/m]; grounded: whether the body has a base."""
         top = _shortest(symbol)
         if top is None:
-            zero = np.zeros((1, _OPTIONS.terms))
+            zero = np.zeros((1, OPTIONS.nodes))
             return cls(1.0, zero, zero, zero, 0.0, None, np.inf)
-        first = _OPTIONS.first_panel / top
+        first = 0.5 * OPTIONS.nodes / top
         integral = _integral(symbol, top)
         # r m(r) settles for r above the inverse of the wave at which L reaches its long-wave limit.
         slow = _longest(symbol)
         panels: list[Array] = []
         lo, hi, limit = 0.0, first, 0.0
-        while len(panels) < 2 * _OPTIONS.halvings:
+        while len(panels) < 2 * _HALVINGS:
             r = 0.5 * (lo + hi) + 0.5 * (hi - lo) * _POINTS
             values = integral(r)
             panels.append(_TO_SERIES @ (values * first))
@@ -95,7 +96,7 @@ class SmoothPart:
         M[:, 0] += start - _at_end(M) if grounded else 0.0
         N = _integrated(M, half)
         # L - 1 falls about as exp(-q length).
-        return cls(first, m, M, N, limit, first if grounded else None, -np.log(ONE) / top)
+        return cls(first, m, M, N, limit, first if grounded else None, -np.log(EPS) / top)
 
     @property
     def is_zero(self) -> bool:
@@ -135,7 +136,7 @@ def _shortest(symbol: Symbol) -> float | None:
     """The wave [1/m] above which L = 1; None if L = 1 everywhere."""
     deviation = np.abs(np.asarray(symbol(WAVES)) - 1)
     # The shortest waves show the rounding of L.
-    level = max(ONE, 4 * float(deviation[-8:].max()))
+    level = max(EPS, 4 * float(deviation[-8:].max()))
     seen = np.flatnonzero(deviation > level)
     if len(seen) == 0:
         return None
@@ -156,9 +157,9 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
     # A compliance that grows without bound has no limit to subtract.
     first, next_ = np.asarray(symbol(WAVES[:2]))
     base = float(first) if abs(next_ - first) <= 1e-3 * abs(first) or first < 1 else 1.0
-    edges = np.concatenate(([0.0], top * 2.0 ** np.arange(-_OPTIONS.halvings, 1.0)))
+    edges = np.concatenate(([0.0], top * 2.0 ** np.arange(-_HALVINGS, 1.0)))
     counts = np.maximum(
-        np.ceil(np.diff(edges) * _OPTIONS.max_summed_phase / (top * _OPTIONS.panel_phase)), 1
+        np.ceil(np.diff(edges) / top * OPTIONS.max_summed_phase / (0.5 * OPTIONS.nodes)), 1
     ).astype(int)
     cuts = np.concatenate(
         [
@@ -167,13 +168,13 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
         ]
         + [[top]]
     )
-    nodes, weights = np.polynomial.legendre.leggauss(_OPTIONS.panel_nodes)
+    nodes, weights = np.polynomial.legendre.leggauss(OPTIONS.nodes)
     half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
     q = (middle[:, None] + half[:, None] * nodes).ravel()
     weighted = (half[:, None] * weights).ravel() * (np.asarray(symbol(q)) - 1)
 
     def integral(r: Array) -> Array:
-        near = r * top <= _OPTIONS.max_summed_phase
+        near = r * top <= OPTIONS.max_summed_phase
         out = np.empty(len(r))
         if near.any():
             out[near] = np.sin(r[near, None] * q) @ weighted
@@ -233,7 +234,7 @@ def _chebyshev_transform(terms: int) -> tuple[Array, Array]:
     return np.cos(angles), matrix
 
 
-_POINTS, _TO_SERIES = _chebyshev_transform(_OPTIONS.terms)
+_POINTS, _TO_SERIES = _chebyshev_transform(OPTIONS.nodes)
 
 
 def _integrated(series: Array, half: Array) -> Array:

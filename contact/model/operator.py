@@ -39,9 +39,12 @@ import scipy.special
 import sie
 from contact.errors import SceneError
 from contact.model.interactions.base import Interaction, Scaled
+from contact.model.line_load import OPTIONS as LINE_LOADS
 from contact.model.line_load import SmoothPart
 from contact.model.plugin_checks.forms import AuthorMethod
+from contact.model.profiles.noise import ROUND_OFF
 from contact.model.substrates.base import Substrate
+from contact.model.symbols import OPTIONS as SYMBOLS
 from contact.model.symbols import checked, excess, kernel_of
 from sie import Array, record
 
@@ -55,12 +58,7 @@ Rest = Callable[[Array, float], Array]
 class OperatorOptions:
     """Samples of the kernel of a user's interaction, from which the grid's operator is made."""
 
-    places: int = 4096  # of a period, at which it is compared with Hilbert's
-    rounding: float = 1e-13  # a difference from Hilbert's kernel that counts as none
     near_cells: float = 4.5  # cell widths: nearer to the source the kernel is averaged over a cell
-    panels: int = 32  # of half a cell, halved towards its middle
-    panel_nodes: int = 6
-    softest: float = 1e-9  # least compliance over the half-plane's
 
 
 _OPTIONS = OperatorOptions()
@@ -244,7 +242,7 @@ class Operator(sie.Kept):
         # The potential of Hilbert's kernel has mean 0 over a period.
         mean = float(
             _smooth_rest(
-                kernel, period, period * (np.arange(_OPTIONS.places) + 0.5) / _OPTIONS.places
+                kernel, period, period * (np.arange(SYMBOLS.harmonics) + 0.5) / SYMBOLS.harmonics
             ).mean()
         )
         return replace(
@@ -283,11 +281,11 @@ class Operator(sie.Kept):
         rest = self.rest
         if rest is None:
             return np.ones_like(q)
-        places = _OPTIONS.places * -(-2 * (len(q) + 1) // _OPTIONS.places)
+        places = SYMBOLS.harmonics * -(-2 * (len(q) + 1) // SYMBOLS.harmonics)
         values = rest(np.asarray(self.period / places * np.arange(places)), 0.0)
         n = np.arange(1, len(q) + 1)
         found = 1.0 - q / np.pi * (self.period / places) * scipy.fft.rfft(values).real[n]
-        return np.asarray(np.maximum(found, _OPTIONS.softest), dtype=np.float64)
+        return np.asarray(np.maximum(found, ROUND_OFF), dtype=np.float64)
 
     @cached_property
     def rest(self) -> Rest | None:
@@ -307,10 +305,10 @@ class Operator(sie.Kept):
         if self.is_half_plane:
             return None
         kernel = self.kernel(1.0)
-        lag = self.period * (np.arange(_OPTIONS.places) + 0.5) / _OPTIONS.places
+        lag = self.period * (np.arange(SYMBOLS.harmonics) + 0.5) / SYMBOLS.harmonics
         return (
             partial(_rest, kernel, self.period)
-            if float(np.abs(_smooth_rest(kernel, self.period, lag)).max()) > _OPTIONS.rounding
+            if float(np.abs(_smooth_rest(kernel, self.period, lag)).max()) > ROUND_OFF
             else None
         )
 
@@ -390,10 +388,10 @@ def _smooth_rest(kernel: sie.Kernel, period: float | None, lag: Array) -> Array:
 @cache
 def _crowded_nodes() -> tuple[Array, Array]:
     """Places and weights in a cell around 0 of width 1, ever closer towards its middle."""
-    node, weight = np.polynomial.legendre.leggauss(_OPTIONS.panel_nodes)
-    ends = np.append(0.5 ** np.arange(1.0, _OPTIONS.panels + 1), 0.0)
-    half, middle = 0.5 * (ends[:-1] - ends[1:])[:, None], 0.5 * (ends[:-1] + ends[1:])[:, None]
-    places, weights = (middle + half * node).ravel(), (half * weight).ravel()
+    node, weight = np.polynomial.legendre.leggauss(LINE_LOADS.nodes)
+    # The cube crowds the nodes at the middle, where the potential may vary as a logarithm.
+    u = 0.5 * (1 + node)
+    places, weights = 0.5 * u**3, 0.75 * weight * u**2
     return np.concatenate((-places, places)), np.concatenate((weights, weights))
 
 

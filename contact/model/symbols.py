@@ -21,6 +21,7 @@ import numpy as np
 import sie
 from contact.errors import SceneError
 from contact.model.checks import as_array, of_author
+from contact.model.profiles.noise import EPS
 from contact.model.profiles.trigonometric import Sum
 from sie import Array
 
@@ -28,20 +29,17 @@ Symbol = Callable[[Array], Array]
 
 # Waves [1/m] at which a symbol is sampled: from the length of a planet to that of an atom.
 WAVES = 10.0 ** np.arange(-9, 12.01, 0.125)
-ONE = 1e-17  # L - 1 below this is 0 in double precision: where a decaying L - 1 ends
 
 
 @dataclass(frozen=True)
 class SymbolOptions:
-    """Harmonics of a period at which a symbol is evaluated."""
+    """Harmonics of a period at which a symbol is evaluated, at first and at most."""
 
-    first_harmonics: int = 2**12
+    harmonics: int = 2**12
     max_harmonics: int = 2**16
-    rounding: float = 1e-15  # |L - 1| below this is the rounding of L
-    min_decaying: int = 16  # fewer harmonics do not show how fast they decay
 
 
-_OPTIONS = SymbolOptions()
+OPTIONS = SymbolOptions()
 
 
 def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
@@ -76,18 +74,19 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
 
     Raises SceneError if the symbol is not that of a body.
     """
-    count = _OPTIONS.first_harmonics
+    count = OPTIONS.harmonics
     while True:
         q = np.asarray(2 * np.pi / period * np.arange(1, count + 1), dtype=np.float64)
         found = checked(symbol, q, of)
         deviation = np.asarray(found - 1.0, dtype=np.float64)
-        seen = np.flatnonzero(np.abs(deviation) > _OPTIONS.rounding)
+        # A smaller deviation is the rounding of L.
+        seen = np.flatnonzero(np.abs(deviation) > 4 * EPS)
         if len(seen) == 0 or seen[-1] < 0.9 * count:
             return deviation[: seen[-1] + 1] if len(seen) else np.zeros(0)
-        if count >= _OPTIONS.max_harmonics:
+        if count >= OPTIONS.max_harmonics:
             allowed = (
-                f"1 for short waves: to {_OPTIONS.rounding:.0e} from harmonic "
-                f"{_OPTIONS.max_harmonics} of the period on"
+                f"1 for short waves: to {4 * EPS:.0e} from harmonic "
+                f"{OPTIONS.max_harmonics} of the period on"
             )
             raise SceneError.of(f"{of}.symbol(q)", float(found[-1]), allowed)
         count *= 4
@@ -109,12 +108,8 @@ def kernel_of(excess: Array, period: float) -> sie.Kernel:
         Sum.of(np.asarray(c, dtype=np.complex128))
         for c in (-2j * np.pi / period * excess, -excess / n)
     )
-    # The harmonics fall about as exp(-2 pi n length / l), which a few of them do not show.
-    length = (
-        -np.log(_OPTIONS.rounding) * period / (2 * np.pi * len(excess))
-        if len(excess) >= _OPTIONS.min_decaying
-        else np.inf
-    )
+    # The harmonics fall about as exp(-2 pi n length / l).
+    length = -np.log(EPS) * period / (2 * np.pi * len(excess))
     return plain + sie.Smooth(
         partial(_waves, value, period),
         partial(_waves, potential, period),

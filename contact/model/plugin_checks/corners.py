@@ -6,33 +6,21 @@ sharp, looks like a corner from afar: its jump must stay as the distance shrinks
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
-from contact.model.plugin_checks.jumps import CHECKS, jumps_at, room_around, slope_jumps
+from contact.model.plugin_checks.jumps import (
+    BEND_STEP,
+    CHECKS,
+    jumps_at,
+    room_around,
+    slope_jumps,
+    unlikely_border,
+)
 from contact.model.profiles.base import Profile
+from contact.model.profiles.derive import DETAIL
 from contact.model.profiles.noise import EPS, PLACES, deviations
 from sie import Array
-
-
-@dataclass(frozen=True)
-class CornerOptions:
-    """Search for faint corners.
-
-    samples_per_length: samples in the smallest length of the shape; (2 pi / 200)^6 is 1e-9.
-    min_samples, max_samples: limits of the number of samples.
-    stands_out: difference over the median one at which a place is examined; 16 to 256 find the
-        same corners.
-    """
-
-    samples_per_length: float = 200.0
-    min_samples: int = 2**10
-    max_samples: int = 2**15
-    stands_out: float = 64.0
-
-
-_OPTIONS = CornerOptions()
 
 
 def kinks(profile: Profile, x: Array) -> Iterator[str]:
@@ -42,7 +30,7 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
     if profile.period is not None:
         # The cell starts off any likely kink, so that its border lies inside.
         width = profile.period
-        lo = profile.x0 - CHECKS.off_border * width
+        lo = unlikely_border(profile)
     scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
     declared = np.asarray(profile.kinks, dtype=np.float64).reshape(-1, 2)
     slope, reach, rounding = _sharp_slope(profile, width, x)
@@ -76,7 +64,7 @@ def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float,
 
     The jump of a bend that is only sharp falls with the distance, that of round-off grows.
     """
-    least, found = max(64 * EPS * abs(s), CHECKS.bend_step * h), None
+    least, found = max(64 * EPS * abs(s), BEND_STEP * h), None
     while h > least:
         at = s + h * np.linspace(-1, 1, 17)
         h /= 4
@@ -87,7 +75,7 @@ def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float,
         else:
             right, left = (np.asarray(profile.slope(at + k * h)) for k in (1, -1))
             bends, rounding = right - left, 4 * EPS * float(np.max(np.abs(right)))
-        if rounding > CHECKS.clear * abs(jump):
+        if rounding > CHECKS.unchanged * abs(jump):
             break
         s = float(at[np.argmax(np.abs(bends))])
         around = s + h * np.array([-3.0, -1.0, 1.0, 3.0])
@@ -132,15 +120,18 @@ def undeclared_corner(profile: Profile, intervals: Array) -> str:
 def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None:
     """Place and jump of the slope at the clearest undeclared corner in an interval, or None."""
     function = profile.height if profile.slope_is_derived else profile.slope
-    count = _OPTIONS.samples_per_length * (hi - lo) / (profile.resolution or hi - lo)
-    count = int(np.clip(count, _OPTIONS.min_samples, _OPTIONS.max_samples))
+    # With this many samples in a length the smooth part of a difference is (2 pi / 256)^6. More
+    # samples show less of a corner of heights.
+    per_length = DETAIL.samples_per_length**2
+    count = per_length * (hi - lo) / (profile.resolution or hi - lo)
+    count = int(np.clip(count, DETAIL.samples, DETAIL.max_samples))
     x = np.linspace(lo, hi, count + 1)
     rough, last = _roughness(function, x)
     declared = _repeated(profile, np.asarray(profile.breakpoints, dtype=np.float64))
     holds_one = np.diff(np.searchsorted(declared, (x[:-last], x[last:])), axis=0)[0] > 0
     rough[holds_one] = 0.0
     i = int(np.argmax(rough))
-    if not rough[i] > _OPTIONS.stands_out * float(np.median(rough)):
+    if not rough[i] > CHECKS.stands_out * float(np.median(rough)):
         return None
     a, b = float(x[i]), float(x[i + last])
     # The corner is enclosed more narrowly until round-off hides it. The width of the interval is a

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,24 +15,9 @@ import numpy as np
 from contact.errors import SceneError, shown
 from contact.model.checks import as_array, of_author, positive_or_none
 from contact.model.profiles.base import Profile
+from contact.model.profiles.derive import DETAIL
+from contact.model.profiles.noise import ROUND_OFF
 from sie import Array
-
-
-@dataclass(frozen=True)
-class DeclarationLimits:
-    """Number of places at which heights of a profile are checked, and their largest size.
-
-    places: of a cell, or of a known part, at which heights must be numbers.
-    largest_height: variation of heights [m] whose square is still a number with a length's.
-    decades: places over the resolution, or in m, if nobody says how large the shape is.
-    """
-
-    places: int = 4097
-    largest_height: float = 1e120
-    decades: tuple[float, ...] = (-0.43, -1.1e-3, -1.3e-9, 1.7e-6, 1.9e-4, 0.29)
-
-
-_LIMITS = DeclarationLimits()
 
 # Columns of the arrays that have one row a place.
 _COLUMNS = {
@@ -76,7 +60,7 @@ def _require_heights(profile: Profile, x: Array) -> None:
     x: where to look at a profile without ends.
     """
     ends = profile.known or profile.support
-    x = np.linspace(*ends, _LIMITS.places) if ends is not None else x
+    x = np.linspace(*ends, DETAIL.samples + 1) if ends is not None else x
     with of_author("profile.height(x)", "height"):
         heights = np.asarray(profile.height(x.copy()), dtype=np.float64)
     # Without ends, far places need not matter: they do where the contact is searched for.
@@ -86,10 +70,11 @@ def _require_heights(profile: Profile, x: Array) -> None:
     with np.errstate(over="ignore"):
         finite = central[np.isfinite(central)]
         size = float(np.ptp(finite)) if finite.size else 0.0
-    if not size < _LIMITS.largest_height:
+    largest = float(np.cbrt(np.finfo(np.float64).max))
+    if not size < largest:
         reason = (
             f"profile.height(x) varies by {size:.3g} m about x = {np.median(x):.3g} m: more than "
-            f"{_LIMITS.largest_height:.0e} m cannot be squared as a number; "
+            f"{largest:.0e} m cannot be squared, times a length, as a number; "
             "is the unit of length the metre?"
         )
         raise SceneError(reason, "height", size)
@@ -160,10 +145,11 @@ def _is_real(value: Any, axes: int) -> bool:
 def _places(profile: Profile) -> Array:
     """Six places (2, 3) at which there should be a profile."""
     ends = profile.known if profile.period is not None else profile.support or profile.extent
+    spread = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 3))
     if ends is not None:
-        spread = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 3))
         return np.asarray(0.5 * (ends[0] + ends[1]) + (ends[1] - ends[0]) * spread)
-    return (profile.resolution or 1.0) * np.array(_LIMITS.decades).reshape(2, 3)
+    # Nobody says how large the shape is: the places are near and far, as 1, 1e-4 and 1e-8.
+    return np.asarray((profile.resolution or 1.0) * spread * ROUND_OFF ** (np.arange(3) / 3))
 
 
 def _require_by_elements(profile: Profile, name: str, x: Array) -> None:

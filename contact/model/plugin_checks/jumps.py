@@ -14,44 +14,47 @@ from math import ceil, comb, factorial, log2
 import numpy as np
 
 from contact.model.profiles.base import Profile
-from contact.model.profiles.derive import detail_of
+from contact.model.profiles.derive import DETAIL, detail_of
 from contact.model.profiles.noise import EPS, ROUND_OFF
 from sie import Array, Mask
 
 
 @dataclasses.dataclass(frozen=True)
-class JumpOptions:
-    """Numbers by which jumps and powers are distinguished from smooth shapes.
+class CheckOptions:
+    """Numbers by which true claims of users are distinguished from false ones.
 
-    points: on either side of a place.
-    differences: order of the differences that separate powers from smooth parts.
-    halvings: steps of the ladder, each half of the one before.
-    samples: values that show whether a shape is smooth in a window.
-    clear: round-off below this part of a jump still shows the jump.
-    unchanged: change of a jump seen from nearer, up to which it is the same jump.
+    points: on either side of a place, and order of the differences that separate powers from
+        smooth parts.
+    unchanged: change of a jump seen from nearer, up to which it is the same jump; more round-off
+        hides the jump.
     jump: jump of the slope over the largest slope; a smaller one may be a steep slope. Twice this
         part of a declared power may be missing.
-    same: difference from a declared jump of f'' or f''' that is round-off, relative.
-    farthest: longest distance from which a place is seen, over the window.
-    bend_step: step of the differences that show the second derivative, over the window; a corner
-        is seen from no nearer, over the first distance.
-    off_border: shift of a cell's border, over the period, to no likely place of a kink.
+    same: relative difference of values that agree.
+    stands_out: deviation over the median one at which a place is examined; 16 to 256 find the
+        same corners.
+    slowest_fall: L - 1 of a body's symbol must fall faster than this power of short waves q.
     """
 
     points: int = 6
-    differences: int = 8
-    halvings: int = 30
-    samples: int = 400
-    clear: float = 0.05
-    unchanged: float = 0.2
+    unchanged: float = 0.1
     jump: float = 1e-3
     same: float = 1e-6
-    farthest: float = 0.1
-    bend_step: float = 1e-7
-    off_border: float = 0.0123456789
+    stands_out: float = 64.0
+    slowest_fall: float = -8.0
 
 
-CHECKS = JumpOptions()
+CHECKS = CheckOptions()
+# Steps of a ladder, each half of the one before, down to round-off.
+_HALVINGS = int(-np.log2(ROUND_OFF))
+# Step of the differences that show the second derivative, over the window. A corner is seen from
+# no nearer, over the first distance.
+BEND_STEP = np.sqrt(ROUND_OFF)
+
+
+def unlikely_border(profile: Profile) -> float:
+    """Left end of a cell at no likely place of a kink."""
+    assert profile.period is not None
+    return profile.x0 - (np.sqrt(2) - 1) * profile.period
 
 
 @dataclasses.dataclass(frozen=True)
@@ -77,9 +80,9 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
     k = np.arange(1.0, CHECKS.points + 1)
     # Row m of the inverse holds the weights of the m-th derivative at 0 over m!, for unit steps.
     taylor = np.linalg.inv(np.vander(k, increasing=True))
-    shape = (CHECKS.halvings, len(places), 3)
+    shape = (_HALVINGS, len(places), 3)
     seen, rounding = np.zeros(shape), np.full(shape, np.inf)
-    for j in range(CHECKS.halvings):
+    for j in range(_HALVINGS):
         h = reach / CHECKS.points * 0.5**j
         if j > 1 and not np.any(h >= nearest):
             break
@@ -99,8 +102,8 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
     change = np.abs(np.diff(seen, axis=0)) + rounding[1:]
     best = np.argmin(change, axis=0)
     height, doubt = (np.take_along_axis(a, best[None], axis=0)[0] for a in (seen[1:], change))
-    nearer = np.arange(CHECKS.halvings - 1)[:, None, None] >= best
-    nearer &= rounding[1:] <= CHECKS.clear * np.abs(height)
+    nearer = np.arange(_HALVINGS - 1)[:, None, None] >= best
+    nearer &= rounding[1:] <= CHECKS.unchanged * np.abs(height)
     same = np.abs(seen[1:] - height) <= CHECKS.unchanged * np.abs(height)
     return JumpEstimates(height, doubt, np.all(~nearer | same, axis=0))
 
@@ -113,7 +116,7 @@ def slope_jumps(
     Intervals of a fine grid are halved towards the larger change, down to `reach`; a change counts
     if it is not small over `scale`.
     """
-    cells = 5 * CHECKS.samples
+    cells = 2 * DETAIL.samples
     edges = np.linspace(lo, hi, cells + 1)
     a, b = edges[:-1], edges[1:]
     fa, fb = slope(a), slope(b)
@@ -154,7 +157,7 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
     away = np.minimum(away, width - away) if periodic else away
     found = np.sort(found[np.all(away > 1e-5 * width, axis=1)])
     if len(found):
-        step = CHECKS.bend_step * width
+        step = BEND_STEP * width
         room = room_around(found, np.concatenate((declared, found, ends)), width, periodic)
         seen = jumps_at(profile, found, room, nearest=100 * step)
         # The slopes of both sides, continued to a place next to the jump, differ by the distance
@@ -226,10 +229,10 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
     derived = profile.slope_is_derived
     function = profile.height if derived else profile.slope
     power, size = (n, c) if derived else (n - 1, np.sign(room) * n * c)
-    order = CHECKS.differences
+    order = CHECKS.points
     weights = np.array([(-1.0) ** k * comb(order, k) for k in range(order + 1)])
     found = []
-    for j in range(CHECKS.halvings):
+    for j in range(_HALVINGS):
         # Not at s itself: of a low power the round-off of the place is seen there.
         y = abs(room) / (order + 1) * 0.5**j * np.arange(1, order + 2)
         values = np.asarray(function(s + np.sign(room) * y), dtype=np.float64)
@@ -249,7 +252,7 @@ def room_around(places: Array, others: Array, width: float, periodic: bool) -> A
     before = others[np.searchsorted(others, places - _one_place(width)) - 1]
     after = others[np.searchsorted(others, places + _one_place(width))]
     nearest = np.minimum(places - before, after - places)
-    return np.asarray(np.minimum(0.9 * nearest, CHECKS.farthest * width))
+    return np.asarray(np.minimum(0.9 * nearest, 0.5 * width))
 
 
 def _against_declared(
@@ -283,19 +286,19 @@ def _against_declared(
 
 def _bends(profile: Profile, lo: float, width: float, scale: float) -> Array:
     """Places where the second derivative seems to jump, to a few steps of its differences."""
-    h, periodic = CHECKS.bend_step * width, profile.period is not None
+    h, periodic = BEND_STEP * width, profile.period is not None
     if periodic:
-        lo -= CHECKS.off_border * width
+        lo = unlikely_border(profile)
 
     def bend(x: Array) -> Array:
         rise = np.asarray(profile.slope(x + h)) - np.asarray(profile.slope(x - h))
         return np.asarray(rise / (2 * h))
 
     first, last = (lo, lo + width) if periodic else (lo + 2 * h, lo + width - 2 * h)
-    size = float(np.max(np.abs(bend(np.linspace(first, last, CHECKS.samples)))))
+    size = float(np.max(np.abs(bend(np.linspace(first, last, DETAIL.samples)))))
     found = slope_jumps(bend, first, last, 2 * h, max(size, scale / width))
     # A shape of noise seems to bend everywhere: a tenth of the samples is enough to see it.
-    places = np.array([s for s, _ in found][: CHECKS.samples // 10])
+    places = np.array([s for s, _ in found][: DETAIL.samples // 10])
     return np.asarray(profile.wrap(places), dtype=np.float64) if periodic else places
 
 
@@ -315,9 +318,9 @@ def window_of(profile: Profile) -> tuple[float, float]:
 def _half_window(profile: Profile) -> float:
     """Half width [m] of a window about 0 in which a shape is smooth and finite, else 1 m."""
     half = 1.0
-    for _ in range(CHECKS.halvings):
+    for _ in range(_HALVINGS):
         with np.errstate(all="ignore"):
-            x = np.linspace(-half, half, CHECKS.samples)
+            x = np.linspace(-half, half, DETAIL.samples)
             finite = np.isfinite(np.asarray(profile.height(x))).all()
         if finite and detail_of(profile.height, -half, half) > 0.01 * half:
             return half

@@ -12,7 +12,7 @@ ones as the `compression` says.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from math import isqrt
 from typing import Any
 
 import numpy as np
@@ -21,34 +21,15 @@ import sie
 from contact.errors import SceneError, shown
 from contact.model.checks import of_author, such
 from contact.model.operator import Operator, smooth_potential
+from contact.model.plugin_checks.jumps import CHECKS
 from contact.model.profiles.noise import EPS, ROUND_OFF
 from contact.model.substrates.base import Substrate
+from contact.model.symbols import OPTIONS as SYMBOLS
 from contact.model.symbols import WAVES, checked
 from sie import Array
 
-
-@dataclass(frozen=True)
-class OperatorTolerances:
-    """Places and tolerances at which values of kernels and symbols are compared.
-
-    lags: lags over the scale, at which values are compared; all below half a period.
-    step: width of a step of the potential, over the scale.
-    same: relative difference of values that agree.
-    harmonics: waves at which a symbol is compared with that of the kernel.
-    limit: relative difference from a limit for long waves; the longest is 1e-8 1/m.
-    slowest_fall: L - 1 of short waves must fall faster than this power of q.
-    """
-
-    lags: tuple[float, ...] = (0.0137, 0.113, 0.239, 0.318, 0.461)
-    step: float = 1e-3
-    same: float = 1e-7
-    harmonics: int = 64
-    limit: float = 1e-6
-    slowest_fall: float = -8.0
-
-
-_TOLERANCES = OperatorTolerances()
-_LAGS = np.array(_TOLERANCES.lags)
+# Lags over the scale, at which values are compared; all below half a period.
+_LAGS = np.random.default_rng(0).uniform(0.0, 0.5, 5)
 
 
 def require_elastic(operator: Operator, scale: float) -> None:
@@ -140,7 +121,8 @@ def _require_regular(kernel: sie.Kernel) -> None:
         "is not odd in x - xi: what a load does elsewhere, one elsewhere does here",
     )
     nodes, weights = np.polynomial.legendre.leggauss(5)
-    half = 0.5 * _TOLERANCES.step
+    # The error of the quadrature grows with the step, and round-off falls with it.
+    half = 0.5 * np.sqrt(CHECKS.same)
     rise = potential(_LAGS + half, zero) - potential(_LAGS - half, zero)
     within = half * np.asarray(regular(_LAGS[:, None] + half * nodes, zero)) @ weights
     # The rise is a difference of potentials: their round-off stays.
@@ -153,7 +135,8 @@ def _require_symbol(operator: Operator, kernel: sie.Kernel) -> None:
 
     The symbol is L_n = 1 - 2 n int rest cos(2 pi n u) du.
     """
-    harmonics, places = _TOLERANCES.harmonics, _TOLERANCES.harmonics**2
+    places = SYMBOLS.harmonics
+    harmonics = isqrt(places)
     turns = np.arange(places) / places
     lag = turns - np.round(turns)
     plain = sie.hilbert(1.0)
@@ -187,7 +170,7 @@ def _require_same(one: Array, other: Array, what: str, fault: str, rounding: flo
     """SceneError that names the fault where two arrays differ by more than round-off."""
     # A sum of large parts may vanish at one place: the size is that of all places.
     difference, size = np.abs(np.asarray(one) - other), np.abs(np.asarray(other))
-    if not np.all(difference <= _TOLERANCES.same * size.max() + rounding):
+    if not np.all(difference <= CHECKS.same * size.max() + rounding):
         k = int(np.argmax(difference))
         values = f"{np.ravel(one)[k]:.9g} against {np.ravel(other)[k]:.9g}"
         raise SceneError(f"the {what} of interaction.kernel {fault}: {values}", "interaction")
@@ -221,7 +204,7 @@ def require_body(substrate: Substrate) -> None:
         )
     long, wave = float(values[0]), float(WAVES[0])
     if compression is None:
-        if long < _TOLERANCES.limit:
+        if long < CHECKS.same:
             raise SceneError.of(
                 "substrate.compression",
                 None,
@@ -233,7 +216,7 @@ def require_body(substrate: Substrate) -> None:
         return
     # The height of the body [m] is about the inverse of the wave at which L rises to 1.
     found, height = long / wave, float(1 / WAVES[np.argmax(values > 0.5)])
-    if not abs(found - compression) <= _TOLERANCES.limit * max(abs(compression), 1e-3 * height):
+    if not abs(found - compression) <= CHECKS.same * max(abs(compression), 1e-3 * height):
         raise SceneError.of(
             "substrate.compression",
             compression,
@@ -252,7 +235,7 @@ def _require_fast(values: Array) -> None:
     power = -np.inf
     if rest[k - 1] > 0:
         power = float(np.log(rest[k] / rest[k - 1]) / np.log(WAVES[k] / WAVES[k - 1]))
-    if power > _TOLERANCES.slowest_fall:
+    if power > CHECKS.slowest_fall:
         raise SceneError.of(
             "substrate.symbol(q)",
             float(values[k]),

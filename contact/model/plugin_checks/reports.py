@@ -19,25 +19,10 @@ from contact.model.plugin_checks.declarations import require_declarations
 from contact.model.plugin_checks.jumps import CHECKS, higher_jumps, powers, slope_jumps, window_of
 from contact.model.plugin_checks.operators import require_body
 from contact.model.profiles.base import Profile
-from contact.model.profiles.derive import scale_of, verdicts
-from contact.model.profiles.noise import EPS
+from contact.model.profiles.derive import DETAIL, scale_of, verdicts
+from contact.model.profiles.noise import EPS, ROUND_OFF
 from contact.model.substrates.base import Substrate
 from sie import Array
-
-
-@dataclasses.dataclass(frozen=True)
-class ReportTolerances:
-    """Tolerances with which values of a profile are compared.
-
-    same: difference of two evaluations of one quantity, over its largest value.
-    slope: error of differences of the height, over the largest slope.
-    """
-
-    same: float = 1e-9
-    slope: float = 1e-6
-
-
-_TOLERANCES = ReportTolerances()
 
 
 class Fault(ContactError, AssertionError):
@@ -209,7 +194,7 @@ def _reported(report: Report, fault: type[Fault] | None) -> Report:
 def _points(profile: Profile, window: tuple[float, float] | None) -> Array:
     """Seeded positions in the window, none on a kink."""
     lo, hi = window_of(profile) if window is None else window
-    x = np.sort(np.random.default_rng(1).uniform(lo, hi, CHECKS.samples))
+    x = np.sort(np.random.default_rng(1).uniform(lo, hi, DETAIL.samples))
     kinks = profile.kinks
     if np.ndim(kinks) == 2 and np.size(kinks):
         away = np.min(np.abs(x[:, None] - np.asarray(kinks)[None, :, 0]), axis=1) > 1e-4 * (hi - lo)
@@ -272,9 +257,7 @@ def _shapes(profile: Profile, x: Array) -> Iterator[str]:
             yield f"{name}(x) changes the array it is given"
         # A derived slope chooses its steps from all its points, so single values may differ a
         # little.
-        tolerance = (
-            _TOLERANCES.slope if name == "slope" and profile.slope_is_derived else _TOLERANCES.same
-        ) * size
+        tolerance = CHECKS.same * size
         tries: list[tuple[str, Any, Array]] = [
             ("an array of shape (2, 3)", x[:6].reshape(2, 3), whole.reshape(2, 3)),
             ("an empty array", np.empty(0), np.empty(0)),
@@ -310,7 +293,7 @@ def _periodicity(profile: Profile, x: Array) -> Iterator[str]:
             difference = np.abs(np.asarray(function(x + turns * profile.period)) - here)
             if name == "height" and profile.support is not None:
                 difference = difference[np.isfinite(here)]
-            if difference.size and not np.max(difference) <= max(_TOLERANCES.slope * size, 0.0):
+            if difference.size and not np.max(difference) <= max(CHECKS.same * size, 0.0):
                 i = int(np.argmax(difference))
                 yield (
                     f"{name} is not periodic: at {x[i]:.6g} and {turns} period(s) on it off by "
@@ -355,7 +338,7 @@ def _symmetry(profile: Profile, x: Array) -> Iterator[str]:
         return
     right, left = np.asarray(profile.height(both)), np.asarray(profile.height(-both))
     difference = float(np.max(np.abs(right - left)))
-    even = difference <= _TOLERANCES.slope * float(np.ptp(right)) or difference == 0
+    even = difference <= CHECKS.same * float(np.ptp(right)) or difference == 0
     if profile.symmetric and not even:
         i = int(np.argmax(np.abs(right - left)))
         at = f"{left[i]:.6g} at {-both[i]:.6g} and {right[i]:.6g} at {both[i]:.6g}"
@@ -370,10 +353,9 @@ def _summits(profile: Profile, x: Array) -> Iterator[str]:
     tips = np.asarray(profile.summits, dtype=np.float64)
     distance = 1e-4 * (profile.resolution or float(x[-1] - x[0]))
     top = np.asarray(profile.height(tips))
+    rounding = ROUND_OFF * float(np.max(np.abs(profile.height(x))))
     for side in (-distance, distance):
-        lower = np.asarray(profile.height(tips + side)) < top - _TOLERANCES.same * float(
-            np.ptp(profile.height(x))
-        )
+        lower = np.asarray(profile.height(tips + side)) < top - rounding
         if lower.any():
             yield (
                 f"summits names {tips[lower].tolist()}, but the height is smaller beside: tips "
@@ -390,15 +372,19 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
     if given is None:
         return
     # (1/L) PV int f'(x - s) cot(pi s/L) ds by the midpoint rule, which the pole falls between.
-    n = max(1 << 14, 16 * ceil(profile.period / (profile.resolution or profile.period)))
+    per_length = DETAIL.samples_per_length
+    n = per_length * ceil(profile.period / (profile.resolution or profile.period))
+    n = max(DETAIL.max_samples, n)
     s = (np.arange(n) + 0.5) / n
     slope = np.asarray(profile.slope(at[:, None] - profile.period * s))
     expected = slope @ (1 / np.tan(np.pi * s)) / n
     difference = np.abs(np.asarray(given) - expected)
-    i = int(np.argmax(difference))
-    if difference[i] > 2 * CHECKS.jump * max(
-        float(np.max(np.abs(slope))), float(np.max(np.abs(expected)))
-    ):
+    # The error of the rule grows towards a kink.
+    away = np.abs(at[:, None] - np.append(np.asarray(profile.kinks)[:, 0], np.inf)).min(axis=1)
+    relative = 2 * CHECKS.jump + 4 * (profile.period / (n * away)) ** 2
+    excess = difference - relative * max(float(np.abs(slope).max()), float(np.abs(expected).max()))
+    i = int(np.argmax(excess))
+    if excess[i] > 0:
         yield (
             f"slope_conjugate({at[i]:.6g}) = {given[i]:.6g}, the slope's integral is "
             f"{expected[i]:.6g}"

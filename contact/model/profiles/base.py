@@ -17,24 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
-from contact.model.profiles.derive import DerivedSlope, detail_of
+from contact.model.profiles.derive import DETAIL, DIFFERENCES, DerivedSlope, detail_of
 from contact.model.registry import Named, anew, construct, parameters
 from sie import Array
-
-
-@dataclasses.dataclass(frozen=True)
-class ProfileOptions:
-    """Places at which a profile is sampled for its own estimates.
-
-    slopes: of the period, for the largest and the mean slope.
-    noise: for the noise of a derived slope; the median hardly depends on them.
-    """
-
-    slopes: int = 1024
-    noise: int = 64
-
-
-_OPTIONS = ProfileOptions()
 
 # Summits of shapes whose only tip is at x = 0.
 AT_ORIGIN = np.zeros(1)
@@ -128,7 +113,7 @@ class Profile(Named, sie.Kept):
         known = self.support or self.known
         if not self.slope_is_derived or known is None:
             return 0.0
-        return self._derived.rounding(_midpoints(*known, _OPTIONS.noise))
+        return self._derived.rounding(_midpoints(*known, DIFFERENCES.together))
 
     @property
     def slope_is_derived(self) -> bool:
@@ -234,7 +219,7 @@ class Profile(Named, sie.Kept):
             return np.zeros(0)
         lo, hi = self.known
         with np.errstate(all="ignore"):
-            slopes = np.asarray(self.slope(_midpoints(lo, hi, _OPTIONS.slopes)), dtype=float)
+            slopes = np.asarray(self.slope(_midpoints(lo, hi, DETAIL.samples)), dtype=float)
         return np.asarray(slopes[np.isfinite(slopes)])
 
     @cached_property

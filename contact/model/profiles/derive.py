@@ -18,7 +18,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from contact.model.profiles.noise import EPS
+from contact.model.profiles.noise import EPS, ROUND_OFF
+from contact.model.profiles.trigonometric import BLOCK
 from sie import Array, record
 
 # The complex step. Its square vanishes against any length, so there is no truncation error.
@@ -34,53 +35,39 @@ class VerdictOptions:
     nodes: Chebyshev points of an interval; insensitive, 7 to 13 decide the same.
     ratio: an interval over the next smaller one; a checked interval covers sets of places that
         are narrower by no more.
-    finer, wider: number of intervals below and above the scale of a place.
     differs: least discrepancy of a contradiction, over truncation and round-off of both sides.
-    counts: least discrepancy of a contradiction, over the rise.
-    digits: most truncation of heights that have digits, over their variation.
+    counts: least discrepancy of a contradiction, over the rise. Heights have digits if their
+        truncation is at most the root of this, over their variation.
     """
 
     nodes: int = 9
     ratio: float = 8.0
-    finer: int = 12
-    wider: int = 4
     differs: float = 100.0
     counts: float = 1e-6
-    digits: float = 1e-3
 
 
 @dataclass(frozen=True)
 class DifferenceOptions:
     """Steps of the central differences, each twice the one before, and the round-off of heights.
 
-    finer: number of steps below the scale of a place, down to 1e-11 of it.
-    wider: number of steps above it; heights with a large constant need wide ones.
-    of_period: the widest step over the period of a height that repeats.
+    wider: number of steps above the scale of a place; heights with a large constant need wide ones.
     sure: steps that agree before a run is sure; the last one has 2^-8 of the first's round-off.
-    window: steps over which round-off stays level before truncation shows.
-    first_shown: round-off over what the first changed height shows of it.
-    spread: largest round-off over the median one.
-    hides: most hidden round-off over that of the highest heights; a steep step looks like more.
-    margin: round-off of an extrapolated quotient, over that of a height over the least step.
+        Round-off stays level over as many steps before truncation shows.
+    margin: largest round-off over the median one. Also the round-off of an extrapolated quotient,
+        over that of a height over the least step.
     together: places side by side that share their round-off; insensitive, 16 to 64.
-    at_once: places worked on together, which bounds the memory.
     """
 
-    finer: int = 36
     wider: int = 24
-    of_period: float = 0.25
     sure: int = 8
-    window: int = 6
-    first_shown: float = 128.0
-    spread: float = 4.0
-    hides: float = 1e7
-    margin: float = 3.0
+    margin: float = 4.0
     together: int = 32
-    at_once: int = 2**12
 
 
 VERDICTS = VerdictOptions()
 DIFFERENCES = DifferenceOptions()
+# Steps below the scale of a place: the least one moves heights by their round-off.
+_FINER = int(-np.log2(ROUND_OFF))
 
 
 class DerivedSlope:
@@ -100,8 +87,9 @@ class DerivedSlope:
     ) -> None:
         self._options = DIFFERENCES
         if period is not None and length is not None:
-            # Differences over whole periods are all zero, and all agree.
-            wider = int(np.floor(np.log2(DIFFERENCES.of_period * period / length)))
+            # Differences over whole periods are all zero, and all agree. Places on the two sides
+            # are at most half a period apart.
+            wider = int(np.floor(np.log2(0.25 * period / length)))
             self._options = replace(DIFFERENCES, wider=min(DIFFERENCES.wider, wider))
         self._height, self._length, self._ends = height, length, ends
         self._complex = True
@@ -169,7 +157,7 @@ def scale_of(
     else:
         scale = np.full(x.shape, length)
     if ends is not None:
-        room = np.minimum(x - ends[0], ends[1] - x) / VERDICTS.ratio**VERDICTS.wider
+        room = np.minimum(x - ends[0], ends[1] - x)
         scale = np.where(room > 0, np.minimum(scale, room), scale)
     return scale
 
@@ -218,8 +206,8 @@ def verdicts(
     contradicted, confirmed = np.zeros(x.shape, dtype=bool), np.zeros(x.shape, dtype=bool)
     claimed, seen, worst = np.zeros(x.shape), np.zeros(x.shape), np.zeros(x.shape)
     t = np.cos(np.pi * (np.arange(options.nodes) + 0.5) / options.nodes)
-    for power in range(-options.finer, options.wider + 1):
-        h = scale * options.ratio**power
+    for power in range(int(_FINER / np.log2(options.ratio)) + 1):
+        h = scale / options.ratio**power
         at = x[:, None] + h[:, None] * t
         with np.errstate(all="ignore"):
             heights = np.asarray(height(at), dtype=np.float64)
@@ -259,8 +247,9 @@ def _compared(
     of_heights, of_slopes = (np.abs(part @ last).max(axis=1) for part in (heights, slopes))
     rounded = EPS * (np.abs(heights).max(axis=1) + np.abs(x) * steepest)
     # Heights that do not change may hide a change below their round-off.
-    tells = (total > 0) & (of_heights <= options.digits * total) & np.isfinite(discrepancy)
-    tells &= rounded <= options.digits * size
+    digits = np.sqrt(options.counts)
+    tells = (total > 0) & (of_heights <= digits * total) & np.isfinite(discrepancy)
+    tells &= rounded <= digits * size
     unexplained = discrepancy - options.differs * (of_heights + h * of_slopes + rounded)
     differs = tells & (unexplained > options.counts * size)
     return (
@@ -284,7 +273,7 @@ def differences(
     order = np.argsort(x)
     best, doubt = np.empty(x.shape), np.empty(x.shape)
     with np.errstate(all="ignore"):
-        for some in np.array_split(order, max(1, -(-len(x) // options.at_once))):
+        for some in np.array_split(order, max(1, -(-len(x) // BLOCK))):
             # The last block is filled up with its last place.
             whole = np.append(
                 some, np.full(-len(some) % min(options.together, len(some)), some[-1])
@@ -302,7 +291,7 @@ def _quotients(
     options: DifferenceOptions,
 ) -> tuple[Array, Array]:
     """Extrapolated quotients of ascending places, one step a row, and their round-off."""
-    steps = scale * 2.0 ** np.arange(-options.finer, options.wider + 1)[:, None]
+    steps = scale * 2.0 ** np.arange(-_FINER, options.wider + 1)[:, None]
     if ends is not None:
         steps = np.where((x - steps >= ends[0]) & (x + steps <= ends[1]), steps, 0.0)
     here = np.asarray(height(x), dtype=np.float64)
@@ -370,38 +359,40 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
     combination of second differences of sixth order is level while it is round-off, and grows with
     the step where it is not.
     """
-    rough = np.abs(evens[2:] - 20 * evens[1:-1] + 64 * evens[:-2]) / 128
+    part = 128
+    rough = np.abs(evens[2:] - 20 * evens[1:-1] + 64 * evens[:-2]) / part
     rough = np.where(np.isfinite(rough), rough, np.inf).reshape(len(rough), -1, blocks)
     windows = np.lib.stride_tricks.sliding_window_view(
-        np.median(rough, axis=2), options.window, axis=0
+        np.median(rough, axis=2), options.sure, axis=0
     )
     before, after = (np.median(half, axis=2) for half in np.split(windows, 2, axis=2))
     # Steps too short to change a height show no round-off; at a kink roughness grows by eight.
     level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
     found = np.where(level, np.max(windows, axis=2), np.inf)
-    # The first steps that change a height show a part of the round-off: the weights' ratio.
-    found = np.where(found <= options.first_shown * np.min(found, axis=0), found, 0.0)
+    # The first steps that change a height show this part of the round-off.
+    found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)
-    most = options.hides * np.max(sizes, axis=(0, 2))
-    return np.asarray(np.minimum(options.spread * largest, most))
+    # A steep step looks like more round-off; what is hidden takes at most half of the digits.
+    most = np.max(sizes, axis=(0, 2)) / np.sqrt(EPS)
+    return np.asarray(np.minimum(options.margin * largest, most))
 
 
 @dataclass(frozen=True)
 class DetailOptions:
-    """Numbers of the search for the smallest length of a shape by Chebyshev series.
+    """Samples of a shape, and the search for its smallest length by Chebyshev series.
 
-    first: heights at first; most: heights at the most.
-    counts: terms of the slope that count, over the largest one.
-    counts_of_sharp: the same of a series that has not ended.
-    coarsest: the largest answer is the interval over this number.
+    samples, max_samples: heights at first and at most; insensitive.
+    counts_of_sharp: terms of the slope that count, over the largest one, of a series that has not
+        ended.
+    samples_per_length: samples in the smallest length of a shape. A smooth shape varies over the
+        interval over this number at the most.
     """
 
-    first: int = 256
-    most: int = 2**14
-    counts: float = 1e-5
+    samples: int = 2**10
+    max_samples: int = 2**15
     counts_of_sharp: float = 0.1
-    coarsest: int = 16
+    samples_per_length: int = 16
 
 
 DETAIL = DetailOptions()
@@ -414,7 +405,7 @@ def detail_of(
 
     It is that of the last term of the slope's Chebyshev series that counts.
     """
-    length, n = hi - lo, options.first
+    length, n, counts = hi - lo, options.samples, VERDICTS.counts
     while True:
         # The ends may be corners, outside which there is no body.
         x = lo + length * np.sin(0.25 * np.pi * (2 * np.arange(n) + 1) / n) ** 2
@@ -424,11 +415,11 @@ def detail_of(
             slopes = np.arange(n) * np.abs(np.fft.rfft(both_ways)[:n])
         largest = float(slopes.max())
         if not 0.0 < largest < np.inf:
-            return length / options.coarsest
-        ended = bool(slopes[-n // 8 :].max() <= options.counts * largest)
-        if ended or n >= options.most:
+            return length / options.samples_per_length
+        ended = bool(slopes[-n // 8 :].max() <= counts * largest)
+        if ended or 4 * n > options.max_samples:
             break
         n *= 4
-    least = options.counts if ended else options.counts_of_sharp
+    least = counts if ended else options.counts_of_sharp
     last = int(np.flatnonzero(slopes > least * largest)[-1])
-    return min(np.pi / last, 1 / options.coarsest) * length
+    return min(np.pi / last, 1 / options.samples_per_length) * length

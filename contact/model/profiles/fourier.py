@@ -10,11 +10,9 @@ from numpy.typing import ArrayLike
 from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive
 from contact.model.profiles.base import Array, Profile
-from contact.model.profiles.trigonometric import BLOCK, Sum, in_turns
+from contact.model.profiles.trigonometric import BLOCK, WIDTH, Sum, in_turns
 from contact.model.registry import register_profile
 from sie import Complex, record
-
-_LONG = 256  # harmonics; longer sums go through a grid, which is then faster
 
 
 @register_profile("fourier")
@@ -91,7 +89,7 @@ class Fourier(Profile):
     @property
     def exact_places(self) -> bool:
         """Whether sums use places in two words, which keep all digits over the period."""
-        return bool(np.size(self.cosine) >= _LONG)
+        return _is_long(np.size(self.cosine))
 
     @cached_property
     def _waves(self) -> "tuple[_Waves, ...]":
@@ -99,6 +97,15 @@ class Fourier(Profile):
         c = np.asarray(self.cosine) - 1j * np.asarray(self.sine)
         rate = 2 * pi / self.period * np.arange(1, c.size + 1) * c
         return tuple(_Waves(amplitudes, self.period) for amplitudes in (c, 1j * rate, rate))
+
+
+def _is_long(harmonics: int) -> bool:
+    """Whether a sum goes through a grid.
+
+    The grid takes `WIDTH` exponentials a point, a direct sum takes the root of the number of
+    harmonics.
+    """
+    return harmonics >= WIDTH * WIDTH
 
 
 @record
@@ -118,7 +125,7 @@ class _Waves:
         Each power is an exponential of its own, so no round-off accumulates as in a recurrence.
         """
         c = self.amplitudes
-        if c.size >= _LONG:
+        if _is_long(c.size):
             return self._sum(*in_turns(x.ravel(), self.period)).reshape(x.shape)
         flat = x.ravel() / self.period
         s = max(1, ceil(sqrt(c.size)))

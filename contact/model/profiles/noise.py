@@ -7,6 +7,7 @@ Computational Noise, SIAM J. Sci. Comput. 33, 2011, 1292, doi 10.1137/100786125)
 
 import math
 from collections.abc import Callable
+from statistics import NormalDist
 
 import numpy as np
 
@@ -21,8 +22,6 @@ PLACES = np.arange(len(WEIGHTS), dtype=np.float64)
 # Part of the shortest wave between two values: (2 pi step)^6 is below round-off. Places are
 # rounded to less than a step up to 1e12 waves from x = 0.
 STEP = 3e-4
-# Median of the size of a normal variable, over its standard deviation.
-_MEDIAN = 0.6745
 _SPREAD = math.sqrt(WEIGHTS @ WEIGHTS)
 
 
@@ -36,7 +35,8 @@ def noise(values: Array) -> float:
 
     It is a median, so that a few groups may contain corners.
     """
-    return float(np.median(deviations(values))) / _MEDIAN
+    # The median size of a normal variable is its third quartile.
+    return float(np.median(deviations(values))) / NormalDist().inv_cdf(0.75)
 
 
 def rounding(values: Array) -> float:

@@ -14,10 +14,6 @@ from contact.model.checks import keep, positive, positive_or_none
 from contact.model.profiles.base import AT_ORIGIN, Array, Profile
 from contact.model.registry import register_profile
 
-# Powers of the distance from the border, beyond the third, that are declared there. The next one
-# leaves coefficients that fall as n^-9.
-_AT_BORDER = (5, 7)
-
 
 @register_profile("power")
 @dataclass(frozen=True)
@@ -117,9 +113,11 @@ class Power(Profile):
             if self.exponent > 1.0
             else []
         )
+        # The first and third power are jumps, the fifth and seventh are declared here. The next
+        # one leaves coefficients that fall as n^-9.
         border = [
             [at, order, jump / (2 * order), jump / (2 * order)]
-            for at, order, jump in self._at_border(*_AT_BORDER)
+            for at, order, jump in self._at_border(5, 7)
         ]
         return np.array(tip + border).reshape(-1, 4)
 

@@ -33,17 +33,17 @@ _UNMEASURED = "contact.model.traces.unmeasured"
 _WHOLE = ("detrend", "regrid")
 
 
+# A not-a-knot cubic has four coefficients.
+MIN_POINTS = 4
+
+
 @dataclass(frozen=True)
 class SampledOptions:
     """Numbers of a measured profile.
 
-    min_points: a not-a-knot cubic has four coefficients.
-    close_points: part of the points that lie closer than the samples of first guesses.
-    same: relative difference up to which a repeated end point is one point.
+    same: relative difference up to which a repeated end point is one point, and positions are even.
     """
 
-    min_points: int = 4
-    close_points: float = 0.25
     same: float = 1e-9
 
 
@@ -207,8 +207,8 @@ class Sampled(Profile):
     source: ClassVar[tuple[Any, Any] | None] = None
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
-        points = increasing("x", x, OPTIONS.min_points)
-        heights = finite_array("height", height, 1, OPTIONS.min_points)
+        points = increasing("x", x, MIN_POINTS)
+        heights = finite_array("height", height, 1, MIN_POINTS)
         if heights.size != points.size:
             raise SceneError.of(
                 "height", height, f"as many as there are x ({points.size}, not {heights.size})"
@@ -328,7 +328,7 @@ class Sampled(Profile):
 
     @property
     def feature(self) -> float:
-        return float(np.quantile(np.diff(self._knots), OPTIONS.close_points))
+        return float(np.median(np.diff(self._knots)))
 
     @property
     def _knots(self) -> Array:
@@ -396,6 +396,6 @@ def _one_period(x: Array, heights: Array, period: float) -> tuple[Array, Array]:
         x, heights = x[:-1], heights[:-1]
     elif length > period:
         raise SceneError.of("period", period, f"at least as long as the points reach ({length!r})")
-    if x.size < OPTIONS.min_points:
-        raise SceneError.of("x", x, f"at least {OPTIONS.min_points} points in a period")
+    if x.size < MIN_POINTS:
+        raise SceneError.of("x", x, f"at least {MIN_POINTS} points in a period")
     return x, heights

@@ -16,9 +16,9 @@ from sie import Array, Complex, record
 
 # Half width and width of the kernel, in cells.
 _HALF = 8
-_WIDTH = _HALF + _HALF
+WIDTH = _HALF + _HALF
 # Steepness b for an oversampling of two (their section 4).
-_STEEP = 0.98 * np.pi * _WIDTH * 0.75
+_STEEP = 0.98 * np.pi * WIDTH * 0.75
 # Points handled at once, so that their kernels stay in the cache.
 BLOCK = 1 << 14
 
@@ -26,7 +26,7 @@ BLOCK = 1 << 14
 @lru_cache(maxsize=4)
 def _transform(harmonics: int, n: int) -> Array:
     """Transform of psi at k = 1 ... `harmonics` for a grid of n points."""
-    t, weights = np.polynomial.legendre.leggauss(4 * _WIDTH)
+    t, weights = np.polynomial.legendre.leggauss(4 * WIDTH)
     right = t > 0
     values = 2 * _HALF * weights[right] * np.exp(_STEEP * (np.sqrt(1 - t[right] ** 2) - 1))
     wave = 2 * np.pi / n * _HALF * np.arange(1, harmonics + 1)
@@ -54,7 +54,7 @@ class Sum:
         spectrum = np.zeros(n // 2 + 1, dtype=np.complex128)
         spectrum[1 : c.size + 1] = 0.5 * n * c / _transform(c.size, n)
         values = scipy.fft.irfft(spectrum, n)
-        return cls(values[np.arange(n + _WIDTH) % n], n)  # a short grid is repeated more than once
+        return cls(values[np.arange(n + WIDTH) % n], n)  # a short grid is repeated more than once
 
     def __call__(self, turns: Array, rest: Array | None = None) -> Array:
         """Values at x = turns + rest (m,); rest: the round-off of turns, where it is known.
@@ -72,7 +72,7 @@ class Sum:
             with np.errstate(invalid="ignore"):
                 index = first.astype(np.intp) % self.n
             total = np.zeros(place.size)
-            for j in range(_WIDTH):
+            for j in range(WIDTH):
                 d = away - j / _HALF
                 total += self.values[index + j] * np.exp(
                     _STEEP * (np.sqrt(np.maximum(1 - d * d, 0.0)) - 1)
@@ -91,7 +91,7 @@ def coefficients(weights: Array, turns: Array, count: int) -> Complex:
     first = np.ceil(place - _HALF)
     away, index = (place - first) / _HALF, first.astype(np.intp)
     grid = np.zeros(n)
-    for j in range(_WIDTH):
+    for j in range(WIDTH):
         d = away - j / _HALF
         psi = np.exp(_STEEP * (np.sqrt(np.maximum(1 - d * d, 0.0)) - 1))
         grid += np.bincount((index + j) % n, weights * psi, minlength=n)

@@ -12,19 +12,16 @@ nothing cancels: k - 1 = 2 (1 - 2 nu) vanishes where the layer keeps its volume.
 """
 
 from dataclasses import dataclass
-from math import factorial
 
 import numpy as np
 
 from contact.model.checks import keep, one_of, poisson_ratio, positive
+from contact.model.profiles.noise import EPS
 from contact.model.registry import register_substrate
 from contact.model.substrates.base import Substrate
 from sie import Array
 
 BASES = ("bonded", "smooth")
-# Below this x, sinh x - x is summed as its series x^3/3! + x^5/5! + ...
-_SERIES = 2.0
-_TERMS = np.array([1 / factorial(n) for n in range(3, 29, 2)])
 
 
 @register_substrate("layer")
@@ -92,9 +89,11 @@ class Layer(Substrate):
 
 def _sinh_less(x: Array, e: Array) -> Array:
     """(sinh x - x) e, e = exp(-x)."""
-    small = np.minimum(x, _SERIES)
-    square = small * small
-    series = np.zeros_like(x)
-    for term in _TERMS[::-1]:
-        series = series * square + term
-    return np.where(x < _SERIES, small * square * series * e, 0.5 * (1 - e * e) - x * e)
+    # Below x = 1 the difference would lose digits. It is the sum of x^3/3! + x^5/5! + ...
+    small = np.minimum(x, 1.0)
+    term, series, power = small**3 / 6, np.zeros_like(x), 3
+    while np.any(term > EPS * series):
+        series += term
+        power += 2
+        term = term * small**2 / (power * (power - 1))
+    return np.where(x < 1.0, series * e, 0.5 * (1 - e * e) - x * e)

@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.extras import require
+from contact.model.profiles.noise import ROUND_OFF
+from contact.model.profiles.sampled import MIN_POINTS
 from contact.model.traces.text import Row, at
 from contact.model.units import quantity
 from sie import Array
 
 FILLS = ("linear", "drop")
-# Points that a cubic spline needs.
-MIN_POINTS = 4
+# A shorter table may show a pattern, such as a count of rows or an even pitch, by chance.
+LONG_TABLE = 32
 # Words for a missing height, in lower case.
 _WORDS = (
     "", "n/a", "n.a.", "na", "null", "none", "bad", "invalid", "missing", "masked", "nodata",
@@ -34,16 +36,13 @@ _COMMENT = re.compile(rf"\s*(?!{_ERRORS})#", re.IGNORECASE)
 class WarningLimits:
     """When heights are warned of; factors of two change none of the cases that were seen."""
 
-    # Distance of a spike from its neighbours over the range of the other heights.
-    spike_height: float = 10.0
+    # Distance of a spike from its neighbours over the range of the other heights. Also the step
+    # from a mark (such as -32768) to its neighbours over the step of three in four points.
+    far: float = 10.0
     # Points of the running median: spikes are narrower than half of them.
     median_points: int = 9
-    # Step from a mark (such as -32768) to its neighbours over the step of three in four points.
-    mark_step: float = 10.0
     # Larger parts of missing heights are warned of; larger parts of "spikes" are the surface.
     max_part: float = 0.1
-    # Differences below this part of the largest height are round-off.
-    round_off: float = 1e-9
 
 
 _LIMITS = WarningLimits()
@@ -131,7 +130,7 @@ def marks(height: Array) -> str:
             continue
         others = height[~here]
         apart = float(np.min(np.abs(others - value)))
-        far = apart > _LIMITS.spike_height * float(np.ptp(others)) > 0
+        far = apart > _LIMITS.far * float(np.ptp(others)) > 0
         if far or _jumps_around(height, here):
             often = f"stands {count} times" if count > 1 else "stands once"
             what = f"the height {quantity(value, 'm')} {often}, far from all beside it"
@@ -152,7 +151,7 @@ def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
     following = inner & (np.append(border[1:], False) | np.append(False, border[:-1]))
     if following.any():
         usual = max(usual, float(np.median(steps[following])))
-    return float(steps[border].min()) > _LIMITS.mark_step * usual
+    return float(steps[border].min()) > _LIMITS.far * usual
 
 
 def spikes(x: Array, height: Array) -> str:
@@ -162,8 +161,8 @@ def spikes(x: Array, height: Array) -> str:
     level = np.polynomial.Polynomial.fit(x, median, 1)(x)
     off = np.abs(height - median)
     rest = float(np.ptp(median - level))
-    least = _LIMITS.round_off * float(np.max(np.abs(height)))
-    far = off > _LIMITS.spike_height * rest + least
+    least = ROUND_OFF * float(np.max(np.abs(height)))
+    far = off > _LIMITS.far * rest + least
     if not 0 < np.mean(far) < _LIMITS.max_part:
         return ""
     i = int(np.argmax(off))

@@ -18,13 +18,8 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError, shown
 from contact.model.checks import integer
-from contact.model.traces.dropouts import (
-    MIN_POINTS,
-    is_comment,
-    missing_number,
-    no_height,
-    without_phrases,
-)
+from contact.model.profiles.sampled import MIN_POINTS
+from contact.model.traces.dropouts import is_comment, missing_number, no_height, without_phrases
 from contact.model.traces.header import (
     Unit,
     bare_name,
@@ -39,6 +34,7 @@ from contact.model.traces.header import (
     written,
 )  # fmt: skip
 from contact.model.traces.readings import (
+    HEADER_ROWS,
     Data,
     refuse_count,
     refuse_sideways,
@@ -48,10 +44,6 @@ from contact.model.traces.readings import (
 from contact.model.traces.text import Layout, Row, at, rows_of
 from sie import Array
 
-# Rows in which the data of nearly all files begin; only if they do not, all rows are searched.
-_HEAD_ROWS = 500
-# Rows before the data that may be a header although they cannot be divided into columns.
-_HEADER_ROWS = 3
 # Names of delimiters; None stands for white space.
 _DELIMITERS = {";": ";", "\t": "\t", "tab": "\t", ",": ",", " ": None, "blank": None}
 _DECIMALS = (".", ",")
@@ -207,7 +199,9 @@ def _find(
     """The layout with which rows of numbers begin earliest in the file."""
     names = [column for column in wanted if isinstance(column, str)]
     named = not names
-    for among in (rows[:_HEAD_ROWS], rows):
+    # The data of most files begin early: ever more rows are searched.
+    for power in range(len(rows).bit_length() + 1):
+        among = rows[: 2**power]
         found = []
         for layout in layouts:
             start, header = _named(among, layout, names)
@@ -399,7 +393,7 @@ def _number_above(data: Data) -> int:
 
     Whole numbers are ignored: they are numbers of points.
     """
-    for line, text in data.before[-_HEADER_ROWS:]:
+    for line, text in data.before[-HEADER_ROWS:]:
         cells = data.layout.cells(text)
         if len(cells) == 1 and "." in cells[0] and data.layout.number(cells[0]) is not None:
             return line
@@ -430,6 +424,6 @@ def _header(data: Data) -> Header:
     remark = next(((line, word) for line, word in spoken if word), None)
     if remark is None and not named:
         # A header that cannot be divided into columns may still have one unit per column.
-        words = ((line, unit_words(text)) for line, text in data.before[-_HEADER_ROWS:])
+        words = ((line, unit_words(text)) for line, text in data.before[-HEADER_ROWS:])
         remark = next(((line, w[0]) for line, w in words if len(w) == data.width > 1), None)
     return Header(0, (None,) * len(data.places), depth, remark)

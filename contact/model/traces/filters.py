@@ -13,16 +13,15 @@ import numpy as np
 
 from contact.errors import SceneError
 from contact.model.checks import positive_or_none
+from contact.model.profiles.noise import EPS
 from contact.model.units import quantity
 from sie import Array
 
 ALPHA = sqrt(log(2) / pi)
-# Half-width of the weights in cut-offs: beyond, they are below 1e-17 of the largest.
-_REACH = 1.7
-# Smallest cut-off in pitches: a shorter one would not change the points.
-_MIN_CUT_OFF = 2.0
-# Deviation from even positions in pitches that does not matter: the weights are much wider.
-_MAX_UNEVENNESS = 1e-3
+# Half-width of the weights in cut-offs: beyond, they are below round-off of the largest.
+_REACH = ALPHA * sqrt(-log(EPS) / pi)
+# Relative deviation from even distances that does not matter.
+MAX_UNEVENNESS = 1e-3
 
 
 def refuse_cut_offs(lambda_s: Any, lambda_c: Any) -> None:
@@ -37,11 +36,12 @@ def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
     length = float(x[-1] - x[0])
     pitch = length / (x.size - 1)
     uneven = float(np.max(np.abs(x - np.linspace(x[0], x[-1], x.size))))
-    if uneven > _MAX_UNEVENNESS * pitch:
+    if uneven > MAX_UNEVENNESS * pitch:
         raise SceneError.of(
             name, cut_off, "left out where positions are not even: regrid = true makes them so"
         )
-    shortest = _MIN_CUT_OFF * pitch
+    # Points at a pitch have no waves shorter than two pitches.
+    shortest = 2 * pitch
     if not shortest <= cut_off <= length:
         allowed = "two pitches at least and the length of the trace at most"
         limits = f"{quantity(shortest, 'm')} to {quantity(length, 'm')}"

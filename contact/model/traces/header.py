@@ -57,7 +57,8 @@ def folded(word: str) -> str:
 
 
 _SCALES = {folded(name): scale for scale, names in _TABLE for name in names.split()}
-_LENGTHS = tuple(names.split()[0] for scale, names in _TABLE if not isnan(scale))
+# The first name of each unit of length.
+_LENGTHS = tuple(next(iter(names.split())) for scale, names in _TABLE if not isnan(scale))
 
 
 def scale_of(word: str) -> float | None:

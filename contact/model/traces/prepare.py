@@ -19,9 +19,12 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError, shown
 from contact.model.checks import finite, integer, one_of, positive, such
+from contact.model.profiles.noise import ROUND_OFF
+from contact.model.profiles.sampled import MIN_POINTS
+from contact.model.profiles.sampled import OPTIONS as SAMPLED
 from contact.model.traces.dropouts import (
     FILLS,
-    MIN_POINTS,
+    LONG_TABLE,
     filled,
     in_order,
     marks,
@@ -35,7 +38,8 @@ from contact.model.traces.text import at
 from contact.model.units import quantity
 from sie import Array
 
-_TRENDS = {"none": -1, "line": 1, "quadratic": 2}
+# Names of forms; the place of one is the degree of its polynomial.
+_TRENDS = ("none", "line", "quadratic")
 
 
 @dataclass(frozen=True)
@@ -44,22 +48,15 @@ class TraceLimits:
 
     # Degree of a form; higher waves are removed by a filter.
     max_trend: int = 12
-    # With fewer points, coarse positions are taken as they are, not as rounded even ones.
-    min_points_rounded: int = 32
-    # Range of heights over the largest raw height that is round-off: the trace is flat.
-    round_off: float = 1e-12
     # Points that regrid may create: linear interpolation adds corners and time, no information.
     max_regrid: int = 20_000
-    # Lengths and pitches of a surface [m]: from a few atoms to a guideway or a road.
-    lengths: tuple[float, float] = (1e-9, 1.0)
-    pitches: tuple[float, float] = (1e-12, 1e-3)
-    # The same without given units, where metres are a guess: a trace in mm is usually longer.
-    guessed_lengths: tuple[float, float] = (1e-9, 5e-2)
-    guessed_pitches: tuple[float, float] = (1e-12, 1e-4)
-    # Smallest range of heights [m]: below the size of an atom.
-    min_depth: float = 1e-11
-    # Period over length of the trace; beyond, much of the period would be a spline without data.
-    max_period: float = 1.5
+    # Smallest pitch and range of heights [m], far below the size of an atom.
+    atom: float = 1e-12
+    # Longest trace and widest pitch of a surface [m]: of a guideway or a road.
+    max_length: float = 1.0
+    max_pitch: float = 1e-3
+    # Part of both limits without given units, where metres are a guess: a trace in mm is longer.
+    guessed: float = 0.1
 
 
 _LIMITS = TraceLimits()
@@ -198,7 +195,7 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
         is_name = isinstance(by.detrend, str)
         form = by.detrend if is_name else f"polynomial of degree {by.detrend}"
         done(f"least-squares {form} subtracted")
-    if float(np.ptp(height)) <= _LIMITS.round_off * size:
+    if float(np.ptp(height)) <= ROUND_OFF * size:
         after = "" if by.detrend == "none" else f", once its {by.detrend} is subtracted"
         raise at(path, 0, f"the heights are the same everywhere{after}")
     if by.lambda_c is not None:
@@ -287,7 +284,7 @@ def _refuse_repeated(path: str | Path, x: Array, lines: NDArray[np.int64]) -> No
 
 def _measured_length(x: Array, height: Array) -> float:
     difference = float(height[-1] - height[0])
-    if abs(difference) > 1e-9 * float(np.ptp(height)):
+    if abs(difference) > SAMPLED.same * float(np.ptp(height)):
         apart = f"they differ by {difference:.3g} m: give taper"
         allowed = f"a number, or true with end heights that agree ({apart})"
         raise SceneError.of("period", True, allowed)
@@ -305,24 +302,23 @@ def _doubts(reading: Reading, x: Array, height: Array, period: float | None) -> 
     """Warnings about implausible lengths, pitches, heights or periods."""
     length, depth = float(x[-1] - x[0]), float(np.ptp(height))
     pitch = length / (x.size - 1)
-    lengths, pitches = _LIMITS.lengths, _LIMITS.pitches
-    if not reading.sure:
-        lengths, pitches = _LIMITS.guessed_lengths, _LIMITS.guessed_pitches
+    part = 1.0 if reading.sure else _LIMITS.guessed
     size = f"{quantity(length, 'm')} long with a pitch of {quantity(pitch, 'm')}"
     trace = f"{Path(reading.path).name}, read in {reading.said}, is a trace {size}"
     within = f"heights within {quantity(depth, 'm')}"
-    if not (lengths[0] <= length <= lengths[1] and pitches[0] <= pitch <= pitches[1]):
+    is_long = length > part * _LIMITS.max_length or pitch > part * _LIMITS.max_pitch
+    if is_long or pitch < _LIMITS.atom:
         rare = "which is not that of a surface" if reading.sure else "which is rare"
         return (f"{trace}, {rare}: units says what the numbers of the file are in",)
     if depth > length:
         swap = "columns may be the other way round, or units two, of positions and of heights"
         return (f"{trace} and {within}, more than it is long: {swap}",)
-    if depth < _LIMITS.min_depth:
+    if depth < _LIMITS.atom:
         two = "units may be two, of positions and of heights"
         return (f"{trace} and {within}, less than an atom: {two}",)
-    if period is not None and period > _LIMITS.max_period * length:
-        part = f"a small part of the period of {quantity(period, 'm')}"
-        return (f"{trace}, {part}: period is in metres, as all lengths but the file's",)
+    if period is not None and period > 2 * length:
+        share = f"less than half of the period of {quantity(period, 'm')}"
+        return (f"{trace}, {share}: period is in metres, as all lengths but the file's",)
     return ()
 
 
@@ -342,7 +338,8 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
         note += f"rounding explains their shifts (<= {far:.2g} m)"
         x = moved
     even = np.linspace(x[0], x[-1], count)
-    if count == x.size and float(np.max(np.abs(even - x))) <= 1e-9 * (x[-1] - x[0]) / (count - 1):
+    off = float(np.max(np.abs(even - x))) if count == x.size else np.inf
+    if off <= SAMPLED.same * (x[-1] - x[0]) / (count - 1):
         return x if pitch is not None else even, height, note
     return (
         even,
@@ -371,7 +368,7 @@ def _pitch_behind_rounding(x: Array) -> float | None:
     """The even pitch of which the positions are the rounded values; None if there is none."""
     n = x.size
     length = float(x[-1] - x[0])
-    if n < _LIMITS.min_points_rounded or length <= 0:
+    if n < LONG_TABLE or length <= 0:
         return None
     slope = float(np.polyfit(np.arange(n) - (n - 1) / 2, x, 1)[0])
     index = np.arange(n)
@@ -389,7 +386,7 @@ def _pitch_behind_rounding(x: Array) -> float | None:
 
 def _degree(detrend: Any) -> int:
     if isinstance(detrend, str):
-        return _TRENDS[one_of("detrend", detrend, _TRENDS)]
+        return _TRENDS.index(one_of("detrend", detrend, _TRENDS))
     highest = _LIMITS.max_trend
     allowed = f"none, line, quadratic, or the degree of a polynomial, 0 to {highest}"
     if (

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from contact.errors import shown
+from contact.model.profiles.sampled import MIN_POINTS
+from contact.model.traces.dropouts import LONG_TABLE
 from contact.model.traces.header import header_fields, in_pairs, is_name, unit_of
 from contact.model.traces.text import Layout, Row, at
 
@@ -15,15 +17,11 @@ _COUNTS = (
     "", "#", "i", "n", "no", "nr", "idx", "index", "point", "points", "sample", "samples", "row",
     "count", "punkt", "messpunkt", "nummer", "number", "numero", "номер", "№", "序号", "番号",
 )  # fmt: skip
-# Rows before a single column of heights that may be its header.
-_HEADER_ROWS = 3
+# Rows just above the data that may be a header although they have other columns.
+HEADER_ROWS = 3
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _NUMBER = re.compile(r"[+-]?[\d.,]")
 _FREE_NUMBER = re.compile(r"(?<!\w)\d")
-# In a table with fewer rows, a first number may equal the number of rows by chance.
-_LONG_TABLE = 20
-# Numbers per row from which a table with few rows is taken for a transposed one.
-_MIN_SIDEWAYS = 8
 
 
 def is_count(name: str) -> bool:
@@ -59,7 +57,7 @@ class Data:
         """
         candidates = self.before
         if self.width == 1:
-            candidates = [r for r in candidates[-_HEADER_ROWS:] if not _FREE_NUMBER.search(r[1])]
+            candidates = [r for r in candidates[-HEADER_ROWS:] if not _FREE_NUMBER.search(r[1])]
         for line, text in reversed(candidates):
             if self.layout.numbers(self.layout.cells(text), self.places) is not None:
                 return
@@ -204,7 +202,7 @@ def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) ->
         ]
         long = [(count, line) for count, line in counts if count > 1]
         least = min(long, default=(0, 0))[0]
-        if least >= _MIN_SIDEWAYS and 2 * len(long) <= least:
+        if least >= 2 * MIN_POINTS and 2 * len(long) <= least:
             many = (
                 f"{len(long)} rows of {least} numbers"
                 if len(long) > 1
@@ -223,7 +221,7 @@ def refuse_count(data: Data) -> None:
     first = [[row[k] if k < len(row) else "" for k in data.places] for row in data.cells[:5]]
     values = [data.layout.number(cells[0]) for cells in first]
     for i, (value, cells) in enumerate(zip(values[:3], first, strict=False)):
-        below = range(i + 1, 4) if total >= _LONG_TABLE else (1,)
+        below = range(i + 1, 4) if total >= LONG_TABLE else (1,)
         if not _WHOLE.fullmatch(cells[0]) or value not in [total - k for k in below]:
             continue
         near = [number for number in values[i : i + 3] if number is not None]

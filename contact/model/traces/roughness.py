@@ -16,15 +16,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contact.model.traces.filters import MAX_UNEVENNESS
 from sie import Array
 
 if TYPE_CHECKING:
     from contact.model.profiles.sampled import Sampled
-
-# Gauss nodes per piece: exact to degree 13, and z^4 of a cubic has degree 12.
-_GAUSS_NODES = 7
-# Bins of the distribution of heights, at most.
-_MAX_BINS = 64
 
 
 @dataclass(frozen=True)
@@ -48,7 +44,8 @@ def roughness(trace: "Sampled") -> Roughness:
     knots = trace.x if trace.period is None else np.append(trace.x, trace.x[0] + trace.period)
     steps = np.diff(knots)
     length = float(knots[-1] - knots[0])
-    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS_NODES)
+    # Seven nodes are exact to degree 13; the fourth power of a cubic has degree 12.
+    nodes, weights = np.polynomial.legendre.leggauss(7)
     at = (knots[:-1, None] + 0.5 * steps[:, None] * (1 + nodes)).ravel()
     part = (0.5 * steps[:, None] * weights).ravel() / length
     z = -trace.height(at)
@@ -58,7 +55,7 @@ def roughness(trace: "Sampled") -> Roughness:
         points=trace.x.size,
         length=length,
         pitch=float(np.mean(np.diff(trace.x))),
-        even=bool(np.ptp(np.diff(trace.x)) <= 1e-3 * np.mean(np.diff(trace.x))),
+        even=bool(np.ptp(np.diff(trace.x)) <= MAX_UNEVENNESS * np.mean(np.diff(trace.x))),
         depth=float(np.ptp(trace.heights)),
         Ra=float(part @ np.abs(z)),
         Rq=rms,
@@ -94,10 +91,13 @@ def power_spectrum(trace: "Sampled") -> tuple[Array, Array]:
     return np.asarray(step * np.arange(1, waves.size)), np.asarray(waves[1:] / step)
 
 
-def height_distribution(trace: "Sampled") -> tuple[Array, Array]:
-    """Edges of equal bins [m], measured from the mean height, and the density of heights [1/m]."""
+def height_distribution(trace: "Sampled", max_bins: int = 64) -> tuple[Array, Array]:
+    """Edges of equal bins [m], measured from the mean height, and the density of heights [1/m].
+
+    The number of bins is the root of the number of points, at most `max_bins`.
+    """
     n = trace.x.size
-    count = int(np.clip(np.sqrt(n), 8, _MAX_BINS))
+    count = int(np.clip(np.sqrt(n), 8, max_bins))
     if trace.period is not None:
         at = trace.x[0] + trace.period * np.arange(4 * n) / (4 * n)
     else:

@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from contact.model.traces.filters import MAX_UNEVENNESS
 from sie import Array
 
 if TYPE_CHECKING:
     from contact.model.traces.prepare import Preparation, Reading
-
-# Relative difference up to which two pieces between points have the same length.
-_SAME_LENGTH = 1e-6
 
 
 class Kind(Enum):
@@ -69,7 +67,7 @@ def _joined(x: Array, period: float | None) -> list[Interval]:
     left, right = float(x[-1]), float(x[0]) + period
     return (
         [Interval(left, right, Kind.JOINED)]
-        if right - left > (1 + _SAME_LENGTH) * float(np.max(np.diff(x)))
+        if right - left > (1 + MAX_UNEVENNESS) * float(np.max(np.diff(x)))
         else []
     )
 
