@@ -18,7 +18,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from contact.model.profiles.noise import EPS, ROUND_OFF
+from contact.model.profiles.noise import EPS
 from contact.model.profiles.trigonometric import BLOCK
 from sie import Array, record
 
@@ -66,8 +66,9 @@ class DifferenceOptions:
 
 VERDICTS = VerdictOptions()
 DIFFERENCES = DifferenceOptions()
-# Steps below the scale of a place: the least one moves heights by their round-off.
-_FINER = int(-np.log2(ROUND_OFF))
+# Steps below the scale of a place. A quotient at the least one has some digits: of still shorter
+# steps, many may not change a height at all, and agree.
+_FINER = int(-np.log2(EPS)) - 2 * DIFFERENCES.sure
 
 
 class DerivedSlope:
