@@ -22,7 +22,15 @@ from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import between, positive, positive_or_none
-from contact.reference.exact.numerics import Array, cosine, integrated, log_of, sine
+from contact.reference.exact.numerics import (
+    Array,
+    arcosh1p,
+    cosine,
+    integrated,
+    log_of,
+    sine,
+    sine_excess,
+)
 
 
 def check_number(zone: int, count: int = 1) -> None:
@@ -205,7 +213,7 @@ class SymmetricZone(PressedBody):
     True
     """
 
-    # Every solution defines the next five formulas. Their arguments are r = |x|, the distance
+    # Every solution defines the next four formulas. Their arguments are r = |x|, the distance
     # d = a - r of a point in the zone from its end, and the distance e = r - a of a point outside.
     def _height(self, r: Array) -> Array:
         raise NotImplementedError
@@ -216,14 +224,7 @@ class SymmetricZone(PressedBody):
     def _pressure(self, r: Array, d: Array) -> Array:
         raise NotImplementedError
 
-    def _gap_slope(self, e: Array) -> Array:
-        raise NotImplementedError
-
     def _gap(self, e: Array) -> Array:
-        return integrated(lambda y, _: self._gap_slope(y), e)
-
-    def load_rate(self, s: Array) -> Array:
-        """Derivative dP/da of the load by the half width a, at a = s."""
         raise NotImplementedError
 
     @property
@@ -298,11 +299,50 @@ class SymmetricZone(PressedBody):
 class _FromLoad(SymmetricZone):
     """One zone whose half width follows from the load, in closed form or as one root.
 
-    A solution inherits the fields of its profile and those of one of the two classes below.
+    A solution inherits the fields of its profile and those of one of the two classes below. It
+    gives the profile, the pressure, the load and its derivative. Gap and approach follow from these
+    by the integrals at the head of this module, to round-off.
     """
 
     def __post_init__(self) -> None:
         self._check(*(field.name for field in fields(self) if field.name != "datum"))
+
+    def load_at(self, s: Array) -> Array:
+        """Load P [N/m] at a half width a = s."""
+        raise NotImplementedError
+
+    def load_rate(self, s: Array) -> Array:
+        """Derivative dP/da of the load by the half width a, at a = s."""
+        raise NotImplementedError
+
+    @property
+    def load(self) -> float:
+        return float(self.load_at(np.array(self.half_width)))
+
+    def _gap(self, e: Array) -> Array:
+        a, length = self.half_width, self.period
+
+        def integrand(y: Array, rest: Array) -> Array:
+            return self.load_rate(a + y) * arcosh1p(sine_excess(a + y, rest, length))
+
+        return 2.0 / (pi * self.E_star) * integrated(integrand, e)
+
+    def _gap_slope(self, e: Array) -> Array:
+        a, length = self.half_width, self.period
+
+        def integrand(y: Array, rest: Array) -> Array:
+            square = sine(rest, length) * sine(2.0 * (a + y) + rest, length)
+            return self.load_rate(a + y) / np.sqrt(square)
+
+        unit = 2.0 / (pi * self.E_star * self._sine_unit)
+        return unit * cosine(a, length, -e) * integrated(integrand, e)
+
+    def _approach_by_parts(self) -> float:
+        def integrand(s: Array, _: Array) -> Array:
+            return self.load_at(s) * cosine(s, self.period) / sine(s, self.period)
+
+        unit = 2.0 / (pi * self.E_star * self._sine_unit)
+        return unit * float(integrated(integrand, self.half_width))
 
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:

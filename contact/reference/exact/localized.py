@@ -17,7 +17,7 @@ from scipy.optimize import minimize_scalar
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import between, one_of, positive
 from contact.reference.exact.base import SymmetricZone
-from contact.reference.exact.numerics import Array, abel_gap, root
+from contact.reference.exact.numerics import Array, arcosh1p, integrated, root
 from contact.reference.exact.parabola import HertzLine
 from contact.reference.exact.sinusoid import IsolatedSinusoid
 from contact.reference.exact.wedge import IsolatedWedge
@@ -209,7 +209,12 @@ class LocalizedZone(SymmetricZone):
 
     def _gap(self, e: Array) -> Array:
         e = np.minimum(e, 0.5 * self.period - self.half_width)
-        return abel_gap(self.load_rate, self.half_width, e, self.E_star)
+        a = self.half_width
+
+        def integrand(y: Array, rest: Array) -> Array:
+            return self.load_rate(a + y) * arcosh1p(rest / (a + y))
+
+        return 2.0 / (pi * self.E_star) * integrated(integrand, e)
 
 
 def _load(isolated: Isolated, period: float, closure: str) -> float:

@@ -124,12 +124,3 @@ def log_of(s: ArrayLike, c: ArrayLike) -> Array:
 def half_width_from_sine(s: float, c: float, period: float) -> float:
     """The half width a with sin(pi a/L) = s and cos(pi a/L) = c."""
     return period / pi * atan2(s, c)
-
-
-def abel_gap(load_rate: Callable[[Array], Array], a: float, e: Array, E_star: float) -> Array:
-    """Gap of an isolated zone at x = a + e: (2/pi E*) int_a^x P'(s) arcosh(x/s) ds."""
-
-    def integrand(y: Array, rest: Array) -> Array:
-        return load_rate(a + y) * arcosh1p(rest / (a + y))
-
-    return 2.0 / (pi * E_star) * integrated(integrand, e)

@@ -9,17 +9,15 @@ from dataclasses import dataclass
 from math import exp, expm1, pi, sqrt
 
 import numpy as np
-from scipy.special import spence
 
 from contact.reference.exact.base import IsolatedZone, PeriodicZone, SymmetricZone
 from contact.reference.exact.numerics import (
     Array,
-    arccos1m,
     arcosh1p,
+    cosine,
     half_width_from_sine,
     log_of,
     sine,
-    zone_potential,
 )
 
 
@@ -83,18 +81,9 @@ class HertzLine(IsolatedZone, _Parabola):
         """Derivative dP/da of the load by the half width a, at a = s."""
         return pi * self.E_star / (2.0 * self.radius) * s
 
-    def _gap_slope(self, e: Array) -> Array:
-        return np.sqrt(e * (2.0 * self.half_width + e)) / self.radius
-
-    def _gap(self, e: Array) -> Array:
-        return self.half_width**2 / (2.0 * self.radius) * zone_potential(e / self.half_width)
-
-    @property
-    def load(self) -> float:
-        return pi * self.E_star * self.half_width**2 / (4.0 * self.radius)
-
-    def _approach_by_parts(self) -> float:
-        return self.half_width**2 / (4.0 * self.radius)
+    def load_at(self, s: Array) -> Array:
+        """Load P [N/m] at a half width a = s."""
+        return pi * self.E_star / (4.0 * self.radius) * s**2
 
 
 @dataclass(frozen=True)
@@ -140,32 +129,19 @@ class PeriodicParabola(PeriodicZone, _Parabola):
         y = 2.0 * pi * load * shape["radius"] / (shape["period"] ** 2 * shape["E_star"])
         return half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
 
-    def _cosine_ratio_excess(self, middle: Array, d: Array) -> Array:
-        """|cos u/cos A - 1|, u = pi x/L and A = pi a/L, at the distance d from the end.
-
-        `middle` is (|x| + a)/2.
-        """
-        return 2.0 * sine(middle, self.period) * sine(0.5 * d, self.period) / self._cosine()
-
     def _pressure(self, r: Array, d: Array) -> Array:
-        excess = self._cosine_ratio_excess(0.5 * (self.half_width + r), d)
-        return self.period * self.E_star / (2.0 * pi * self.radius) * arcosh1p(excess)
+        # This is cos u/cos A - 1 without cancellation.
+        half = sine(0.5 * (self.half_width + r), self.period) * sine(0.5 * d, self.period)
+        unit = self.period * self.E_star / (2.0 * pi * self.radius)
+        return unit * arcosh1p(2.0 * half / self._cosine())
 
-    def _gap_slope(self, e: Array) -> Array:
-        # The gap, its integral, is not elementary.
-        excess = self._cosine_ratio_excess(self.half_width + 0.5 * e, e)
-        return self.period / (pi * self.radius) * arccos1m(excess)
-
-    @property
-    def load(self) -> float:
+    def load_at(self, s: Array) -> Array:
+        """Load P [N/m] at a half width a = s."""
         unit = self.period**2 * self.E_star / (2.0 * pi * self.radius)
-        return -unit * float(log_of(self._cosine(), self._sine()))
+        return -unit * log_of(cosine(s, self.period), sine(s, self.period))
 
-    def _approach_by_parts(self) -> float:
-        square = self._sine() ** 2
-        if square < 0.25:  # scipy's dilogarithm loses relative accuracy for small arguments
-            k = np.arange(1, 31)
-            dilogarithm = float(np.sum(square**k / k**2.0))
-        else:
-            dilogarithm = float(spence(self._cosine() ** 2))
-        return (self.period / pi) ** 2 / (4.0 * self.radius) * dilogarithm
+    def load_rate(self, s: Array) -> Array:
+        """Derivative dP/da of the load by the half width a, at a = s."""
+        unit = self.period * self.E_star / (2.0 * self.radius)
+        # s may round to L/2, where the rate is infinite but integrals of it are not.
+        return unit * sine(s, self.period) / np.maximum(cosine(s, self.period), 1e-100)

@@ -12,21 +12,12 @@ from math import gamma, log, pi, sqrt
 
 import numpy as np
 from scipy.optimize import minimize_scalar
-from scipy.special import betainc, hyp2f1
 from scipy.special import gamma as gamma_of_array
+from scipy.special import hyp2f1
 
 from contact.errors import SceneError
 from contact.reference.exact.base import IsolatedZone, PeriodicZone, SymmetricZone
-from contact.reference.exact.numerics import (
-    Array,
-    abel_gap,
-    arcosh1p,
-    cosine,
-    integrated,
-    root,
-    sine,
-    sine_excess,
-)
+from contact.reference.exact.numerics import Array, cosine, integrated, root, sine
 
 
 @dataclass(frozen=True)
@@ -110,10 +101,9 @@ class IsolatedPower(IsolatedZone, _Power):
         unit = 0.5 * shape["E_star"] * n * shape["coefficient"] * _chebyshev_moment(n)
         return float((load / unit) ** (1.0 / n))
 
-    @property
-    def load(self) -> float:
-        slope = float(self._slope(np.array(self.half_width)))
-        return 0.5 * self.E_star * self.half_width * slope * _chebyshev_moment(self.exponent)
+    def load_at(self, s: Array) -> Array:
+        """Load P [N/m] at a half width a = s."""
+        return 0.5 * self.E_star * _chebyshev_moment(self.exponent) * s * self._slope(s)
 
     def load_rate(self, s: Array) -> Array:
         """Derivative dP/da of the load by the half width a, at a = s."""
@@ -123,17 +113,6 @@ class IsolatedPower(IsolatedZone, _Power):
     def _pressure(self, r: Array, d: Array) -> Array:
         a, n = self.half_width, self.exponent
         return np.asarray(n * self.load / (pi * a) * _abel_of_power(n, r / a, d / a))
-
-    def _gap_slope(self, e: Array) -> Array:
-        x = self.half_width + e
-        part = betainc(0.5, 0.5 * self.exponent, e * (self.half_width + x) / x**2)
-        return np.asarray(self._slope(x) * part)
-
-    def _gap(self, e: Array) -> Array:
-        return abel_gap(self.load_rate, self.half_width, e, self.E_star)
-
-    def _approach_by_parts(self) -> float:
-        return 2.0 * self.load / (pi * self.E_star * self.exponent)
 
 
 @dataclass(frozen=True)
@@ -187,10 +166,6 @@ class PeriodicPower(PeriodicZone, _Power):
 
         return half * root(log_ratio, 1e-12, 1.0 - 1e-12)
 
-    @property
-    def load(self) -> float:
-        return float(self._loads(np.array(self.half_width)))
-
     def _position(self, a: Array, w: Array, rest: Array) -> tuple[Array, Array, Array]:
         """The half width s at the integration variable w: (s, cos(pi s/L), sin(pi s/L)).
 
@@ -210,9 +185,9 @@ class PeriodicPower(PeriodicZone, _Power):
         length = self._length()
         return integrated(integrand, np.arcsinh(sine(a, length) / cosine(a, length)))
 
-    def _loads(self, a: Array) -> Array:
-        """Load P at the half widths a."""
-        column = a[..., None]
+    def load_at(self, s: Array) -> Array:
+        """Load P [N/m] at a half width a = s."""
+        a, column = s, s[..., None]
         found = self._integral(a, lambda w, rest: self._slope(self._position(column, w, rest)[0]))
         return np.asarray(self.E_star * self._length() / pi * found)
 
@@ -254,22 +229,6 @@ class PeriodicPower(PeriodicZone, _Power):
             return np.asarray(self.load_rate(s) / (cos_s * sin_s))
 
         return float(cosine(r, length)) / pi * sqrt(size) * float(integrated(integrand, 1.0))
-
-    def _gap(self, e: Array) -> Array:
-        length, a = self._length(), self.half_width
-
-        def integrand(y: Array, rest: Array) -> Array:
-            return np.asarray(self.load_rate(a + y) * arcosh1p(sine_excess(a + y, rest, length)))
-
-        return np.asarray(2.0 / (pi * self.E_star) * integrated(integrand, e))
-
-    def _approach_by_parts(self) -> float:
-        length = self._length()
-
-        def integrand(y: Array, rest: Array) -> Array:
-            return np.asarray(self._loads(y) * cosine(y, length) / sine(y, length))
-
-        return 2.0 / (self.E_star * length) * float(integrated(integrand, self.half_width))
 
 
 def _chebyshev_moment(n: float) -> float:

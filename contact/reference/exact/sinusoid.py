@@ -16,16 +16,7 @@ from scipy.special import j0, j1, jn_zeros, jv
 from contact.errors import OutOfRange
 from contact.model.checks import between, keep, positive
 from contact.reference.exact.base import IsolatedZone, PeriodicZone, refuse_load
-from contact.reference.exact.numerics import (
-    Array,
-    abel_gap,
-    cosine,
-    half_width_from_sine,
-    root,
-    sine,
-    sine_excess,
-    zone_potential,
-)
+from contact.reference.exact.numerics import Array, cosine, half_width_from_sine, root, sine
 
 
 @dataclass(frozen=True)
@@ -110,21 +101,9 @@ class Westergaard(PeriodicZone, _Wave):
         """Derivative dP/da of the load by the half width a, at a = s."""
         return pi * self.full_contact_pressure * sine(2.0 * np.asarray(s), self.period)
 
-    def _gap_slope(self, e: Array) -> Array:
-        root = np.sqrt(sine(e, self.period) * sine(2.0 * self.half_width + e, self.period))
-        unit = 4.0 * pi * self.amplitude / self.period
-        return unit * cosine(self.half_width, self.period, -e) * root
-
-    def _gap(self, e: Array) -> Array:
-        excess = sine_excess(self.half_width, e, self.period)
-        return 2.0 * self.amplitude * self._sine() ** 2 * zone_potential(excess)
-
-    @property
-    def load(self) -> float:
-        return pi * self.E_star * self.amplitude * self._sine() ** 2
-
-    def _approach_by_parts(self) -> float:
-        return self.amplitude * self._sine() ** 2
+    def load_at(self, s: Array) -> Array:
+        """Load P [N/m] at a half width a = s."""
+        return pi * self.E_star * self.amplitude * sine(s, self.period) ** 2
 
 
 @dataclass(frozen=True)
@@ -309,17 +288,10 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
         z = self._k * np.asarray(s)
         return np.asarray(0.5 * pi * self.E_star * self.amplitude * self._k * z * j0(z))
 
-    def _gap(self, e: Array) -> Array:
-        return abel_gap(self.load_rate, self.half_width, e, self.E_star)
-
-    @property
-    def load(self) -> float:
-        ka = self._k * self.half_width
-        return 0.5 * pi * self.E_star * self.amplitude * ka * float(j1(ka))
-
-    def _approach_by_parts(self) -> float:
-        # This is (2/pi E*) int_0^a P/s ds, with int_0^a P/s ds = (pi E* Delta/2)(1 - J_0(ka)).
-        return self.amplitude * (1.0 - float(j0(self._k * self.half_width)))
+    def load_at(self, s: Array) -> Array:
+        """Load P [N/m] at a half width a = s."""
+        z = self._k * s
+        return np.asarray(0.5 * pi * self.E_star * self.amplitude * z * j1(z))
 
 
 def sinusoid(mean_pressure: float, **shape: Any) -> Westergaard | FullContactSinusoid:

@@ -6,13 +6,12 @@ J. M. Block & L. M. Keer, "Periodic contact problems in plane elasticity", J. Me
 """
 
 from dataclasses import dataclass
-from math import asinh, pi, tanh
+from math import pi, tanh
 
 import numpy as np
-from scipy.special import spence
 
 from contact.reference.exact.base import IsolatedZone, PeriodicZone, SymmetricZone
-from contact.reference.exact.numerics import Array, arccos1m, arcosh1p, half_width_from_sine, sine
+from contact.reference.exact.numerics import Array, arcosh1p, cosine, half_width_from_sine, sine
 
 
 @dataclass(frozen=True)
@@ -32,13 +31,6 @@ class _Wedge(SymmetricZone):
         with np.errstate(divide="ignore"):
             y = sine(d, self.period) / (self._cosine() * sine(r, self.period))
         return self.E_star * self.wedge_slope / pi * arcosh1p(y)
-
-    def _gap_slope(self, e: Array) -> Array:
-        # With u = pi x/L and A = pi a/L, 1 - tan A/tan u = sin(u - A)/(cos A sin u). The gap is
-        # integrated numerically: the periodic integral is a dilogarithm, and the isolated closed
-        # form cancels for small e.
-        y = sine(e, self.period) / (self._cosine() * sine(self.half_width + e, self.period))
-        return 2.0 * self.wedge_slope / pi * arccos1m(y)
 
 
 @dataclass(frozen=True)
@@ -80,16 +72,13 @@ class IsolatedWedge(IsolatedZone, _Wedge):
     def _half_width_for(cls, load: float, **shape: float) -> float:
         return load / (shape["E_star"] * shape["wedge_slope"])
 
+    def load_at(self, s: Array) -> Array:
+        """Load P [N/m] at a half width a = s."""
+        return self.E_star * self.wedge_slope * s
+
     def load_rate(self, s: Array) -> Array:
         """Derivative dP/da of the load by the half width a, at a = s."""
         return np.full_like(s, self.E_star * self.wedge_slope)
-
-    @property
-    def load(self) -> float:
-        return self.E_star * self.wedge_slope * self.half_width
-
-    def _approach_by_parts(self) -> float:
-        return 2.0 * self.wedge_slope * self.half_width / pi
 
 
 @dataclass(frozen=True)
@@ -134,20 +123,13 @@ class PeriodicWedge(PeriodicZone, _Wedge):
         y = pi * load / (shape["E_star"] * shape["wedge_slope"] * shape["period"])
         return half_width_from_sine(tanh(y), 1.0 / float(np.cosh(min(y, 700.0))), shape["period"])
 
-    @property
-    def load(self) -> float:
-        # With s = sin A, artanh s = arsinh(s/cos A), which is accurate near full contact.
+    def load_at(self, s: Array) -> Array:
+        """Load P [N/m] at a half width a = s."""
+        # artanh(sin A) = arsinh(tan A), which is accurate near full contact.
         unit = self.period * self.E_star * self.wedge_slope / pi
-        return unit * asinh(self._sine() / self._cosine())
+        return unit * np.arcsinh(sine(s, self.period) / cosine(s, self.period))
 
-    def _approach_by_parts(self) -> float:
-        return 2.0 * self.period * self.wedge_slope / pi**2 * legendre_chi(self._sine())
-
-
-def legendre_chi(s: float) -> float:
-    """chi_2(s) = sum s^(2k+1)/(2k+1)^2 = (Li_2(s) - Li_2(-s))/2, 0 <= s <= 1."""
-    if s < 0.5:
-        # scipy's dilogarithm loses relative accuracy for small s; 27 terms leave 0.25^27 = 5e-17.
-        k = 2 * np.arange(27) + 1
-        return float(np.sum(s**k / k**2.0))
-    return 0.5 * float(spence(1.0 - s) - spence(1.0 + s))
+    def load_rate(self, s: Array) -> Array:
+        """Derivative dP/da of the load by the half width a, at a = s."""
+        # s may round to L/2, where the rate is infinite but integrals of it are not.
+        return self.E_star * self.wedge_slope / np.maximum(cosine(s, self.period), 1e-100)
