@@ -44,13 +44,13 @@ class SceneError(ContactError, ValueError):
     Parameters
     ----------
     message : str
-        What is wrong, in one line.
+        The message, in one line.
     field : str or None
-        The name of what was given.
+        The name of the wrong parameter.
     value : object
-        What was given.
+        The wrong value.
     allowed : str or None
-        What is allowed, in words.
+        The allowed values, in words.
 
     Examples
     --------

@@ -149,7 +149,7 @@ class PowerFit:
         return replace(power, relative_error=error + octave.error / octave.size)
 
     def on(self, half: float) -> Octave:
-        """Its octave [half/2, half]."""
+        """The octave [half/2, half] of this power."""
         series = _interpolated(
             lambda r: self.value * (r / self.radius) ** self.exponent, half, SERIES.degrees[0]
         )

@@ -240,7 +240,7 @@ class Sphere(Power):
     Attributes
     ----------
     height, slope, line, load_integral, pressure_shape : as in `AxisymmetricProfile`
-        What every shape has, and what else is there.
+        The members that every shape has.
 
     Raises
     ------
@@ -283,7 +283,7 @@ class Cone(Power):
     Attributes
     ----------
     height, slope, line, load_integral, pressure_shape : as in `AxisymmetricProfile`
-        What every shape has, and what else is there.
+        The members that every shape has.
 
     Raises
     ------
@@ -332,7 +332,7 @@ class PowerLaw(Power):
     Attributes
     ----------
     height, slope, line, load_integral, pressure_shape : as in `AxisymmetricProfile`
-        What every shape has, and what else is there.
+        The members that every shape has.
 
     Raises
     ------
@@ -382,7 +382,7 @@ class Revolved(AxisymmetricProfile):
     Attributes
     ----------
     height, slope, line, load_integral, pressure_shape : as in `AxisymmetricProfile`
-        What every shape has, and what else is there.
+        The members that every shape has.
 
     Raises
     ------

@@ -63,7 +63,7 @@ class Source:
     kernel: NeighbourKernel
 
     def value(self, x: Array) -> Array:
-        """Its part of e(x)."""
+        """The part of e(x) that this kind causes."""
         return both_sides(self.kernel.value, x, self.nodes) @ self.weighted / (2.0 * pi)
 
     def slope(self, x: Array) -> Array:

@@ -13,9 +13,9 @@ The unknown of the method, the pressure or the slope of the gap, is not part of 
     CohesiveGapFields     gaps, with tension everywhere          contact.adhesion.cohesive_fields
     SeparatedFields       tension without contact                contact.adhesion.separated_fields
 
-The protocol has places on the line only. Below the surface, the transform of the pressure at complex
-points gives the stresses: `density.transform` and `density.transform_slope` of `ZoneFields`, see
-"A stress field from a solution" in docs/architecture.md.
+All places are on the line. Stresses in the body follow from the transform of the pressure at
+complex points, which `ZoneFields.density` has: see docs/architecture.md, "A stress field from a
+solution".
 """
 
 from typing import Protocol

@@ -10,13 +10,13 @@ class Decision:
     Parameters
     ----------
     way : str
-        What was chosen, such as "gaps", "a grid" or "full contact".
+        The chosen method, such as "gaps", "a grid" or "full contact".
     because : str
         The reason. `{}` stands for the measured number: "contact is {} of the period".
     measured : float or None
         The number that decided, in the units that `because` names.
     threshold : float or None
-        What the number was compared with.
+        The number that `measured` was compared with.
     """
 
     way: str

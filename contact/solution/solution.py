@@ -157,7 +157,7 @@ class Solution(sie.Kept):
 
     @cached_property
     def _order(self) -> Index:
-        """For each zone of `zones`, its index in the order of `fields`."""
+        """The index in the order of `fields` for each zone of `zones`."""
         return np.argsort(
             wrapped(self.fields.zone_table[:, 0], self.scene.profile.x0, self.scene.period)
         )

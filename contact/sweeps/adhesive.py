@@ -55,35 +55,35 @@ class AdhesiveEvent(Event):
     Parameters
     ----------
     kind : str
-        jump-in (surfaces apart come together), birth (of a zone, by touch), merge (a gap snaps
-        shut), jump (ends alone), full (the last gap closes), death (zones come apart), pull-off
-        (the last ones do); held, freed (an end comes to a sharp corner, or leaves it, and nothing
-        jumps). Under a tension of finite range also split (of a zone), open (of full contact), and
-        births, merges, splits and deaths that lose nothing.
+        jump-in (separate surfaces jump into contact), birth (a zone begins by touch), merge (a gap
+        snaps shut), jump (only ends move), full (the last gap closes), death (a zone separates),
+        pull-off (the last zone separates), held or freed (an end reaches or leaves a sharp corner,
+        without a jump). Under a tension of finite range there are also split (a zone splits), open
+        (full contact opens), and births, merges, splits and deaths that lose no energy.
     load : float
-        The load just before it [N/m].
+        The load just before the event [N/m].
     position : float
-        Where on the profile: of the touch, or of the end that moves first [m].
+        The place on the profile of the touch, or of the end that moves first [m].
     before, after : ndarray
-        The zones [m], (n, 2), just before and just after; none of surfaces apart, or in full
-        contact.
+        The zones [m], (n, 2), just before and just after the event; (0, 2) for separate surfaces
+        and in full contact.
     value : float
-        Of the control, where it happens: exact to about 1e-12 of itself.
+        The value of the control at the event, exact to about 1e-12 of itself.
     load_after : float
-        The load after it; 0 apart, whatever pulled before [N/m].
+        The load after the event [N/m]; 0 for separate surfaces.
     approach, approach_after : float or None
-        Before and after it [m]; None without one.
+        The approach before and after the event [m]; None if it is undefined.
     lost : float or None
-        Energy that it loses [J/m]: what is stored and what closing had released, before less after,
-        and the work that the load does on the way. None without an approach, and at a pull-off by a
-        load where what follows under its approach is not known.
+        The energy that the event dissipates [J/m]: elastic and surface energy before the event,
+        less those after, plus the work of the load during the event. None without an approach, and
+        at a pull-off under a load if the separate state at its approach is unknown.
     surfaces : ndarray or None
-        Of a pull-off, just before it: places, the deformed surface and the body above it [m], (3,
+        For a pull-off, just before it: places, the deformed surface and the body above it [m], (3,
         n).
 
     Examples
     --------
-    A cylinder is pulled off at -3 (pi E* w^2 R/16)^(1/3), and what had been stored is lost.
+    A cylinder is pulled off at -3 (pi E* w^2 R/16)^(1/3), and its stored energy is lost.
 
     >>> import contact
     >>> scene = contact.Scene(
@@ -118,18 +118,19 @@ class AdhesivePath(Path):
     Parameters
     ----------
     solutions : tuple of Solution
-        One for each value; with surfaces apart, of no load and no zones.
+        One for each value; for separate surfaces it has no load and no zones.
     passed : tuple of tuple of AdhesiveEvent
-        For each value the events since the one before, in order.
+        For each value the events since the previous value, in order.
     values : ndarray
-        Of the control, (n,).
+        The values of the control, (n,).
     control : str
         "load", "mean_pressure" or "approach".
     stiffness : float or None
-        Of the spring whose far end the approaches are [N/m^2].
+        The stiffness of a spring between body and machine [N/m^2]; the approaches are then those of
+        the spring's far end.
     followed : ndarray
-        What was passed on the way, solved or not, (m, 4): load [N/m], approach [m], width in
-        contact [m], and 1 where the control rose, else 0; a row of nan where a jump breaks it.
+        The equilibria along the path, (m, 4): load [N/m], approach [m], width in contact [m], and 1
+        where the control rose, else 0. A row of nan marks a jump.
 
     Examples
     --------
@@ -170,8 +171,8 @@ class AdhesivePath(Path):
     def work(self) -> float | None:
         """Work of the load from the first value to the last [J/m].
 
-        It is the difference of their energies and what was lost; of a closed loop it is what was
-        lost.
+        It is the difference of their energies plus the dissipated energy. On a closed loop it
+        equals the dissipated energy.
         """
         dissipated = self.dissipated
         return (
@@ -181,13 +182,12 @@ class AdhesivePath(Path):
         )
 
     def plot(self, ax: Any = None) -> Any:
-        """Load over approach, up and down with its jumps, and the surfaces as they come apart: a
-        matplotlib figure.
+        """A matplotlib figure: load over approach with the jumps, and the surfaces at pull-off.
 
         Parameters
         ----------
         ax : matplotlib Axes, or two of them, or None
-            Where the load is drawn, and the surfaces; None: in a new figure.
+            Axes for the load, and for the surfaces; None: a new figure.
 
         Returns
         -------
@@ -198,7 +198,7 @@ class AdhesivePath(Path):
         MissingExtra
             Without matplotlib.
         SceneError
-            If `ax` is no axes.
+            If `ax` is not an axes object.
         """
         load, approach, width, rises = self.followed.T
         by_approach = (
@@ -236,7 +236,7 @@ class AdhesivePath(Path):
         return figure
 
     def _surfaces(self) -> tuple[str, Array, Array, Array, Array]:
-        """(what is drawn, places, surface, body, zones) [m]."""
+        """(title, places, surface, body, zones) of the picture of the surfaces [m]."""
         parted = [
             event
             for event in self.events
@@ -261,7 +261,7 @@ class AdhesivePath(Path):
         return f"at load {quantity(last.load, 'N/m')}", x, surface, body, zones
 
     def to_dict(self) -> dict[str, Any]:
-        """A dictionary of the path, its control, what was lost and the work of the load."""
+        """A dictionary of the path, its control, the dissipated energy and the work of the load."""
         units = {
             "lost": "J/m",
             "dissipated": "J/m",
@@ -292,7 +292,7 @@ def adhesive_path(
     control: str,
     stiffness: float | None,
 ) -> AdhesivePath:
-    """See `contact.path`."""
+    """The path of surfaces that adhere; for the parameters see `contact.path`."""
     given = finite_array("values", values)
     give = None if stiffness is None else 1.0 / positive("stiffness", stiffness)
     run = _PathRun(scene.under(control, 0.0), control, tol, give)
@@ -358,9 +358,9 @@ def _places(scene: Scene, zones: Array, count: int = 601) -> Array:
 
 
 class _PathRun:
-    """A path that is being followed.
+    """The state of a path that is being followed.
 
-    scene: under the control, at no value. give: of the spring [m per N/m].
+    scene: the scene at the value 0 of the control. give: compliance of the spring [m per N/m].
     """
 
     def __init__(self, scene: Scene, control: str, tol: float, give: float | None) -> None:
@@ -374,7 +374,7 @@ class _PathRun:
         self.rises = 1.0
 
     def note(self, point: State | None, value: float = 0.0) -> None:
-        """Record an equilibrium on the way, or surfaces apart at a value."""
+        """Record an equilibrium between two values, or separate surfaces at a value."""
         units = self.problem.units
         if point is not None:
             approach = -point.level * units.height if self.problem.operator.has_approach else np.nan
@@ -420,19 +420,20 @@ class _PathRun:
             )
 
     def first(self, value: float) -> PathState:
-        """Where the path begins: below first touch the surfaces are apart, else they advance."""
+        """The first state: separate surfaces below first touch, else the advancing contact."""
         scaled, first = value / self.unit, self.by.law.first
         if scaled < min(first, 0.0) or value < 0.0 == first:
             return PathState(scaled)
         if self.context.spring_compliance is not None or value < 0.0:
-            # The contact without adhesion under an approach of the far end need not lie inside.
+            # Without adhesion, the contact at this approach of the far end may be wider. The path
+            # then starts from separate surfaces.
             *_, found = self.history.to(PathState(min(-1.0, 2.0 * first)), scaled)
             assert isinstance(found, PathState)
             return found
         return self.by.started(self.scene.under(self.control, value), scaled)
 
     def solved(self, here: PathState, value: float, before: float) -> Solution:
-        """The solution where the path stands."""
+        """The solution at the present state of the path."""
         scene = self.scene.under(self.control, value)
         way = "advancing" if self.rises else "receding"
         described = (
@@ -484,8 +485,8 @@ class _PathRun:
         load_after, approach_after, energy_after, zones_after = self._state(jump.after)
         by_load = self.curve.control.load is not None
         if jump.kind == "pull-off" and by_load and approach is not None:
-            # A dead load draws the surfaces apart. The contact follows the approach, since the
-            # load is slow to move, until no contact answers it.
+            # A dead load separates the surfaces. The load moves slowly, so that the contact follows
+            # the approach until there is no contact at the approach.
             assert jump.before.point is not None
             apart = self.by.separation(jump.before.point)
             approach_after = None if apart is None else float(-apart.level * units.height)
@@ -547,6 +548,6 @@ class _PathRun:
         return 0.0, approach if self.problem.operator.has_approach else None, 0.0, none
 
     def _energy(self, fields: Any, width: float) -> float | None:
-        """Elastic energy and that of the interface, of a contact of this width [J/m]."""
+        """Elastic energy plus surface energy of a contact of this width [J/m]."""
         elastic = elastic_energy(fields)
         return None if elastic is None else elastic + self.scene.law.surface_energy(fields, width)

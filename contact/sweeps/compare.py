@@ -35,7 +35,7 @@ _NUMBERS = ("load", "max_pressure", "total_width")
 
 @dataclass(frozen=True)
 class TableLimits:
-    """What fits on a terminal of 80 columns."""
+    """Sizes that fit on a terminal of 80 columns."""
 
     # Zones whose ends are shown, and columns of ends in one table; further zones are for a file.
     zone_ends: int = 4

@@ -21,9 +21,9 @@ class Event:
     kind : str
         birth, death, merge, split or full.
     load : float
-        Where it happens [N/m].
+        The load at the event [N/m].
     position : float
-        Where on the profile [m].
+        The place on the profile [m].
     before, after : ndarray
         The zones [m], (n, 2), just before and just after the event along the path; (0, 2) in full
         contact.

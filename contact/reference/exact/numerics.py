@@ -70,11 +70,6 @@ def arcosh1p(y: ArrayLike) -> Array:
     return np.asarray(2.0 * np.arcsinh(np.sqrt(0.5 * np.asarray(y))))
 
 
-def arccos1m(y: ArrayLike) -> Array:
-    """arccos(1 - y), accurate for small y >= 0."""
-    return np.asarray(2.0 * np.arcsin(np.sqrt(0.5 * np.minimum(y, 2.0))))
-
-
 def sinh_minus(y: ArrayLike) -> Array:
     """sinh(y) - y without cancellation."""
     y = np.asarray(y, dtype=float)

@@ -242,7 +242,7 @@ class CutProduct:
         return e - 1, self.steps[[e - 1]], zero
 
     def end_factors(self) -> Array:
-        """At every end, the absolute product of the factors of all other ends."""
+        """The absolute product of the factors of all other ends, at every end."""
         factors = np.array(
             [self._end_factors(*self.at_end(e))[0] for e in range(2 * len(self.zones))]
         )

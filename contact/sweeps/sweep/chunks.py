@@ -69,7 +69,7 @@ class Chunk:
         return cls(tuple(places), tuple(settings), control, CHUNKS.seconds, whole=True)
 
     def singly(self) -> "Iterator[Chunk]":
-        """Its points, each as a chunk of its own."""
+        """One chunk for each of its points."""
         for place, setting in zip(self.places, self.settings, strict=True):
             yield replace(self, places=(place,), settings=(setting,))
 
