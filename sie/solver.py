@@ -160,31 +160,22 @@ def solve(
     >>> found.zones.table.round(10).tolist()
     [[-0.25, 0.25]]
     """
-    _check_input(equation, zones, tol, value, signs, max_steps)
+    _check_problem(equation, zones, tol)
+    _check_search(value, signs, max_steps)
     # The values of a user's functions are checked, so that warnings of NumPy are superfluous.
     with np.errstate(all="ignore"):
-        return _solve(equation, zones, tol, value, signs, max_steps)
+        if not zones.moves.any():
+            return _solve(equation, zones, tol, _fixed(equation, zones, tol))
+        options, start = NewtonOptions(max_steps=max_steps, signs=signs), WarmStart(value=value)
+        return _solve(equation, zones, tol, _free(equation, zones, tol, options, start))
 
 
-def _solve(
-    equation: Equation,
-    zones: Zones,
-    tol: float,
-    value: float,
-    signs: tuple[float, float],
-    max_steps: int,
-) -> Solution:
-    """`solve` for checked input."""
-    moving = any(end.moves for end in (*zones.left, *zones.right))
+def _solve(equation: Equation, zones: Zones, tol: float, solutions: Iterator[Solution]) -> Solution:
+    """The first of ever more accurate solutions that meets the tolerance, or an error."""
     try:
-        found = _best(
-            _free(equation, zones, tol, value, signs, max_steps)
-            if moving
-            else _fixed(equation, zones, tol),
-            tol,
-        )
+        found = _best(solutions, tol)
     except SingularSystem as error:
-        if moving and _solvable(equation, zones):
+        if zones.moves.any() and _solvable(equation, zones):
             raise NotConverged(
                 f"the search for the ends came to zones on which there is no solution: {error}"
             ) from error
@@ -194,15 +185,8 @@ def _solve(
     raise NotConverged(_reason(found, tol), found)
 
 
-def _check_input(
-    equation: Equation,
-    zones: Zones,
-    tol: float,
-    value: float,
-    signs: tuple[float, float],
-    max_steps: int,
-) -> None:
-    """Raise ValueError for input that cannot be solved."""
+def _check_problem(equation: Equation, zones: Zones, tol: float) -> None:
+    """Raise ValueError for an equation, zones or a tolerance that cannot be solved for."""
     if not isinstance(equation, Equation):
         raise ValueError(f"the equation must be a sie.Equation, got {type(equation).__name__}")
     if not isinstance(zones, Zones):
@@ -212,6 +196,10 @@ def _check_input(
         )
     if not (inputs.is_number(tol) and 0 < tol < 1):
         raise ValueError(f"tol must be a number between 0 and 1, got {inputs.shown(tol)}")
+
+
+def _check_search(value: float, signs: tuple[float, float], max_steps: int) -> None:
+    """Raise ValueError for a wrong first guess, wrong signs or a wrong number of steps."""
     inputs.number("the first guess of the unknown value", value)
     if not (
         isinstance(signs, tuple | list)
@@ -251,15 +239,9 @@ def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
 
 
 def _free(
-    equation: Equation,
-    zones: Zones,
-    tol: float,
-    value: float,
-    signs: tuple[float, float],
-    max_steps: int,
+    equation: Equation, zones: Zones, tol: float, options: NewtonOptions, start: WarmStart
 ) -> Iterator[Solution]:
     """Solutions with free ends, for smaller and smaller tolerances of the ends."""
-    options, start = NewtonOptions(max_steps=max_steps, signs=signs), WarmStart(value=value)
     for part in OPTIONS.parts:
         free = find_ends(equation, zones, max(part * tol, EPS), options, start)
         yield _with_errors(free.state, free)

@@ -25,7 +25,7 @@ from sie.basis.kernels import Kernel
 from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 
 OWN_SIZES = np.sort(np.concatenate((8 * 2 ** np.arange(13), 24 * 2 ** np.arange(11))))
 

@@ -22,7 +22,7 @@ from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.sums import waves
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from sie.dense.spline_moments import many_jumps
 from sie.density.series import moments_of
 from sie.equation.conditions import Linear, Rows, asked, speaks_of_levels
 from sie.equation.equation import Equation
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
 from sie.trees.tree import TERMS

@@ -38,8 +38,8 @@ from sie.basis.kernels import Regular
 from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.sums import Grouped, pair_blocks
 from sie.density.series import Series, by_quadrature
-from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import OPTIONS as JUMPS
+from sie.jumps.right_side import ForcingJumps
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.trees.far import Nested
 from sie.trees.tree import SEPARATION, TERMS, Tree

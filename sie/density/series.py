@@ -19,7 +19,7 @@ from sie.basis.lag_table import regular_values
 from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.zones import Zones
 from sie.density.base import DensityBase
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
 

@@ -13,9 +13,9 @@ from sie.basis.data import Array, Index, Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.jumps.density import DensityJumps
-from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST
 from sie.jumps.poles import AlgebraicPoints, Poles
+from sie.jumps.right_side import ForcingJumps
 
 Function = Callable[[Array], Array]
 

@@ -25,7 +25,7 @@ from sie.dense.system import System
 from sie.equation.conditions import ByZone, Linear, Rows, by_zone
 from sie.equation.equation import Equation
 from sie.fast.zone_sums import ZoneSums
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 from sie.trees.far import reaches
 
 

@@ -36,9 +36,9 @@ from sie.basis.kernels import Kernel
 from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
-from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST, raised
 from sie.jumps.poles import NO_POLES
+from sie.jumps.right_side import ForcingJumps
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import QuadraticSpline
 

@@ -1,4 +1,4 @@
-"""Positions of jumps in zones, and the closed forms derived in `sie.jumps.forcing`."""
+"""Positions of jumps in zones, and the closed forms derived in `sie.jumps.right_side`."""
 
 import math
 from dataclasses import dataclass, replace
@@ -171,7 +171,7 @@ class PlacedJumps(PerZone):
     def potential_of(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
         """The potentials in closed form, at real or complex points.
 
-        away: z - s; turn, grown, root: the functions F, A and B of `sie.jumps.forcing`.
+        away: z - s; turn, grown, root: the functions F, A and B of `sie.jumps.right_side`.
         """
         orders = self.order[k]
         if np.all(orders == orders[:1]):

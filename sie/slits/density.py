@@ -22,7 +22,7 @@ from sie.density.base import DensityBase
 from sie.density.density import Density
 from sie.density.series import OPTIONS as SAMPLES
 from sie.density.series import angles_at_kinks, even_angles, from_zones
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.plane import SlitPlane
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, outside_slit

@@ -1,6 +1,6 @@
 r"""A jump of the right side in a slit of a wide zone, in closed form.
 
-Let h be the jump at s (see `sie.jumps.forcing`): of the right side for q = 0, of its q-th
+Let h be the jump at s (see `sie.jumps.right_side`): of the right side for q = 0, of its q-th
 derivative for q = 1, 2. It causes a density (h/pi)(t - s)^q kappa(t) on the wide zone that is
 singular at s. So is the slack of the slit. Its singular part psi is known and given here.
 

@@ -38,8 +38,8 @@ from sie.dense.modes import OPTIONS as MODES
 from sie.dense.modes import gaps
 from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals
 from sie.equation.equation import Equation
-from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST
+from sie.jumps.right_side import ForcingJumps
 from sie.slits.kinks import SlitKink
 
 

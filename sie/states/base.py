@@ -19,7 +19,7 @@ from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.iteration import Iterative
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 from sie.states.sizes import Sizes
 
 # Solver of the assembled rows for further right sides: LU factors, or an iteration.

@@ -20,7 +20,7 @@ from sie.equation.equation import Equation
 from sie.fast.coarse import CoarseOperator
 from sie.fast.iteration import Iterative
 from sie.fast.system import IterativeSystem, unfit
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 from sie.states.base import Solver, coefficient_sizes, density_of
 from sie.states.sizes import Carried, Sizes, first_sizes
 from sie.states.state import State, field_tails

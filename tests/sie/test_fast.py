@@ -14,7 +14,7 @@ from sie.dense.system import MirrorSymmetry, System
 from sie.density.treecode import Treecode
 from sie.fast.system import IterativeSystem
 from sie.fast.zone_sums import Nested, ZoneSums
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 from sie.trees.far import FarSum
 from sie.trees.hierarchical import Inverse, cross
 from sie.trees.krylov import gmres

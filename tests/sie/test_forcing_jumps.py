@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 import sie
 from sie.basis.interval import by_angle
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 from tests.sie import reference
 from tests.tiers import quick
 

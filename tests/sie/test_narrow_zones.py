@@ -8,7 +8,7 @@ import sie
 from contact.reference.inverse import random_problem
 from sie.dense import modes
 from sie.dense.modes import conformal_radius, felt
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 
 
 def equation(problem):

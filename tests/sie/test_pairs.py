@@ -8,7 +8,7 @@ import pytest
 import sie
 from sie.basis.interval import OnLine
 from sie.jumps.density import DensityJumps
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 
 
 def drawn(orders, of_density=False):

@@ -10,7 +10,7 @@ import pytest
 
 import sie
 from sie.jumps.density import DensityJumps
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 from sie.slits.system import SlitState, solve_zones
 from tests.sie import exact
 

@@ -12,9 +12,9 @@ import pytest
 import sie
 from sie.density.density import Density
 from sie.density.plane import Plane
-from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import of_sines
 from sie.jumps.poles import NO_POLES, Poles
+from sie.jumps.right_side import ForcingJumps
 
 ZONES = sie.Zones.of([[-1.3, 0.4], [0.5, 2.0]])
 EXPONENTS = (-0.4, 0.001, 0.5, 1.0, 1.5, 1.999, 2.0, 3.3, 6.5, 11.0)

@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 
 import sie
 from sie.basis.interval import OnLine, by_angle
-from sie.jumps.forcing import ForcingJumps
+from sie.jumps.right_side import ForcingJumps
 from sie.jumps.spline import OPTIONS
 
 
