@@ -14,9 +14,9 @@ digits close to an end where the density vanishes. Off the interval, t is called
     at an end  T_l / X:  K = (w/2)^(1/2) (+-1)^l,  the factor of distance^(-1/2)
                X U_l:    A = (2/w)^(1/2) (l + 1) (+-1)^l,  the factor of distance^(1/2)
 
-No other file contains these formulas or the exponent 1/2. A place on the line is given by its
-distances from both ends divided by w, or by |zeta| - 1; a complex point by zeta + 1 and zeta - 1.
-This way no digit is lost close to an end.
+These formulas are for the exponent 1/2 (see `sie.basis.weight`). A place on the line is given by
+its distances from both ends divided by w, or by |zeta| - 1; a complex point by zeta + 1 and
+zeta - 1. This way no digit is lost close to an end.
 """
 
 from collections.abc import Callable, Iterator
@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from sie.basis.data import EPS, TINY, Array, Complex, Index, Mask, record
 from sie.basis.sums import cosine_sum, sine_sum, sum_of_powers
+from sie.basis.weight import HALF
 
 Number = NDArray[Any]
 What = Literal["transform", "derivative", "potential"]
@@ -66,6 +67,16 @@ def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, 
     step = np.minimum(np.cbrt(EPS), 0.5 * np.minimum(angle, np.pi - angle))
     before, after = (of(*sides(at)) for at in (angle - step, angle + step))
     return 0.5 * (before + after), (after - before) / (2 * step)
+
+
+def end_changes(slope: Array, at_left: Array, at_right: Array, angle: Array) -> tuple[Array, Array]:
+    """Changes of a density at equal t by motions of the left and the right end by one width.
+
+    slope: derivative of the density by the angle; at_left, at_right: its slopes by the angle from
+    the ends. See `Series.sensitivity` for the formula.
+    """
+    tangent = np.tan(0.5 * angle)
+    return (slope + at_left) * tangent, (slope - at_right) / tangent
 
 
 def nearer_angle(left: Array, right: Array) -> Array:
@@ -426,26 +437,10 @@ def mean_potential(w: Any, datum: Any) -> Any:
 
 
 # Coefficients of the density at the ends.
-def edge_scale(w: Any) -> Any:
-    """The intensity K of T_l / X at the right end.
-
-    At a small distance d from an end the density is K / sqrt(d).
-    """
-    return np.sqrt(0.5 * w)
-
-
 def intensities(alpha: Array, beta: Array, w: Array) -> tuple[Array, Array]:
     """(K at the left end, K at the right end) of (alpha + beta t) / X + X sum u_k U_k."""
-    root = edge_scale(w)
+    root = HALF.edge_scale(w)
     return root * (alpha - beta), root * (alpha + beta)
-
-
-def slope_scale(w: Any) -> Any:
-    """The coefficient A of a density that equals the angle from an end.
-
-    At a small distance d from an end a density is K / sqrt(d) + A sqrt(d).
-    """
-    return np.sqrt(2 / w)
 
 
 def edge_slopes(
@@ -459,5 +454,5 @@ def edge_slopes(
     """
     # Share of (alpha + beta t) / X: its expansion in d at t = 1 - d/w and at t = -1 + d/w.
     left, right = (((alpha + s * beta) / 4 - s * beta) / np.sqrt(2 * w) for s in (-1.0, 1.0))
-    scale = slope_scale(w)
+    scale = HALF.slope_scale(w)
     return scale * at_left + left, scale * at_right + right

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from sie.basis import inputs
 from sie.basis.data import TINY, Array, Index, Kept, Mask, sum_error
+from sie.basis.weight import HALF, Weight
 
 
 @dataclass(frozen=True)
@@ -123,6 +124,8 @@ class Zones(Kept):
     rest : ndarray
         Round-off of the ends (2, n): the exact ends are a + rest[0] and b + rest[1]. An end may be
         nearer to a corner of the right side than the digits of its position show.
+    weight : Weight
+        The weight of a density on the zones, with its exponent; only 1/2 can be solved for.
 
     Examples
     --------
@@ -138,6 +141,7 @@ class Zones(Kept):
     right: Sequence[End] = field(default=())
     symmetric: bool = False
     rest: Array = field(default_factory=lambda: np.zeros((2, 0)))
+    weight: Weight = field(default=HALF, repr=False)
 
     def __post_init__(self) -> None:
         if self.rest.shape[1] != len(self.a):
@@ -230,6 +234,16 @@ class Zones(Kept):
     def half(self) -> Array:
         """Half widths w (n,)."""
         return np.asarray(0.5 * ((self.b - self.a) + (self.rest[1] - self.rest[0])))
+
+    @property
+    def edge_scale(self) -> Array:
+        """The intensity K of the weight at the ends of each zone (n,), see `Weight`."""
+        return np.asarray(self.weight.edge_scale(self.half))
+
+    @property
+    def slope_scale(self) -> Array:
+        """The edge slope A of a density that equals the angle from an end (n,), see `Weight`."""
+        return np.asarray(self.weight.slope_scale(self.half))
 
     @cached_property
     def middle(self) -> Array:

@@ -18,10 +18,11 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Mask, numbered, record, root_of_squares, widened
-from sie.basis.interval import Outside, edge_scale, mean_potential
+from sie.basis.interval import Outside, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.lag_table import regular_values
 from sie.basis.sums import OPTIONS as SUMS
+from sie.basis.weight import needs_half
 from sie.basis.zones import Zones
 from sie.dense.modes import OPTIONS
 from sie.dense.spline_moments import coefficients as coefficients_between
@@ -237,6 +238,7 @@ class System(Rows):
     def __init__(
         self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps
     ) -> None:
+        needs_half(zones.weight, "the rows of the equation")
         self.equation, self.zones, self.jumps, self.g = equation, zones, jumps, coefficients
         self.layout = Layout(m, len(equation.columns))
         self.known = jumps.first_coefficients(zones, m + 1)
@@ -456,7 +458,7 @@ class System(Rows):
     def intensities(self) -> tuple[Linear, Linear]:
         left, right = self._zero_rows(), self._zero_rows()
         for place, i in enumerate(self.zones.solved):
-            m, root = int(self.layout.m[i]), edge_scale(self.zones.half[i])
+            m, root = int(self.layout.m[i]), self.zones.edge_scale[i]
             here = slice(self.layout.offset[i], self.layout.offset[i] + m + 1)
             right[place, here] = root
             left[place, here] = root * (1.0 - 2.0 * (np.arange(m + 1) % 2))
@@ -469,7 +471,7 @@ class System(Rows):
         coefficients: those of the density, (all zones, n + 1).
         """
         solved = self.zones.solved
-        table, root = coefficients[solved], edge_scale(self.zones.half[solved])
+        table, root = coefficients[solved], self.zones.edge_scale[solved]
         return root * (table[:, ::2].sum(axis=1) - table[:, 1::2].sum(axis=1)), root * table.sum(
             axis=1
         )

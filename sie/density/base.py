@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis.data import Array, Complex, Index, Kept, Mask, nearest_image, wrapped
-from sie.basis.interval import What, by_angle, edge_scale
+from sie.basis.interval import What, by_angle, end_changes
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
@@ -64,11 +64,10 @@ class DensityBase(Kept):
 
         The changes are those by motions of the ends, see `Density.sensitivity`.
         """
-        (value, slope), half = self.by_angle(zone, angle), np.tan(0.5 * angle)
-        at_left, at_right = (
-            one[zone] * edge_scale(self.zones.half[zone]) for one in self.edge_slopes
-        )
-        return np.abs(value), np.abs((slope + at_left) * half), np.abs((slope - at_right) / half)
+        value, slope = self.by_angle(zone, angle)
+        at_left, at_right = (one[zone] / self.zones.slope_scale[zone] for one in self.edge_slopes)
+        by_left, by_right = end_changes(slope, at_left, at_right, angle)
+        return np.abs(value), np.abs(by_left), np.abs(by_right)
 
     def largest_changes(self, zones: Index, angles: list[Array]) -> Array:
         """Largest of each of the three `change_sizes` on every zone, shape (3, Z).

@@ -122,7 +122,7 @@ class Series(DensityBase):
             *self.singular, *chebyshev.slopes_at_ends(self.coefficients), self.zones.half
         )
         jump_left, jump_right = self.jumps.edge_slopes(self.zones)
-        scale = interval.slope_scale(self.zones.half)
+        scale = self.zones.slope_scale
         return left + scale * jump_left, right + scale * jump_right
 
     @cached_property

@@ -36,7 +36,7 @@ import numpy as np
 from scipy.linalg import norm
 
 from sie.basis.data import SUM_ROUNDING, Array, record
-from sie.basis.interval import edge_scale
+from sie.basis.weight import needs_half
 from sie.dense.lu import Factored
 from sie.dense.modes import OPTIONS as MODES
 from sie.dense.system import condition_rows
@@ -66,6 +66,7 @@ class Moved:
     def of(cls, state: State, d: Array) -> "Moved":
         """The effect of outward motions d (2, Z, ...) of the left and right ends."""
         zones, layout = state.density.zones, state.system.layout
+        needs_half(zones.weight, "motions of ends with prescribed intensities")
         more = (1,) * (d.ndim - 2)
         w = zones.half.reshape(-1, *more)
         k, slope = (
@@ -80,7 +81,7 @@ class Moved:
         coefficients[: layout.coefficients] = (
             -2.0 * order * (strength[1][zone] + turned * strength[0][zone])
         )
-        root = strength * edge_scale(w)
+        root = strength * zones.edge_scale.reshape(w.shape)
         return cls(
             coefficients,
             -w * strength.sum(axis=0),

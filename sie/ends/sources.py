@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from sie.basis.data import DIGITS, Array, Index, numbered
-from sie.basis.interval import edge_scale
 from sie.dense.system import Places, fields, outside
 from sie.states.state import State
 
@@ -129,7 +128,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     )
     beyond = (2 / np.pi) / zones.half[:, None, None] * up ** (layout.m[:, None, None] + 1)
     turned = np.where(layout.m % 2 == 0, -1.0, 1.0)[:, None, None]
-    root = edge_scale(zones.half)[:, None]
+    root = zones.edge_scale[:, None]
     order = np.arange(table.shape[2])
     intensities = root * np.array(
         [

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from sie.basis.data import Array, Mask, record
+from sie.basis.weight import needs_half
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.ends.limits import border_distances
@@ -91,13 +92,14 @@ def newton_step(
         return _coupled_step(state.whole, moves, residual, options, value_response)
     a, noise_k = np.array(density.edge_slopes), state.intensity_noise
     safe, weak = _safe_slopes(density, state.natural, options.signs, residual, last)
-    delta = np.where(moves, 2 * residual / safe, 0.0)
-    noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
+    step_for = zones.weight.end_step
+    delta = np.where(moves, step_for(residual, safe), 0.0)
+    noise = np.where(moves, step_for(noise_k, np.abs(safe)), 0.0)
     change = 0.0
     if value_response is not None:
         k_unit = np.array(value_response.intensities)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            slope = np.where(moves, 2 * k_unit / safe, 0.0)
+            slope = np.where(moves, step_for(k_unit, safe), 0.0)
         largest = options.max_shrink, options.max_growth
         delta, change = bordered(state.equation, density.zones, delta, slope, largest)
         residual = np.where(moves, residual + change * k_unit, 0.0)
@@ -115,6 +117,7 @@ def _with_step_models(
     value of the open condition.
     """
     zones, forcing, kernel = state.density.zones, state.equation.forcing, state.equation.kernel
+    needs_half(zones.weight, "steps of ends near gaps and jumps")
     side, moves = np.array(options.signs, dtype=float)[:, None], plain.moves
     gaps = np.array(modes.gaps(zones, kernel))
     jumps = forcing.density_jumps
@@ -192,7 +195,7 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     cornered, g = state.whole.density.jumps.kinked, state.whole.system.g
     # The sum of k |g_k| is an upper bound of the slope of the smooth part, and at most a few times
     # this slope.
-    smooth = 4 * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
+    smooth = 4 * (np.abs(g) @ np.arange(g.shape[1])) * zones.slope_scale + 1e-300
     part = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
     rounding[:, cornered] *= part[:, cornered]
     return np.asarray(rounding)

@@ -15,7 +15,6 @@ import numpy as np
 
 from sie.basis import chebyshev, inputs
 from sie.basis.data import Array, record
-from sie.basis.interval import edge_scale
 from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.zones import Zones
 
@@ -225,7 +224,7 @@ class Trial(Rows):
 
     def intensities(self) -> tuple[Linear, Linear]:
         k = (
-            edge_scale(self.zones.half[self.zones.solved])[:, None] * self.first,
+            self.zones.edge_scale[self.zones.solved][:, None] * self.first,
             np.zeros(len(self.first)),
         )
         return k, k

@@ -11,6 +11,7 @@ import numpy as np
 from sie.basis import inputs
 from sie.basis.data import Array, Index, Kept
 from sie.basis.kernels import Kernel
+from sie.basis.weight import needs_half
 from sie.basis.zones import Zones
 from sie.jumps.density import DensityJumps
 from sie.jumps.formulas import HIGHEST
@@ -298,6 +299,8 @@ class Forcing(Kept):
     def jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
         """The jumps that lie inside zones, and the poles of algebraic points."""
         jumps = self.jumps
+        if len(jumps) or jumps.algebraic is not None:
+            needs_half(zones.weight, "jumps in closed form")
         places = zones, jumps.at, jumps.heights, np.asarray(jumps.orders)
         found: ForcingJumps = (
             DensityJumps.inside(*places, kernel, jumps.spline)

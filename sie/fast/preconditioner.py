@@ -3,7 +3,6 @@
 import numpy as np
 
 from sie.basis.data import Array
-from sie.basis.interval import edge_scale
 from sie.equation.conditions import by_zone, speaks_of_levels
 from sie.fast.coarse import CoarseOperator
 from sie.fast.system import Applied, IterativeSystem
@@ -82,9 +81,8 @@ class TwoLevelPreconditioner:
         if self.own is not None and self.closed is not None:
             folded[self.first] = (wanted - self.closed.rows(view)[0][:, 0]) / self.own.first
             return
-        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / edge_scale(
-            system.zones.half[system.zones.solved[self.held]]
-        )
+        scale = system.zones.edge_scale[system.zones.solved[self.held]]
+        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / scale
 
     def _scalars(self, folded: Array) -> Array:
         """Values of the single-row conditions, and of the constant if levels are absolute."""

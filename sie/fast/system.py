@@ -18,6 +18,7 @@ import numpy as np
 from sie.basis.data import Array, Index, numbered, record, root_of_squares
 from sie.basis.interval import mean_potential
 from sie.basis.sums import OPTIONS as SUMS
+from sie.basis.weight import needs_half
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.modes import felt
@@ -64,6 +65,7 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     """The reason in words why fast sums cannot be used for this equation, or None if they can."""
     if len(zones.solved) < 2:
         return "one zone is too few"
+    needs_half(zones.weight, "fast sums")
     if not reaches(equation.kernel, zones):
         return "the kernel is too general"
     per_zone = [c for c in equation.conditions if by_zone(c, zones) is not None]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
 from sie.basis.data import DIGITS, Array, Index, Mask, widened, wrapped
-from sie.basis.interval import Outside, excess_of, root_weight, sides, slope_scale
+from sie.basis.interval import Outside, excess_of, root_weight, sides
 from sie.basis.interval import theta as theta_of
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.sums import pair_blocks
@@ -224,7 +224,7 @@ class SlitDensity(DensityBase):
         left, right = (part.copy() for part in self._edged.edge_slopes)
         wide = self.geometry.wide
         for here, row in zip(self.slits, self._tilde, strict=True):
-            scale = slope_scale(wide.half[here.zone])
+            scale = wide.slope_scale[here.zone]
             for slit, before, after, d in zip(here.slits, here.start, here.rest, row, strict=True):
                 left[here.zone] += scale * outside_slit(np.array([before / slit.width]), -1.0, d)[0]
                 right[here.zone] += scale * outside_slit(np.array([after / slit.width]), 1.0, d)[0]
@@ -253,7 +253,8 @@ class SlitDensity(DensityBase):
         root_left, root_right = self.slit_roots
         for here in self.slits:
             for k, kink in self.kinks_of(here):
-                i, slope = here.which[k], kink.at_ends / np.pi * slope_scale(here.slits[k].width)
+                i = here.which[k]
+                slope = kink.at_ends / np.pi * self.geometry.slits.slope_scale[i]
                 left[i] -= root_left[i] * slope
                 right[i] += root_right[i] * slope
         return left, right

@@ -32,6 +32,7 @@ import numpy as np
 from sie.basis import chebyshev
 from sie.basis.data import DIGITS, TINY, Array, Index, Kept, Mask, record, sum_error, wrapped
 from sie.basis.interval import Outside, decay_rate, root_weight, theta, transform_of
+from sie.basis.weight import needs_half
 from sie.basis.zones import Zones
 from sie.dense.lu import Factored
 from sie.dense.modes import OPTIONS as MODES
@@ -160,6 +161,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
     )
     if not narrow.any():
         return None
+    needs_half(pieces.weight, "narrow gaps as slits")
     count = len(pieces)
     first = 0
     if narrow[-1]:

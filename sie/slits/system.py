@@ -18,7 +18,7 @@ import numpy as np
 from scipy.linalg import norm
 
 from sie.basis.data import EPS, Array, Index, Kept, record, row_sizes, widened
-from sie.basis.interval import edge_scale, root_weight, sides
+from sie.basis.interval import root_weight, sides
 from sie.basis.zones import Zones
 from sie.dense.system import System
 from sie.density.density import Density
@@ -348,8 +348,8 @@ class SlitState(Answered):
         at ends of slits.
         """
         geometry = self.geometry
-        wide = edge_scale(geometry.wide.half) * of_coefficients
-        slits = at_slits * edge_scale(geometry.slits.half) * of_coefficients[geometry.slit_zone]
+        wide = geometry.wide.edge_scale * of_coefficients
+        slits = at_slits * geometry.slits.edge_scale * of_coefficients[geometry.slit_zone]
         return np.array(self.density.edges((wide, wide), (slits, slits), (1.0, 1.0)))
 
     @cached_property
@@ -360,7 +360,7 @@ class SlitState(Answered):
         """
         rest = self.rest * row_sizes(self.whole.density.coefficients).max()
         # Round-off of the sums of the wide zones' coefficients.
-        noise = self.whole.intensity_noise.max(axis=0) / edge_scale(self.geometry.wide.half)
+        noise = self.whole.intensity_noise.max(axis=0) / self.geometry.wide.edge_scale
         return self._intensities_of(noise + rest, ERRORS.safety)
 
     @cached_property
@@ -498,7 +498,7 @@ class SlitState(Answered):
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
         through_rows = truncation_through_rows(self.whole, self.missing, self._no_modes).max(axis=0)
-        missing = self.missing + through_rows / edge_scale(self.geometry.wide.half)
+        missing = self.missing + through_rows / self.geometry.wide.edge_scale
         return np.asarray(self._intensities_of(missing) / np.maximum(slopes, 1e-300) / zones.half).T
 
     @property

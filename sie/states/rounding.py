@@ -12,7 +12,6 @@ import numpy as np
 
 from sie.basis.chebyshev import bounded_part
 from sie.basis.data import EPS, Array, Index, by_rows, root_of_squares
-from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.dense.lu import Factored
 from sie.dense.modes import conformal_radius, gaps
@@ -36,13 +35,10 @@ def intensity_rounding(state: Solved) -> Array:
         )
         + state.natural
     )
-    own = 4e-16 * edge_scale(zones.half) * subtracted
+    own = 4e-16 * zones.edge_scale * subtracted
     if state.direct is None:
         own = (
-            own
-            + _of_levels(state)
-            + np.sqrt(2 * zones.half) * state.linear_error
-            + _of_others(state)
+            own + _of_levels(state) + 2 * zones.edge_scale * state.linear_error + _of_others(state)
         )
     if state.direct is None or _stands_alone(state):
         return np.array([own, own])
@@ -85,7 +81,7 @@ def _of_others(state: Solved) -> Array | float:
     assert state.iteration is not None
     out[zones.solved] = state.iteration.system.felt(shaken)
     out = np.maximum(out, out[::-1]) if zones.symmetric else out
-    return np.asarray(OPTIONS.safety * edge_scale(zones.half) * out)
+    return np.asarray(OPTIONS.safety * zones.edge_scale * out)
 
 
 def _of_levels(state: Solved) -> Array | float:
@@ -95,11 +91,11 @@ def _of_levels(state: Solved) -> Array | float:
         return 0.0
     w = zones.half
     # An error e of a level changes c_0 by e / (w log(w / 2R)), with the conformal radius R, and K
-    # by w c_0 / sqrt(2 w). Neighbours that are not wider keep less of their level than the grounded
+    # by `edge_scale` times this. Neighbours that are not wider keep less of their level than the grounded
     # half-lines for which R holds.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
     logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
-    return np.asarray(2 * _level_noise(state) / (logarithm * np.sqrt(2 * w)))
+    return np.asarray(zones.edge_scale * 2 * _level_noise(state) / (logarithm * 2 * w))
 
 
 def _through_rows(state: Solved) -> Array:
@@ -142,7 +138,7 @@ def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
             np.abs(padded(one)).sum(axis=1) for one in _iterated_changes(state, missing, low)
         ]
         return np.asarray(
-            edge_scale(state.density.zones.half) * np.max(changes, axis=0) * np.ones((2, 1))
+            state.density.zones.edge_scale * np.max(changes, axis=0) * np.ones((2, 1))
         )
     if _stands_alone(state):
         return np.zeros((2, len(state.density.zones)))
@@ -234,7 +230,7 @@ def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
     if _stands_alone(state):
         return np.zeros(len(zones))
     if solver is None:
-        return _of_levels(state) / edge_scale(zones.half) + density_changes(
+        return _of_levels(state) / zones.edge_scale + density_changes(
             state, _iterated_changes(state, missing, low)
         )
     chance = np.random.default_rng(0)

@@ -7,7 +7,6 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from sie.basis.data import Array, Index, Mask, row_sizes
-from sie.basis.interval import edge_scale
 from sie.basis.sums import OPTIONS as SUMS
 from sie.dense import modes
 from sie.dense.system import System
@@ -131,7 +130,7 @@ class State(Solved):
         It is caused by the zone's own missing coefficients, and by the truncation of all rows.
         """
         through_rows = truncation_through_rows(self, self.missing, self.low_residuals)
-        return np.asarray(edge_scale(self.density.zones.half) * self.missing + through_rows)
+        return np.asarray(self.density.zones.edge_scale * self.missing + through_rows)
 
     @cached_property
     def missing(self) -> Array:

@@ -1,0 +1,80 @@
+"""The exponent of a density at the ends: its scales, and the parts that know 1/2 only."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import sie
+from sie.basis.interval import intensities, sides
+from sie.basis.weight import HALF, Weight
+from sie.ends.motions import Moved
+from sie.ends.newton import find_ends
+from sie.fast.system import unfit
+
+OTHER = Weight(0.3)
+NEAR = 1e-9  # distance from an end, over the half width
+
+
+def on(table, weight=OTHER, **kinds):
+    return replace(sie.Zones.of(table, **kinds), weight=weight)
+
+
+@pytest.mark.parametrize("exponent", [0.2, 0.5, 0.7])
+@pytest.mark.parametrize("w", [0.25, 3.0])
+def test_the_scales_are_the_limits_of_the_weight_at_an_end(exponent, w):
+    weight, one_less_t2 = Weight(exponent), NEAR * (2 - NEAR)
+    d = NEAR * w
+    assert weight.edge_scale(w) == pytest.approx(one_less_t2**-exponent * d**exponent, rel=1e-8)
+    away = one_less_t2 ** (1 - exponent)
+    assert weight.slope_scale(w) == pytest.approx(away * d ** (exponent - 1), rel=1e-8)
+
+
+@pytest.mark.parametrize("exponent", [0.2, 0.5, 0.7])
+def test_the_step_of_an_end_removes_its_intensity_to_first_order(exponent):
+    """The density A (d + s)^(1-p) at distances d from an end has K = (1 - p) A s beside A."""
+    weight, s, d = Weight(exponent), 1e-7, 1e-2
+    found = ((d + s) ** (1 - exponent) - d ** (1 - exponent)) * d**exponent
+    assert weight.end_step(found, 1.0) == pytest.approx(s, rel=1e-4)
+
+
+def test_of_one_half_they_are_the_roots_that_the_functions_on_one_zone_have():
+    w = np.array([0.3, 2.0])
+    assert intensities(np.ones(2), np.zeros(2), w)[1] == pytest.approx(
+        HALF.edge_scale(w), rel=1e-15
+    )
+    assert HALF.slope_scale(w) * np.sqrt(NEAR * w) == pytest.approx(
+        np.sin(2 * np.arcsin(np.sqrt(0.5 * NEAR))), rel=1e-8
+    )
+    assert sides(np.array([0.0]))[0] == 2.0
+
+
+class TestWhatKnowsOneHalfOnly:
+    EQUATION = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(1.0),))
+
+    def test_another_exponent_is_refused_by_the_rows(self):
+        with pytest.raises(ValueError, match=r"the rows of the equation: .* 1/2 only, got 0.3"):
+            sie.solve(self.EQUATION, on([[-1.0, 1.0]]))
+        with pytest.raises(ValueError, match="the rows of the equation"):
+            find_ends(self.EQUATION, on([[-1.0, 1.0]]))
+
+    def test_jumps_slits_and_fast_sums_say_so_themselves(self):
+        kink = sie.Forcing(np.sign, jumps=sie.Jumps([0.0], 2.0))
+        with pytest.raises(ValueError, match="jumps in closed form"):
+            kink.jumps_within(on([[-1.0, 1.0]]), sie.cauchy())
+        charge = sie.Equation(
+            sie.cauchy(),
+            sie.Forcing(np.zeros_like, np.zeros_like),
+            (sie.Total(1.0), sie.EqualPotential()),
+        )
+        near = on([[-1.0, -0.001], [0.001, 1.0]])
+        with pytest.raises(ValueError, match="narrow gaps as slits"):
+            sie.solve_zones(charge, near)
+        with pytest.raises(ValueError, match="fast sums"):
+            unfit(charge, near)
+
+    def test_motions_say_so_themselves(self):
+        state = sie.solve_fixed(self.EQUATION, sie.Zones.of([[-1.0, 1.0]]))
+        other = replace(state, density=replace(state.density, zones=on([[-1.0, 1.0]])))
+        with pytest.raises(ValueError, match="motions of ends"):
+            Moved.of(other, np.ones((2, 1)))
