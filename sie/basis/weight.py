@@ -41,6 +41,10 @@ class Weight:
         """
         return k / ((1 - self.exponent) * slope)
 
+    def secant_slope(self, change: Any, move: Any) -> Any:
+        """The edge slope A for which an outward motion of an end changes its K by `change`."""
+        return -change / ((1 - self.exponent) * move)
+
 
 HALF = Weight()
 

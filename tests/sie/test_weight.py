@@ -36,6 +36,7 @@ def test_the_step_of_an_end_removes_its_intensity_to_first_order(exponent):
     weight, s, d = Weight(exponent), 1e-7, 1e-2
     found = ((d + s) ** (1 - exponent) - d ** (1 - exponent)) * d**exponent
     assert weight.end_step(found, 1.0) == pytest.approx(s, rel=1e-4)
+    assert weight.secant_slope(-found, s) == pytest.approx(1.0, rel=1e-4)
 
 
 def test_of_one_half_they_are_the_roots_that_the_functions_on_one_zone_have():
