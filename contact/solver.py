@@ -24,6 +24,7 @@ from contact.model.scene import Scene
 from contact.runtime import keep_freed_memory, one_blas_thread
 from contact.search.context import SceneCache, SolveContext
 from contact.search.find import found
+from contact.search.options import SEARCH
 from contact.search.refine import refined
 from contact.search.strategies.full_contact import Full
 from contact.search.strategies.gaps import record_unknowns
@@ -127,7 +128,11 @@ def solve(
 
 def tolerance(tol: object) -> float:
     """The tolerance as a float; raises SceneError if it is none."""
-    if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-13 <= float(tol) < 1.0:
+    if (
+        isinstance(tol, bool)
+        or not isinstance(tol, Real)
+        or not SEARCH.least_error <= float(tol) < 1.0
+    ):
         raise SceneError.of("tol", tol, "a number from 1e-13 to below 1")
     return float(tol)
 

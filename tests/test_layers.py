@@ -25,7 +25,7 @@ ORDER = {
         errors interrupts extras runtime model testing reference exact inverse axisymmetric
         formulation verify solution closed search localized adhesion solver sweeps explorer __init__ paper studies commands __main__
     """,
-    "contact.search": "topology grid context feasibility strategies find refine __init__",
+    "contact.search": "options topology grid context feasibility strategies find refine __init__",
 }
 # The only files that import by name: what is heavy, where a scene needs it.
 ON_DEMAND = {"contact.extras", "sie.trees.lazy"}

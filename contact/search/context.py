@@ -26,6 +26,7 @@ from contact.formulation.units import Units
 from contact.model.controls import Quantity
 from contact.model.operator import Operator
 from contact.model.scene import Scene
+from contact.search.options import LEAST
 from contact.search.topology.extrapolation import CurvePoint
 from contact.search.topology.failure import Failure
 from contact.search.topology.gap_guesses import GapGuesses
@@ -91,10 +92,8 @@ class SceneCache(sie.Kept):
 # Solves a scene: (scene, tol, progress, warm start, cache).
 Solver = Callable[[Scene, float, Progress | None, Solution | None, SceneCache], Solution]
 
-# Smallest tolerance asked of the engine: ten times the round-off of one operation.
-LEAST = 2e-15
 # Tolerance of ends and density, divided by the wanted error: several truncation errors add up.
-_INNER = 0.1
+INNER = 0.1
 
 
 @record
@@ -137,7 +136,7 @@ class SolveContext:
             "coupled system",
             "the closed form is for one symmetric interval of a half-plane",
         )
-        tolerance = max(_INNER * tol, LEAST)
+        tolerance = max(INNER * tol, LEAST)
         return cls(scene, tol, made, cache or SceneCache(scene), tolerance, solver, **others)
 
     def solve_scene(

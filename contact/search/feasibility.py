@@ -20,10 +20,9 @@ from contact.formulation.tables import runs_of
 from contact.model.controls import Quantity
 from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
+from contact.verify.tolerances import TOLERANCES
 from sie import Array, Mask
 
-# Relative round-off of a few operations.
-_ROUNDING = 16 * float(np.finfo(np.float64).eps)
 # Distances [m] from x = 0, a decade apart, far beyond any contact.
 _DISTANCES = 10.0 ** np.arange(5, 13)
 _REMEDY = (
@@ -41,7 +40,10 @@ def refuse_below_plateau(scene: Scene) -> None:
     )
     if fraction is not None and profile.period is not None:
         width = float(np.diff(lowest_stretches(profile)).sum())
-        if width > 0.0 and fraction * profile.period <= width + 4 * _ROUNDING * profile.period:
+        if (
+            width > 0.0
+            and fraction * profile.period <= width + TOLERANCES.rounding * profile.period
+        ):
             raise OutOfRange(
                 f"contact_fraction {fraction:.15g} is not above {width / profile.period:.15g}: the "
                 f"lowest part of the profile is flat over {width:.6g} m of each period, and any "
@@ -65,7 +67,7 @@ def lowest_stretches(profile: Profile) -> Array:
     x = period_samples(profile)
     height = np.asarray(profile.height(x), dtype=np.float64)
     size = np.abs(height[np.isfinite(height)]).max(initial=0.0)
-    highest = float(height.min()) + _ROUNDING * float(size)
+    highest = float(height.min()) + TOLERANCES.rounding * float(size)
 
     def lies_low(x: Array) -> Mask:
         return np.asarray(
@@ -108,7 +110,7 @@ def _level_from(profile: Profile, half_width: float) -> float:
         return np.asarray(np.asarray(profile.slope(x)) == 0)
 
     # The slope at an edge may be that of either side, so that the last sample lies just inside.
-    if not is_level(half_width * np.append(np.arange(1, 32) / 32, 1 - _ROUNDING)).all():
+    if not is_level(half_width * np.append(np.arange(1, 32) / 32, 1 - TOLERANCES.rounding)).all():
         return 0.0
     reach = half_width
     while reach < 2.0**64 * half_width:  # a profile level beyond that is a plane
@@ -149,7 +151,7 @@ def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
         # it. On a straight line it is ten times as large.
         if np.all(slope < 0) and np.all(10 * slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(f"the profile{turned} falls without bound on the {side}: {_REMEDY}")
-        if tilt and np.all(np.abs(slope) <= _ROUNDING * abs(tilt)):
+        if tilt and np.all(np.abs(slope) <= TOLERANCES.rounding * abs(tilt)):
             raise OutOfRange(
                 f"the profile{turned} stands on its own flank on the {side} and does not rise "
                 f"there: {_REMEDY}"
@@ -163,5 +165,5 @@ def _refuse_at_any_tilt(right: Array, left: Array) -> None:
             raise OutOfRange(
                 f"the profile falls without bound on the {side}, at any tilt: {_REMEDY}"
             )
-    if np.all(right + left <= _ROUNDING * (np.abs(right) + np.abs(left))):
+    if np.all(right + left <= TOLERANCES.rounding * (np.abs(right) + np.abs(left))):
         raise OutOfRange(f"the profile does not rise on both sides, at any tilt: {_REMEDY}")

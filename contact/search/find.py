@@ -19,10 +19,11 @@ from contact.search.feasibility import refuse_below_plateau, refuse_unbounded
 from contact.search.grid.conjugate_gradient import LevelOfFullGrid
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
+from contact.search.options import SEARCH
 from contact.search.strategies.continuation import from_previous
 from contact.search.strategies.full_contact import smallest_full
 from contact.search.strategies.guesses import Outcome, search
-from contact.search.strategies.load_controls import OPTIONS, at_approach, at_level
+from contact.search.strategies.load_controls import at_approach, at_level
 from contact.search.topology.failure import NOT_APPLICABLE, Failure, attempted
 
 # Imported only by the scenes that need it.
@@ -176,10 +177,10 @@ def _under_loads(context: SolveContext) -> Outcome:
     # Grids of a period are solved under loads. The zones of the load that has nearly the approach
     # are the first guess.
     scaled = scaled_scene(context.scene, context.single)
-    context = context.with_warm_start(at_approach(context, OPTIONS.near))
+    context = context.with_warm_start(at_approach(context, SEARCH.rough))
     outcome = attempted(lambda: _of_scaled(context, scaled))
     if not isinstance(outcome, Failure):
         return outcome
     context.record_failure("zones under a load of about this approach", outcome)
-    context = context.with_warm_start(at_approach(context, OPTIONS.nearest))
+    context = context.with_warm_start(at_approach(context, SEARCH.intermediate))
     return _of_scaled(context, scaled)

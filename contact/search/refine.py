@@ -7,6 +7,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.extras import require
+from contact.model.profiles.noise import EPS
 from contact.search.context import SolveContext
 from contact.search.grid.proposals import about, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
@@ -17,12 +18,9 @@ from contact.search.strategies.tightening import tightened
 from contact.search.topology.failure import Failure, attempted
 from contact.solution.assemble import undeclared_corner
 from contact.verify.error import SolvedGaps, SolvedZones, body_limit, limit, position_rounding
+from contact.verify.tolerances import TOLERANCES
 
 Search = Callable[[SolveContext], Outcome]
-
-# A lone body whose zones lie farther from x = 0 than this many times their span is solved again
-# with the origin at the zones: relative to the zones, positions have lost 6 of their 53 bits.
-_FAR_SPANS = 64.0
 
 
 def refined(context: SolveContext, found: Outcome, search: Search | None = None) -> Outcome:
@@ -69,7 +67,7 @@ def _refined_once(context: SolveContext, found: Outcome, search: Search) -> Outc
 def _from_near_origin(context: SolveContext, found: SolvedZones) -> SolvedZones:
     """Zones of a lone body far from the origin, solved again with the origin at the zones.
 
-    Without this, rounding of positions is a large part of the widths of the zones.
+    Without this, rounding of positions is more than the smallest stated error.
     """
     scene, zones = context.scene, found.free.density.zones
     span = float(zones.b[-1] - zones.a[0])
@@ -78,7 +76,7 @@ def _from_near_origin(context: SolveContext, found: SolvedZones) -> SolvedZones:
         scene.interaction.needs_period
         or scene.turned
         or scene.profile.support is not None
-        or distance < _FAR_SPANS * span
+        or EPS * distance < TOLERANCES.rounding * span
     ):
         return found
     table = np.asarray(found.fields.problem.units.x(zones.table))

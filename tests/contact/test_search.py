@@ -16,9 +16,9 @@ from contact import inverse
 from contact.errors import OutOfRange
 from contact.search.grid import nested_grids, proposals
 from contact.search.grid.conjugate_gradient import GridState, Influence, Response, solve_grid
-from contact.search.grid.nested_grids import NARROW, find_window, narrowest, propose, zones_of
+from contact.search.grid.nested_grids import find_window, narrowest, propose, zones_of
 from contact.search.grid.scaling import scaled_scene
-from contact.search.topology.intervals import merged
+from contact.search.topology.intervals import NARROW, merged
 from contact.studies.trace_kinds import drawn
 
 Array = NDArray[np.float64]

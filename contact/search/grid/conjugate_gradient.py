@@ -41,6 +41,7 @@ from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange
 from contact.model.profiles.noise import EPS
+from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, Mask, record
 
 Rest = Callable[[Array, float], Array]
@@ -51,14 +52,12 @@ Symbol = Callable[[Array], Array]
 class GridOptions:
     """Tolerances of the linear solves between changes of the contact set."""
 
-    max_iterations: int = 10_000  # total of all linear solves; some hundred are usual
-    # Iterations in which the error has not decreased by a tenth: the rounding of f is reached.
+    # Iterations in which the error has not decreased by a tenth: the rounding of f is reached. So
+    # every linear solve ends.
     max_stalled: int = 60
     # Tolerance of the first linear solve, and factor to that of the next one: an error below the
     # change of the contact set is small enough.
     first_tolerance: float = 1e-2
-    # width of a bracket of a load or tilt, relative to it, below which it is closed
-    closed: float = 1e-9
 
     @property
     def rate_tolerance(self) -> float:
@@ -353,7 +352,7 @@ class _Run:
         direction, rz = z.copy(), _dot(r, z)
         converged, steps = False, 0
         best, since = np.inf, 0
-        while self.iterations < OPTIONS.max_iterations:
+        while True:
             # B' D B approximates the inverse of S, so that z approximates the error of the
             # pressure.
             size = math.sqrt(_dot(z, z))
@@ -411,8 +410,6 @@ class _Run:
         fewest = self.influence.n
         # A wrong end moves by a fixed fraction of its error in each solve.
         for _ in range(OPTIONS.max_stalled + int(4 * np.log2(self.influence.n))):
-            if self.iterations >= OPTIONS.max_iterations:
-                break
             before = self.iterations
             p, u, level, error, solved = self.conjugate_gradient(load, mask, p, tol)
             finer = max(self.tol, OPTIONS.first_tolerance * tol)
@@ -483,14 +480,14 @@ class _Run:
             slope = self.compliance(state)
             state = replace(state, compliance=slope)
             step = (level - state.level) / slope if slope > 0.0 else np.nan
-            if abs(step) <= self.tol * load or self.iterations >= OPTIONS.max_iterations:
-                return replace(state, converged=state.converged and abs(step) <= self.tol * load)
+            if abs(step) <= self.tol * load:
+                return state
             if slope > 0.0 and step > 0.0:
                 low = load
             # the load is too large, or beyond that of the largest approach of an isolated contact
             else:
                 high = load
-            if high < np.inf and high - low <= OPTIONS.closed * high:
+            if high < np.inf and high - low <= TOLERANCES.balance * high:
                 if inf.is_periodic:
                     raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
                 if slope * load > OPTIONS.first_tolerance * depth:

@@ -7,7 +7,6 @@ cells is taken as a Hertz contact: its load P and the curvature 1/R of the gap g
 (pi E)).
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -21,7 +20,10 @@ from contact.model.plugin_checks.declarations import require_numbers
 from contact.model.profiles.base import Profile
 from contact.model.profiles.noise import EPS
 from contact.search.grid.conjugate_gradient import GridState, Response, solve_grid
-from contact.search.topology.intervals import without
+from contact.search.options import SEARCH
+from contact.search.topology.intervals import NARROW, without
+from contact.verify.minima import SAMPLING
+from contact.verify.tolerances import TOLERANCES
 from sie import Array, record
 
 Height = Callable[[Array], ArrayLike]
@@ -29,7 +31,7 @@ Height = Callable[[Array], ArrayLike]
 
 @dataclass(frozen=True)
 class NestedGridOptions:
-    """Numbers of points of the grids, and their tolerances."""
+    """Numbers of points of the grids."""
 
     coarsest: int = 64  # points of the first grid
     # Cells per smallest length of a shape: the pressure has up to some 6 zeros in such a length.
@@ -38,10 +40,6 @@ class NestedGridOptions:
     # per feature are then used. They miss one zone in a hundred, which the first check of signs
     # adds.
     many_features: int = 2**15
-    # tolerance of all grids before the last; the next grid corrects the error
-    coarse_tolerance: float = 1e-3
-    # largest number of points, unless the shape states a resolution that needs more
-    usual_points: int = 2**17
 
     @property
     def window_points(self) -> int:
@@ -53,24 +51,13 @@ class NestedGridOptions:
 class WindowOptions:
     """The search for a window that an isolated contact fills well."""
 
-    # The window is accepted if the width of contact, divided by that of the window, lies in
-    # between.
-    least_filled: float = 0.2
-    most_filled: float = 0.7
-    max_windows: int = 300  # largest number of windows tried: they may shrink from metres to atoms
-    # Points higher than this above the lowest one, divided by the width of the window, never touch.
-    # Their heights would cancel the digits of others.
-    towering: float = 1e6
-
-    @property
-    def usual_filled(self) -> float:
-        """Width of contact divided by that of the next window."""
-        return math.sqrt(self.least_filled * self.most_filled)
+    # Width of contact divided by that of the next window. A window is accepted if contact fills it
+    # by half to twice this.
+    filled: float = 0.375
 
 
 OPTIONS = NestedGridOptions()
 WINDOW = WindowOptions()
-NARROW = 3  # number of cells; a narrower zone or gap is not resolved
 MOST_POINTS = 2**23  # largest number of points of the last grid: 64 MB for each array
 
 
@@ -247,7 +234,7 @@ class Request:
     level: float | None = None
     resolution: float | None = None
     points: int | None = None
-    max_points: int = OPTIONS.usual_points
+    max_points: int = SAMPLING.max_points
     tol: float = 1e-8
     start: GridState | None = None
     between_points: bool = False
@@ -265,7 +252,7 @@ def propose(
         target, limit = points_for(width, asked.resolution, asked.max_points)
         if _features(width, asked.resolution) > OPTIONS.many_features:
             # The first check of signs corrects this error as well.
-            tol = max(tol, OPTIONS.coarse_tolerance)
+            tol = max(tol, SEARCH.rough)
     n, start = target, None
     while n % 2 == 0 and n // 2 >= OPTIONS.coarsest and start is None:
         known = asked.start
@@ -281,7 +268,7 @@ def propose(
             load=asked.load,
             level=asked.level,
             start=start,
-            tol=tol if n >= target else max(tol, OPTIONS.coarse_tolerance),
+            tol=tol if n >= target else max(tol, SEARCH.rough),
         )
         if n >= target and (narrowest(state) >= NARROW or 2 * n > limit):
             break
@@ -332,7 +319,7 @@ def find_window(
     limits: tuple[float, float] | None = None,
     start: tuple[float, float] | None = None,
 ) -> tuple[float, float]:
-    """A window of the line of which an isolated contact fills between 20 % and 70 %.
+    """A window of the line of which an isolated contact fills between 19 % and 75 %.
 
     The search begins with the window `start`, else with `limits`, which it never leaves, and grows
     or shrinks with the contact. Contact touches the border of the returned window only if it is
@@ -345,7 +332,7 @@ def find_window(
     if level is None:
         assert load is not None
         return search.at_load(load, window)[0]
-    return search.at_level(level, window, load or 1e-3 * response.E * response.datum)
+    return search.at_level(level, window, load or SEARCH.light_load * response.E * response.datum)
 
 
 @record
@@ -363,7 +350,7 @@ class _Window:
 
     def _with_body(self, window: tuple[float, float]) -> tuple[float, float]:
         """The window, shrunk about its middle until some height in it does not overflow."""
-        for _ in range(WINDOW.max_windows):
+        for _ in range(SEARCH.max_steps):
             if not np.isposinf(self._heights(_midpoints(window, OPTIONS.window_points))).all():
                 break
             middle, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
@@ -383,10 +370,11 @@ class _Window:
             )
         width = window[1] - window[0]
         with np.errstate(over="ignore", invalid="ignore"):
-            too_high = f - f.min() > WINDOW.towering * (width + load / self.response.E)
+            # Points so high never touch; their heights would cancel the digits of others.
+            too_high = TOLERANCES.noise * (f - f.min()) > width + load / self.response.E
             influence = self.response.on(OPTIONS.window_points, width / OPTIONS.window_points)
             f = np.where(too_high, np.inf, f)
-            return x, solve_grid(f, influence, load=load, tol=OPTIONS.coarse_tolerance)
+            return x, solve_grid(f, influence, load=load, tol=SEARCH.rough)
 
     def _clip(self, window: tuple[float, float]) -> tuple[float, float]:
         """The part of a window within the limits."""
@@ -400,7 +388,7 @@ class _Window:
         """A window that holds the contact under a load, and the contact on it."""
         least_width, shrunk = 0.0, False
         window = self._with_body(window)
-        for _ in range(WINDOW.max_windows):
+        for _ in range(SEARCH.max_steps):
             x, state = self._solve(window, load)
             width = window[1] - window[0]
             h = width / OPTIONS.window_points
@@ -422,10 +410,10 @@ class _Window:
             else:
                 # A contact of a few cells may be narrower than these cells: the window keeps some
                 # around it.
-                wanted_width = max(extent / WINDOW.usual_filled, 12.0 * h, least_width)
+                wanted_width = max(extent / WINDOW.filled, 12.0 * h, least_width)
                 centre = 0.5 * (left + right)
-                fits = extent <= WINDOW.most_filled * width
-                if fits and (extent >= WINDOW.least_filled * width or wanted_width >= 0.8 * width):
+                fits = extent <= 2 * WINDOW.filled * width
+                if fits and (extent >= 0.5 * WINDOW.filled * width or wanted_width >= 0.8 * width):
                     return window, state
                 shrunk = wanted_width < width
             if not wanted_width < 1e60:  # powers of larger widths overflow
@@ -448,7 +436,7 @@ class _Window:
         The level is concave in the load up to its maximum. A tenth of the load is close enough.
         """
         low, high = 0.0, np.inf
-        for _ in range(WINDOW.max_windows):
+        for _ in range(SEARCH.max_steps):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
             # So light a load changes no digit of any level.
@@ -477,4 +465,4 @@ class _Window:
     def _compliance(self, state: GridState) -> float:
         """d level / d load of the contact set, computed as for a flat punch."""
         flat = np.where(state.contact, 0.0, np.inf)
-        return solve_grid(flat, state.influence, load=1.0, tol=OPTIONS.coarse_tolerance).level
+        return solve_grid(flat, state.influence, load=1.0, tol=SEARCH.rough).level

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -17,33 +17,15 @@ from contact.search.grid import nested_grids
 from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.nested_grids import Proposal, grid_height, propose
 from contact.search.grid.scaling import ScaledScene
+from contact.search.options import SEARCH
 from sie import Array
-
-
-@dataclass(frozen=True)
-class ProposalOptions:
-    """Tolerance of the last grid, and how closely its zones must have a wanted total width."""
-
-    # Tolerance of the last grid. Ends have an error of parts of a cell even at a smaller one.
-    tolerance: float = 1e-5
-    max_grids: int = 3  # largest number of fine grids for one proposal of a given contact width
-    # Error of the contact width on the first, coarse grids, divided by the smaller of contact and
-    # its complement.
-    width_error: float = 0.03
-    # error of the width on the last grid, in units of the mean zone width
-    missing_zones: float = 0.3
-    # least rate of the width's error with log(load) in a step; a smaller one occurs at a jump
-    flattest: float = 0.2
-
-
-OPTIONS = ProposalOptions()
 
 
 def proposed(
     scaled: ScaledScene,
     control: Control,
     points: int | None,
-    tol: float = OPTIONS.tolerance,
+    tol: float = SEARCH.intermediate,
     start: Proposal | None = None,
 ) -> Proposal:
     """Zones from a grid.
@@ -90,23 +72,23 @@ def whole_response(problem: Problem) -> Response:
 def of_width(scaled: ScaledScene, width: float) -> Proposal:
     """Zones from a grid under a load at which their scaled total width is about `width`.
 
-    The load is first found on grids that just resolve the width. Up to three grids as fine as the
-    profile needs then correct the remaining error. Without them a rough contact of more than 30
+    The load is first found on grids that just resolve the width. A few grids as fine as the profile
+    needs then correct the remaining error. Without them a rough contact of more than 30
     zones takes two to four times as long.
     """
     period, length = scaled.problem.repeat_length, scaled.problem.units.length
     load, rate, start = _load_of_width(scaled, width)
     before: tuple[float, float] | None = None
     fine: list[tuple[float, Proposal]] = []
-    for _ in range(OPTIONS.max_grids):
+    for _ in range(SEARCH.max_attempts):
         found = proposed(scaled, Load(load), None, start=start)
         error = _width_error(found.width / length, width, period)
         if before is not None and math.isfinite(error - before[1]) and load != before[0]:
             slope = (error - before[1]) / math.log(load / before[0])
-            rate = max(slope, OPTIONS.flattest)
+            rate = slope if slope > 0.0 else rate  # it may be negative at a jump
         fine.append((abs(error), found))
-        allowed = OPTIONS.missing_zones / max(len(found.zones), 1)
-        if not math.isfinite(error) or abs(error) < min(allowed, OPTIONS.width_error):
+        allowed = SEARCH.missing_zones / max(len(found.zones), 1)
+        if not math.isfinite(error) or abs(error) < min(allowed, SEARCH.grid_error):
             break
         before, start = (load, error), found
         load *= math.exp(min(max(-error / rate, -0.5), 0.5))
@@ -141,14 +123,13 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
     tried: list[tuple[float, float]] = []
     found: Proposal | None = None
-    # Sixty halvings of a bracket leave no digit.
-    for _ in range(60):
-        found = proposed(scaled, Load(load), points, grids.coarse_tolerance, start=found)
+    for _ in range(SEARCH.max_steps):
+        found = proposed(scaled, Load(load), points, SEARCH.rough, start=found)
         contact = found.width / units.length
         error = _width_error(contact, width, period)
         tried.append((math.log(load), error))
         # Where the width jumps with the load, a bracket of a tenth of the load is close enough.
-        if abs(contact - width) < OPTIONS.width_error * smaller or high < 1.1 * low:
+        if abs(contact - width) < SEARCH.grid_error * smaller or high < 1.1 * low:
             break
         # The value at an end of the bracket that stays a second time is halved (Illinois method).
         weight = 0.5 if error * last > 0 else 1.0
@@ -172,7 +153,7 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
         if math.isfinite(error - tried[-1][1])
     ]
     assert found is not None
-    return load, max(rates[0], OPTIONS.flattest) if rates else 1.0, found
+    return load, rates[0] if rates and rates[0] > 0.0 else 1.0, found
 
 
 def placed(problem: Problem, zones: Array) -> Array:

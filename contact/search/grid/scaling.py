@@ -8,7 +8,6 @@ has no period; where its tilt is unknown, a rough tilt is found together with th
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -24,6 +23,7 @@ from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
 from contact.search.grid.nested_grids import Height, NoWindow, find_window, grid_height
+from contact.search.grid.tilt import OPTIONS as TILT
 from contact.search.grid.tilt import (
     Window,
     first_window,
@@ -33,23 +33,9 @@ from contact.search.grid.tilt import (
     tilt_search,
     window_at_load,
 )
+from contact.search.options import SEARCH
+from contact.search.topology.loop import MAX_ROUNDS
 from sie import Array, record
-
-
-@dataclass(frozen=True)
-class ScalingOptions:
-    """The search for the lowest place of a single body on the line."""
-
-    # Places are sampled up to this many half widths of a window away. For a shape that states no
-    # length and becomes level they are sampled from 1/scales to scales [m].
-    scales: float = 1e9
-    places: int = 1024  # number of places sampled on either side
-    max_descents: int = 12  # largest number of moves to a lower place
-    # divided by E* and a length: so light a load has contact near the lowest place only
-    light_load: float = 1e-3
-
-
-OPTIONS = ScalingOptions()
 
 
 @record
@@ -173,7 +159,7 @@ def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
 
 def _light(scene: Scene) -> float:
     """A load whose contact is narrow relative to the datum."""
-    return OPTIONS.light_load * scene.E_star * (scene.operator.datum or 1.0)
+    return SEARCH.light_load * scene.E_star * (scene.operator.datum or 1.0)
 
 
 def _window_about_lowest(
@@ -185,7 +171,7 @@ def _window_about_lowest(
     tip that is not the lowest one.
     """
     window = find(partial(grid_height, profile), load=load, start=start)
-    for _ in range(OPTIONS.max_descents):
+    for _ in range(MAX_ROUNDS):
         deeper = _deeper_place(profile, window)
         if deeper is None:
             break
@@ -222,7 +208,7 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
         # The lowest point is in contact under any load.
         dip, value = _window_of_shape(profile), scene.held(Quantity.APPROACH)
         assert value is not None
-        light = _light(scene) if dip is None else value * scene.E_star * OPTIONS.light_load
+        light = _light(scene) if dip is None else value * scene.E_star * SEARCH.light_load
         first = _window_about_lowest(profile, find, light, dip)
         window = find(profile.height, level=lowest(profile, first) + value, start=first, load=light)
     origin = 0.0 if profile.symmetric else _origin_of(profile, window)
@@ -237,12 +223,12 @@ def _window_of_shape(profile: Profile) -> Window | None:
     """
     if profile.resolution is not None or profile.extent is not None or profile.kinks.size:
         return None
-    scales = np.geomspace(1 / OPTIONS.scales, OPTIONS.scales, 2 * OPTIONS.places)
+    scales = np.geomspace(1 / TILT.farthest, TILT.farthest, 2 * TILT.places)
     x = np.concatenate((-scales[::-1], [0.0], scales))
     with np.errstate(all="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
     rise = f - f.min()
-    outer = OPTIONS.places // 4  # beyond these samples the shape is level
+    outer = TILT.places // 4  # beyond these samples the shape is level
     if (
         not np.isfinite(rise).all()
         or np.ptp(rise[-outer:]) + np.ptp(rise[:outer]) > 1e-12 * rise.max()
@@ -259,7 +245,7 @@ def _deeper_place(profile: Profile, window: Window) -> float | None:
     Declared tips are tested, and places at increasing distances.
     """
     centre, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
-    away = half * np.geomspace(1.0, OPTIONS.scales, OPTIONS.places)
+    away = half * np.geomspace(1.0, TILT.farthest, TILT.places)
     tips = (
         profile.kinks[profile.kinks[:, 1] > 0, 0]
         if profile.summits is None

@@ -21,6 +21,8 @@ from contact.search.grid import nested_grids
 from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.nested_grids import find_window, grid_height, propose
 from contact.search.grid.tilt_rate import AtTilt, balanced
+from contact.search.options import SEARCH
+from contact.verify.minima import SAMPLING
 from sie import Array
 
 Window = tuple[float, float]
@@ -28,14 +30,20 @@ Window = tuple[float, float]
 
 @dataclass(frozen=True)
 class TiltOptions:
-    """Precision of a rough tilt, and limits of the search for it."""
+    """Limits of the search for a rough tilt."""
 
-    # error of the centre of the load, relative to the extent of the contact
-    precision: float = 0.02
     max_tilts: int = 24  # largest number of tilts in one search
     # If no tilt is found, the limits of the search are widened by this factor, up to three times.
     farther: float = 1e3
-    hull_points: int = 4097  # number of samples for the convex hull
+    places: int = 4096  # sampled in search of the lowest place, and for the convex hull
+
+    @property
+    def farthest(self) -> float:
+        """Half widths of a window up to which the lowest place is looked for.
+
+        For a shape that states no length and becomes level it is a length [m].
+        """
+        return self.farther**3
 
 
 OPTIONS = TiltOptions()
@@ -169,7 +177,7 @@ class _Tilting:
             resolution=profile.resolution,
         )
         extent = float(np.ptp(found.zones)) / found.state.influence.h if len(found.zones) else 1.0
-        return AtTilt.of(tilt, window, found.state, max(1.0, OPTIONS.precision * extent))
+        return AtTilt.of(tilt, window, found.state, max(1.0, SEARCH.grid_error * extent))
 
     def _about(self, tilt: float) -> Window | None:
         """A window about the contacts of the next smaller and the next larger tilt."""
@@ -200,14 +208,12 @@ def _resting(
         count = (
             0.0 if profile.resolution is None else 8 * (known[1] - known[0]) / profile.resolution
         )
-        x = np.linspace(
-            *known, int(np.clip(count, OPTIONS.hull_points, nested_grids.OPTIONS.usual_points))
-        )
+        x = np.linspace(*known, int(np.clip(count, OPTIONS.places + 1, SAMPLING.max_points)))
     else:
         # Dense where the body touches, and wide enough for any profile that outgrows a line.
         middle, half = 0.5 * (about[0] + about[1]), 0.5 * (about[1] - about[0])
         reach = math.asinh(OPTIONS.farther**2)
-        x = middle + half * np.sinh(np.linspace(-reach, reach, OPTIONS.hull_points))
+        x = middle + half * np.sinh(np.linspace(-reach, reach, OPTIONS.places + 1))
     with np.errstate(over="ignore", invalid="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
     x, f = x[np.isfinite(f)], f[np.isfinite(f)]

@@ -13,7 +13,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from contact.errors import OutOfRange
-from contact.search.grid.conjugate_gradient import OPTIONS, GridState, turning_rate
+from contact.search.grid.conjugate_gradient import GridState, turning_rate
+from contact.verify.tolerances import TOLERANCES
 from sie import record
 
 
@@ -67,7 +68,7 @@ def balanced(
             step = best.tilt + (centre - best.centre) / best.rate
             tilt = step if newton and low < step < high else 0.5 * (low + high)
             newton = False
-            if not low < tilt < high or high - low <= OPTIONS.closed * abs(tilt):
+            if not low < tilt < high or high - low <= TOLERANCES.balance * abs(tilt):
                 break
         try:
             lean = measure(tilt)

@@ -17,9 +17,10 @@ from contact.model.controls import Quantity
 from contact.search.context import SolveContext
 from contact.search.grid import nested_grids
 from contact.search.grid.scaling import ScaledScene
-from contact.search.strategies import gaps, guesses
+from contact.search.options import SEARCH
+from contact.search.strategies import guesses
 from contact.search.strategies.full_contact import full_under
-from contact.search.strategies.gaps import gaps_are_better, tightened_gaps
+from contact.search.strategies.gaps import gap_tolerance, gaps_are_better, tightened_gaps
 from contact.search.strategies.guesses import Outcome, from_grid
 from contact.search.topology.extrapolation import extrapolated
 from contact.search.topology.failure import NOT_APPLICABLE, Failure, attempted
@@ -32,12 +33,11 @@ from sie import Array
 class ContinuationOptions:
     """When extrapolated zones are corrected, and when a grid is faster.
 
-    Insensitive: 1 to 6 rounds and 2 to 8 changes take the same time on curves of 5 to 80 values.
+    Insensitive: 2 to 8 changes take the same time on curves of 5 to 80 values.
     """
 
     # of successive values; beyond it the units of the last solution are unsuitable
     max_ratio: float = 16.0
-    max_rounds: int = 3  # of corrections by the topology loop
     max_changes: int = 4  # zones that come or go; with more a grid is faster than corrections
 
 
@@ -113,7 +113,7 @@ def _by_zones(
         control,
         zones,
         load_guess=0.0 if control.load is not None else load,
-        max_rounds=OPTIONS.max_rounds,
+        max_rounds=SEARCH.max_attempts,
         allow_loss=True,
     )
 
@@ -125,9 +125,9 @@ def _by_gaps(
     period = problem.repeat_length
     form = GapForm(problem, context.cache.relief(problem))
     newton = NewtonSettings(
-        gaps.OPTIONS.tolerance_factor * context.tolerance,
+        gap_tolerance(context),
         load_guess=context.previous[-1].solution.load / problem.units.load / period,
-        max_rounds=OPTIONS.max_rounds,
+        max_rounds=SEARCH.max_attempts,
         allow_loss=True,
     )
     with context.plan.timed("zone ends"):

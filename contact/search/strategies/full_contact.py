@@ -7,12 +7,10 @@ from contact.formulation.controls import Control
 from contact.formulation.fields import mean_shape
 from contact.formulation.problem import Problem
 from contact.model.controls import Quantity
+from contact.model.profiles.noise import EPS
 from contact.search.context import SolveContext
 from contact.solution.assemble import mean_height
 from sie import record
-
-# Rounding of a height relative to the height, after a few operations on it.
-_HEIGHT_ROUNDING = 8.0 * 2.0**-52
 
 
 @record
@@ -115,7 +113,7 @@ def refuse_full_approach(context: SolveContext, problem: Problem, control: Contr
     # Without a base the mean displacement is zero, so the mean gap is the mean of the profile less
     # the approach. Both are differences from the lowest point, with the rounding of heights.
     highest = mean_shape(problem)
-    rounding = _HEIGHT_ROUNDING * (highest + abs(problem.lowest) / units.height)
+    rounding = 8 * EPS * (highest + abs(problem.lowest) / units.height)
     if control.approach >= highest - rounding:
         raise OutOfRange(
             f"approach {control.approach * units.height:.15g} m is not below "

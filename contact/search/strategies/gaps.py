@@ -8,6 +8,7 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import gaps_between
 from contact.search.context import SolveContext
+from contact.search.options import SEARCH
 from contact.search.strategies.tightening import tightened
 from contact.search.topology.failure import Failure, WrongTopology
 from contact.search.topology.gap_form import GapForm
@@ -20,16 +21,13 @@ from sie import Array
 
 @dataclass(frozen=True)
 class GapOptions:
-    """Contact fractions above which the gaps are the unknowns, and the tolerance of their ends."""
+    """Contact fractions above which the gaps are the unknowns."""
 
     # Zones and gaps both work for fractions from 0.5 to 0.9; gaps need fewer modes above about 0.7.
     wide_contact: float = 0.7
     # The threshold for several asperities with kinks in their valleys. No load closes a gap over a
     # kink, and narrow gaps are lost when zones are the unknown.
     wide_contact_with_kinks: float = 0.25
-    # Tolerance of the ends of gaps, divided by that of the ends of zones. It is smaller, as the
-    # error of an end changes all of the pressure next to a narrow gap.
-    tolerance_factor: float = 0.01
 
 
 OPTIONS = GapOptions()
@@ -73,6 +71,14 @@ def record_unknowns(plan: Plan, solved: SolvedZones | SolvedGaps) -> None:
         plan.decide("unknowns", way, f"the {decided.way} did not lead to the wanted error")
 
 
+def gap_tolerance(context: SolveContext) -> float:
+    """Tolerance of the ends of gaps, which is smaller than that of the ends of zones.
+
+    The error of an end changes all of the pressure next to a narrow gap.
+    """
+    return SEARCH.tight_factor * context.tolerance
+
+
 def by_gaps(
     context: SolveContext,
     problem: Problem,
@@ -109,7 +115,7 @@ def _from_guesses(
     **newton: bool,
 ) -> SolvedGaps | Failure:
     """Gaps found from those between the known zones, else from the tension of full contact."""
-    tolerance = OPTIONS.tolerance_factor * context.tolerance
+    tolerance = gap_tolerance(context)
     period, guesses = form.problem.repeat_length, context.cache.gap_guesses(form.problem)
     try:
         mean = guesses.mean_of(width) if control.load is None else control.load / period
@@ -146,5 +152,5 @@ def tightened_gaps(context: SolveContext, found: SolvedGaps, retry: bool = False
     def is_limited_by_rounding(here: SolvedGaps, tolerance: float) -> bool:
         return here.free.trace[-1].move > tolerance and not retry
 
-    tolerance = OPTIONS.tolerance_factor * context.tolerance
+    tolerance = gap_tolerance(context)
     return tightened(context, found, tolerance, again, is_limited_by_rounding)

@@ -20,11 +20,11 @@ from contact.errors import ContactError, OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.search.context import SolveContext
-from contact.search.grid import nested_grids
 from contact.search.grid.nested_grids import MOST_POINTS, Proposal
 from contact.search.grid.proposals import about, placed, proposed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.tilt import known_part
+from contact.search.options import SEARCH
 from contact.search.strategies.full_contact import (
     Full,
     full_under,
@@ -35,6 +35,7 @@ from contact.search.strategies.gaps import by_gaps, gaps_are_better
 from contact.search.strategies.load_controls import by_fraction
 from contact.search.topology.failure import EXACT, NOT_APPLICABLE, Failure
 from contact.verify.error import SolvedGaps, SolvedZones
+from contact.verify.minima import SAMPLING
 from sie import Array
 
 Outcome: TypeAlias = SolvedZones | SolvedGaps | Full
@@ -43,10 +44,9 @@ Guess = Callable[[SolveContext, ScaledScene, Array | None], Outcome | Failure]
 
 @dataclass(frozen=True)
 class GuessOptions:
-    """Refinement of grids, widening of windows, and limits beyond which a guess is useless."""
+    """Refinement of grids, and limits beyond which a guess is useless."""
 
     refinement: int = 4  # factor from one grid's points to the next: a cell is halved twice
-    max_widenings: int = 4  # largest number of times that a window is widened to twice its width
     # Full contact is tested only above this fraction of the period, as the test takes time.
     maybe_full: float = 0.4
     # Smallest gap at the border of a strip, relative to the last gap of the tabulated branch: the
@@ -229,7 +229,7 @@ class _GridSearch:
 
     def __init__(self, context: SolveContext, scaled: ScaledScene, allow_loss: bool) -> None:
         self.context, self.scaled, self.allow_loss = context, scaled, allow_loss
-        self.most = nested_grids.OPTIONS.usual_points
+        self.most = SAMPLING.max_points
         # whether contact touched the border; number of times the window was widened
         self.touched, self.widened = False, 0
         self.failure: Failure | None = None
@@ -298,7 +298,7 @@ class _GridSearch:
         if not self.touched and finer <= self.most:
             self.touched = True
             return finer
-        wider = None if self.widened == OPTIONS.max_widenings else self._wider_window()
+        wider = None if self.widened == SEARCH.max_attempts else self._wider_window()
         if wider is None:
             is_strip = self.scaled.problem.interaction.strip
             raise OutOfRange(_AT_STRIP if is_strip else _AT_BORDER)
@@ -340,7 +340,7 @@ class _GridSearch:
         self.context.record_failure(f"zones of a grid of {points} points", found)
         is_same = self.failure is not None and found.same(self.failure)
         self.failure = found
-        return is_same or (found.unresolved and points >= nested_grids.OPTIONS.usual_points)
+        return is_same or (found.unresolved and points >= SAMPLING.max_points)
 
     def _error(self, last: Proposal | None, points: int | None) -> ContactError:
         """The error to raise if no grid led to the contact."""

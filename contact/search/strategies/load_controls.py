@@ -20,13 +20,14 @@ from contact.search.grid.nested_grids import Proposal
 from contact.search.grid.proposals import of_width, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.grid.tilt import known_part
-from contact.search.strategies import gaps, load_search
-from contact.search.strategies.gaps import by_gaps, gaps_from_fields, tightened_gaps
+from contact.search.options import SEARCH
+from contact.search.strategies.gaps import by_gaps, gap_tolerance, gaps_from_fields, tightened_gaps
 from contact.search.strategies.load_search import KnownLoads, approach, contact_fraction, nearer
 from contact.search.topology.failure import Failure
 from contact.search.topology.loop import NewtonSettings
 from contact.solution.solution import Solution
 from contact.verify.error import SolvedGaps, SolvedZones
+from contact.verify.tolerances import TOLERANCES
 from sie import Array
 
 
@@ -34,27 +35,12 @@ from sie import Array
 class LoadControlOptions:
     """How closely the load is bracketed before the contact is solved under the control itself."""
 
-    # Relative error of a load, or of a contact fraction, at which zones have the number and about
-    # the place of the wanted ones.
-    near: float = 5e-3
-    retry_factor: float = 0.1  # factor on this error after each attempt that fails
     # Change of the contact width, relative to the smaller of contact and its complement. From zones
     # whose width differs by more, Newton's method is no better than from a grid.
     max_change: float = 0.2
-    # If less than this part of the period is open, gaps are guessed from the tension of full
-    # contact, as grids do not resolve them.
-    last_open: float = 1e-3
-    tolerance: float = 1e-6  # of solutions on the way
-
-    @property
-    def nearest(self) -> float:
-        """Relative error of a load for the last attempt, three times closer."""
-        return self.near * self.retry_factor**3
 
 
 OPTIONS = LoadControlOptions()
-# Relative width of a bracket on a load below which it is closed by round-off.
-_ROUNDING = 64 * float(np.finfo(np.float64).eps)
 
 
 def at_approach(context: SolveContext, nearness: float) -> Solution:
@@ -70,7 +56,7 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
     if not reach > 0.0:
         raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
     length = abs(wanted) or scene.operator.datum or 1.0
-    guess = load_search.OPTIONS.first_load * scene.E_star * length
+    guess = SEARCH.light_load * scene.E_star * length
     first = guess if context.warm_start is None else context.warm_start.load
     limits = KnownLoads(
         least=abs(moment) / reach,
@@ -90,7 +76,7 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
 def at_level(context: SolveContext) -> SolvedZones:
     """The contact of a lone body under its approach, from zones under nearly the right load."""
     failure, problem = Failure("no load was tried"), None
-    for nearness in (OPTIONS.near, OPTIONS.nearest):
+    for nearness in (SEARCH.rough, SEARCH.intermediate):
         context = context.with_warm_start(at_approach(context, nearness))
         start = context.warm_start
         assert start is not None
@@ -123,12 +109,12 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
         first = outcome
     else:
         first = start.load
-    near_enough, last, error = OPTIONS.near, None, 1.0
+    near_enough, last, error = SEARCH.rough, None, 1.0
 
     def solve(load: float, nearest: Solution | None) -> Solution:
         return _under_load(context, load, nearest)
 
-    limits = KnownLoads(closed=_ROUNDING)
+    limits = KnownLoads(closed=TOLERANCES.rounding)
     for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
         last, fraction = here, contact_fraction(here)[0]
         # Where the fraction grows fast with the load, its own error is larger than that of the
@@ -136,7 +122,7 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
         error = max(load_error, abs(goal - fraction) / smaller_part)
         if error > near_enough:
             continue
-        near_enough = OPTIONS.retry_factor * error
+        near_enough = 0.5 * error
         found = _from_solution(context, problem, control, here)
         if not isinstance(found, Failure):
             return found
@@ -152,7 +138,8 @@ def _by_first_guess(
 ) -> SolvedZones | SolvedGaps | float:
     """The contact of a given fraction from its gaps or from a grid, else the load of the grid."""
     problem, control = scaled.problem, scaled.control
-    if 1 - goal < OPTIONS.last_open:
+    # Grids do not resolve the last gaps, which are guessed from the tension of full contact.
+    if 1 - goal < SEARCH.rough:
         found_by_gaps = by_gaps(context, problem, control, control.value)
         if isinstance(found_by_gaps, SolvedGaps):
             return found_by_gaps
@@ -210,7 +197,8 @@ def _at_jump(
         raise context.error(found, problem)
     if isinstance(found, SolvedGaps):
         return replace(
-            found, control_error=found.control_error + _ROUNDING * load.value / problem.period
+            found,
+            control_error=found.control_error + TOLERANCES.rounding * load.value / problem.period,
         )
     narrowest = float(np.diff(found.free.density.zones.table, axis=1).min())
     return replace(found, control_error=error * problem.period / narrowest)
@@ -224,7 +212,7 @@ def _from_solution(
     if not isinstance(fields, GapFields):
         load = start.load / problem.units.load
         return _refined(context, problem, control, placed(problem, start.zones), load)
-    newton = NewtonSettings(gaps.OPTIONS.tolerance_factor * context.tolerance, fields.mean)
+    newton = NewtonSettings(gap_tolerance(context), fields.mean)
     with context.plan.timed("zone ends"):
         found = gaps_from_fields(problem, fields, control, newton)
         return found if isinstance(found, Failure) else tightened_gaps(context, found)
@@ -256,10 +244,10 @@ def _solver_of_loads(context: SolveContext) -> Callable[[float, Solution | None]
         """The solution under a load, or one of larger error if the tolerance is not met."""
         loaded, start = context.scene.under("load", load), nearest or context.warm_start
         try:
-            return context.solve_scene(loaded, OPTIONS.tolerance, start, context.progress)
+            return context.solve_scene(loaded, SEARCH.intermediate, start, context.progress)
         except NotConverged as failure:
             # A solution with a larger error is precise enough as an intermediate one.
-            if failure.best is None or not failure.best.error < OPTIONS.near:
+            if failure.best is None or not failure.best.error < SEARCH.rough:
                 raise
             return failure.best
 

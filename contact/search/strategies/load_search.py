@@ -19,31 +19,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.errors import NotConverged, OutOfRange
+from contact.formulation.quadrature import chebyshev_nodes
 from contact.model.plugin_checks.forms import AuthorMethod
+from contact.model.profiles.noise import EPS
 from contact.model.scene import Scene
-from contact.search.grid import conjugate_gradient
+from contact.search.options import SEARCH
 from contact.solution.solution import Solution
+from contact.verify.tolerances import TOLERANCES
 
+# Relative step of the load for one-sided differences of second order: half of the digits are left
+# of a difference, and half are right.
+RATE_STEP = math.sqrt(math.sqrt(EPS))
 
-@dataclass(frozen=True)
-class LoadSearchOptions:
-    """Limits of the bracket, and the step of load that is used for finite differences."""
-
-    max_loads: int = 80  # halving alone needs some 50
-    max_unsolved: int = 4  # loads without a solution; after each one another load is tried
-    # The first load, divided by E* and a length; the search succeeds from any. No load below this
-    # fraction of the first one is tried: the approach of a lone body hardly changes there.
-    first_load: float = 1e-3
-    # relative step of the load for differences, whose relative error is about its square
-    rate_step: float = 1e-4
-    # tolerance of solutions used in differences, divided by the wanted error
-    tolerance_factor: float = 1e-2
-    least_tolerance: float = 1e-13  # the smallest that `contact.solve` accepts
-
-
-OPTIONS = LoadSearchOptions()
-# Positions in a zone at which pressures are compared: Chebyshev points.
-_POSITIONS = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
 
 # A quantity and its rate with the load [per N/m].
 Quantity = Callable[[Solution], tuple[float, float]]
@@ -58,9 +45,8 @@ class KnownLoads:
     least: float = 0.0  # [N/m]; loads up to this one have no solution
     bounded: bool = False  # a large load may bring the contact to the end of the known profile
     concave: bool = False  # the quantity is concave in the load
-    closed: float = (
-        conjugate_gradient.OPTIONS.closed
-    )  # width of the bracket at which the search ends, relative to the load
+    # width of the bracket at which the search ends, relative to the load
+    closed: float = TOLERANCES.balance
 
 
 def approach(solution: Solution) -> tuple[float, float]:
@@ -86,19 +72,19 @@ def nearer(
     search = _Bracket(goal, limits, first)
     refused: OutOfRange | None = None
     unsolved = 0
-    for _ in range(OPTIONS.max_loads):
+    for _ in range(SEARCH.max_steps):
         before, load = search.last, search.load
         try:
             here = solve(load, search.nearest)
         except OutOfRange as refusal:
             refused = refusal
             search.narrow(from_above=limits.bounded if before is None else load > before.load)
-            if limits.concave and before is None and load < OPTIONS.first_load * first:
+            if limits.concave and before is None and load < SEARCH.light_load * first:
                 break
             step = math.nan
         except NotConverged:
             unsolved += 1
-            if before is None or unsolved > OPTIONS.max_unsolved:
+            if before is None or unsolved > SEARCH.max_attempts:
                 raise
             step = math.sqrt(load * before.load)
         else:
@@ -209,13 +195,13 @@ def by_quantity(
 ) -> Solution:
     """The contact under a user's own control. solve: finds the contact under a load."""
     control, sign = scene.control_object, -1.0 if scene.control_object.falls else 1.0
-    tolerance = max(OPTIONS.tolerance_factor * tol, OPTIONS.least_tolerance)
+    tolerance = max(SEARCH.tight_factor * tol, SEARCH.least_error)
     told = AuthorMethod(f"{control.name}.of(solution)", "control")
     pairs: dict[float, Solution] = {}  # the solution under a slightly smaller load
 
     def under(load: float, start: Solution | None) -> Solution:
         here = solve(scene.under("load", load), tolerance, start or warm_start)
-        smaller = scene.under("load", load * (1.0 - OPTIONS.rate_step))
+        smaller = scene.under("load", load * (1.0 - RATE_STEP))
         pairs[here.load] = solve(smaller, tolerance, here)
         return here
 
@@ -226,9 +212,7 @@ def by_quantity(
         return sign * value, sign * change / (solution.load - other.load)
 
     first = (
-        OPTIONS.first_load * scene.E_star * _length(scene)
-        if warm_start is None
-        else warm_start.load
+        SEARCH.light_load * scene.E_star * _length(scene) if warm_start is None else warm_start.load
     )
     best: Solution | None = None
     # True: some load gave a quantity above the goal; False: some load gave one not above
@@ -273,8 +257,10 @@ def _rate_of_error(here: Solution, other: Solution) -> float:
     if not math.isfinite(peak):
         peak = here.load / float(here.zone_widths.sum())
     changed = [
-        np.abs(here.pressure_at(_POSITIONS, zone) - other.pressure_at(_POSITIONS, zone)).max()
+        np.abs(
+            here.pressure_at(chebyshev_nodes(8), zone) - other.pressure_at(chebyshev_nodes(8), zone)
+        ).max()
         / peak
         for zone in range(len(here.zones))
     ]
-    return 2.0 * float(max(moved.max(), *changed)) / OPTIONS.rate_step
+    return 2.0 * float(max(moved.max(), *changed)) / RATE_STEP

@@ -10,7 +10,7 @@ where the least gap of a place becomes negative a zone is born.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
@@ -21,25 +21,10 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import gaps_between, united
 from contact.model.controls import Quantity
+from contact.search.options import SEARCH
 from contact.search.topology.intervals import NEW_ZONE, merged
 from contact.solution.solution import Solution
 from sie import Array, Index, Mask, record
-
-
-@dataclass(frozen=True)
-class ExtrapolationOptions:
-    """When an extrapolated interval has vanished or begun, and how wide a new zone may be."""
-
-    # Half width given to an interval that may have vanished, divided by its last half width:
-    # Newton's method decides. A zone is also born where the least gap would be below this fraction
-    # of its change.
-    doubt: float = 0.1
-    # Largest half width of a new zone, divided by the distance to its neighbours: it does not touch
-    # them.
-    clearance: float = 0.4
-
-
-OPTIONS = ExtrapolationOptions()
 
 
 @record
@@ -265,7 +250,7 @@ def _half_widths(square: Array, before: Array) -> tuple[Array, Mask]:
     # An interval has certainly vanished if it would also vanish after half of the step. Newton's
     # method drops the others if need be.
     gone = square <= -0.5 * (before - square)
-    return np.sqrt(np.maximum(square, OPTIONS.doubt**2 * before)), gone
+    return np.sqrt(np.maximum(square, SEARCH.doubtful_part**2 * before)), gone
 
 
 def _remaining(left: Array, right: Array, lost: Mask, closed: Mask, period: float | None) -> Array:
@@ -284,8 +269,8 @@ def _with_new(zones: Array, last: CurvePoint, away: float) -> Array:
     place, value, bend = last.lowest.T
     change = away * last.rates[1]
     depth = np.where(
-        value + change < OPTIONS.doubt * np.abs(change),
-        np.maximum(-value - change, OPTIONS.doubt * np.abs(change)),
+        value + change < SEARCH.doubtful_part * np.abs(change),
+        np.maximum(-value - change, SEARCH.doubtful_part * np.abs(change)),
         0.0,
     )
     period = last.problem.period
@@ -298,7 +283,8 @@ def _with_new(zones: Array, last: CurvePoint, away: float) -> Array:
         np.where(before >= 0, gaps[before, 0], -np.inf),
         np.where(before >= 0, gaps[before, 1], zones[0, 0]),
     )
-    room = OPTIONS.clearance * np.minimum(place - low, high - place)
+    # A new zone reaches at most halfway to its neighbours.
+    room = 0.5 * np.minimum(place - low, high - place)
     new = np.flatnonzero((depth > 0.0) & (bend > 0.0) & (room > 0.0))
     half = np.minimum(half, room)[new]
     return united(np.concatenate((zones, np.column_stack((place[new] - half, place[new] + half)))))

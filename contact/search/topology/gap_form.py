@@ -15,10 +15,11 @@ from contact.formulation.problem import Problem, minus_one
 from contact.formulation.relief import ScaledRelief, height_noise
 from contact.search.topology.failure import WrongTopology
 from contact.search.topology.intervals import united, without
-from contact.search.topology.loop import TOLERANCES, NewtonSettings, Round
+from contact.search.topology.loop import NewtonSettings, Round
 from contact.verify.certificate import Certificate, Solved
 from contact.verify.error import SolvedGaps
 from contact.verify.gap_certificate import certify_gaps
+from contact.verify.tolerances import TOLERANCES
 from sie import Array, record
 
 
@@ -126,7 +127,7 @@ class GapForm:
 
     def is_slight(self, found: Solved) -> bool:
         """Whether the pressure outside the gaps has a minimum as small as the error."""
-        return found.certificate.dip <= TOLERANCES.error_margin * found.tolerance
+        return found.certificate.dip <= TOLERANCES.margin * found.tolerance
 
 
 def _rounding_of_mean(control: Control, fields: GapFields) -> float:

@@ -9,11 +9,8 @@ from contact.formulation.relief import ScaledRelief
 from contact.formulation.roots import maximum
 from contact.formulation.tables import runs_of
 from contact.search.topology.failure import WrongTopology
-from contact.search.topology.intervals import united
+from contact.search.topology.intervals import NARROW, united
 from sie import Array, Index, Mask, record
-
-# A gap over at least this many samples is resolved; narrower gaps are placed by closed forms.
-_RESOLVED = 4
 
 
 @record
@@ -62,7 +59,7 @@ class GapGuesses:
                 (seen.mean(axis=1)[:, None] - valleys.mean(axis=1) + half) % self.period - half
             )
             unseen = (apart < 2 * self.step).any(axis=1) & (
-                seen[:, 1] - seen[:, 0] < 2 * _RESOLVED * self.step
+                seen[:, 1] - seen[:, 0] < 2 * NARROW * self.step
             )
             return united(
                 np.concatenate((self._placed(seen[~unseen], mean), valleys)),
@@ -109,12 +106,12 @@ class GapGuesses:
         """The gaps, those of few samples placed about the maximum of R between the samples."""
         out = []
         for row in seen:
-            if row[1] - row[0] < _RESOLVED * self.step:
+            if row[1] - row[0] < NARROW * self.step:
                 middle = int(round((0.5 * float(row.sum()) - self.x[0]) / self.step)) % len(self.x)
                 found = self._about(*self._top(middle), mean)
                 row = (
                     found[0]
-                    if len(found) and found[0, 1] - found[0, 0] < 2 * _RESOLVED * self.step
+                    if len(found) and found[0, 1] - found[0, 0] < 2 * NARROW * self.step
                     else row
                 )
             out.append(row)
@@ -139,7 +136,7 @@ class GapGuesses:
         kinks, rest = self._valleys
         at, heights = self.relief.at[kinks], self.relief.heights[kinks]
         half = self.period / np.pi * np.exp(np.pi * np.minimum((mean - rest) / heights, 9.0))
-        which = (half < 0.5 * _RESOLVED * self.step) & (half > NARROWEST * self.period)
+        which = (half < 0.5 * NARROW * self.step) & (half > NARROWEST * self.period)
         return np.column_stack((at - half, at + half))[which]
 
     @cached_property

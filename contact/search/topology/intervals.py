@@ -11,6 +11,10 @@ from sie import Array, Index
 NEW_ZONE = 0.7
 
 
+# Number of samples, or cells of a grid, below which an interval is not resolved.
+NARROW = 3
+
+
 def without(table: Array, parts: Array) -> Array:
     """The intervals `table` (n, 2) after `parts` (m, 2) are cut out; both are ascending."""
     # Only the few intervals that a part overlaps are cut one by one.

@@ -21,9 +21,11 @@ from contact.errors import ContactError, SceneError
 from contact.formulation import input_checks
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
+from contact.search.options import LEAST, SEARCH
 from contact.search.topology.failure import Failure, WrongTopology, same
 from contact.search.topology.intervals import merged
 from contact.verify.certificate import NOT_CHECKED, Certificate, Solved
+from contact.verify.tolerances import TOLERANCES
 from sie import Array, Mask, record
 
 Progress = Callable[[str, int, int | None], None]
@@ -32,32 +34,18 @@ Kind = TypeVar("Kind", bound=Solved)
 
 
 @dataclass(frozen=True)
-class LoopTolerances:
-    """Tolerances of the ends in the rounds of the loop."""
-
-    # The smallest tolerance, a few round-offs. Where the pressure has a minimum close to zero there
-    # may be a narrow gap: only a solution to this tolerance shows whether there is.
-    tight: float = 1e-15
-    tighten: float = 1e-3  # factor on the tolerance if signs fail only within the error of the ends
-    # factor on the stated error of an end; signs closer to the end are not checked
-    error_margin: float = 10.0
-
-
-@dataclass(frozen=True)
 class RoughRoundOptions:
     """First rounds of very many intervals, whose ends are found to a loose relative tolerance.
 
     The first guess of so many intervals never has the right number. Rough rounds correct most of it
-    at a fraction of the cost.
+    at a fraction of the cost. Their tolerance is that of all rough solutions.
     """
 
     min_intervals: int = 1000
-    tolerance: float = 1e-3
     unresolved_fraction: float = 0.005  # fraction of the ends that may stay unconverged
     patience: int = 2  # Newton steps granted to the last unconverged ends
 
 
-TOLERANCES = LoopTolerances()
 ROUGH = RoughRoundOptions()
 MAX_ROUNDS = 12
 
@@ -192,7 +180,7 @@ def refine_topology(
     slight: Kind | None = None
     try:
         for found in _Loop(form, control, newton, observer, formal).rounds(table):
-            if formal or found.tolerance <= TOLERANCES.tight or not form.is_slight(found):
+            if formal or found.tolerance <= LEAST or not form.is_slight(found):
                 return found
             # A minimum of the pressure as small as the error may be a gap: the loop continues with
             # the smallest tolerance to find out.
@@ -253,7 +241,7 @@ class _Loop(Generic[Kind]):
             if isinstance(passed, Round):
                 yield self.form.solved(passed)
                 table = free.density.zones.table
-                self.newton = replace(self.newton, tolerance=TOLERANCES.tight, abandon_if_far=False)
+                self.newton = replace(self.newton, tolerance=LEAST, abandon_if_far=False)
             else:
                 table = passed
             del here, passed
@@ -266,7 +254,7 @@ class _Loop(Generic[Kind]):
         if count >= ROUGH.min_intervals and not (self.formal or known):
             self.newton = replace(
                 newton,
-                tolerance=max(self.wanted, ROUGH.tolerance),
+                tolerance=max(self.wanted, SEARCH.rough),
                 unresolved_fraction=ROUGH.unresolved_fraction,
                 patience=ROUGH.patience,
                 allow_loss=True,
@@ -376,10 +364,7 @@ class _Loop(Generic[Kind]):
         """The intervals after a converged round whose signs fail: corrected, or more precise."""
         form, newton, free = self.form, self.newton, here.free
         table = free.density.zones.table
-        tighter = replace(
-            newton, tolerance=max(TOLERANCES.tight, TOLERANCES.tighten * newton.tolerance)
-        )
-        is_tight = newton.tolerance <= TOLERANCES.tight
+        tighter, is_tight = replace(newton, tolerance=LEAST), newton.tolerance <= LEAST
         if self.control.half_width is not None:
             raise WrongTopology("pressure or gap change sign", free)
         if not is_tight and _is_error(here):
@@ -410,7 +395,7 @@ def end_errors(free: sie.Free, state: sie.AnyState) -> Array:
     """
     zones = free.density.zones
     relative = free.end_error + state.end_truncation
-    return np.asarray(TOLERANCES.error_margin * relative * (zones.b - zones.a)[:, None])
+    return np.asarray(TOLERANCES.margin * relative * (zones.b - zones.a)[:, None])
 
 
 def _is_error(here: Round[Any]) -> bool:

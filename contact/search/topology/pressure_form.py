@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,27 +13,14 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import parted_at_wide
+from contact.search.options import SEARCH
 from contact.search.topology.failure import EXACT, WrongTopology
 from contact.search.topology.intervals import NEW_ZONE, united, without
-from contact.search.topology.loop import TOLERANCES, NewtonSettings, Round, end_errors
+from contact.search.topology.loop import NewtonSettings, Round, end_errors
 from contact.verify.certificate import Certificate, Solved, certify
 from contact.verify.error import SolvedZones, too_thin
+from contact.verify.tolerances import TOLERANCES
 from sie import Array, record, wrapped
-
-
-@dataclass(frozen=True)
-class PressureFormOptions:
-    """The width of new zones at corners, and the width below which a gap counts as lost."""
-
-    # Width of a new zone at a corner, divided by the width of the overlap that it removes: small,
-    # as Newton's method then moves its other end outward.
-    new_zone_at_corner: float = 0.1
-    # A gap over the kink of a valley narrows with the load and never closes. If it becomes narrower
-    # than this fraction of the zones next to it, it was lost for lack of digits.
-    narrow_valley: float = 1e-3
-
-
-OPTIONS = PressureFormOptions()
 
 
 @record
@@ -158,9 +145,9 @@ class PressureForm:
         (left, right), (lo, hi) = certificate.overlaps.T, self.problem.corners
         width = right - left
         middle, half = 0.5 * (left + right), 0.5 * NEW_ZONE * width
-        narrow = OPTIONS.new_zone_at_corner * width
-        # A zone with an end pinned at the corner may exist where one with two free ends would
-        # vanish.
+        narrow = SEARCH.doubtful_part * width
+        # Newton's method moves the other end of a narrow new zone outward. A zone with an end pinned
+        # at the corner may exist where one with two free ends would vanish.
         new = np.where(
             (left <= lo)[:, None],
             np.column_stack((left, left + narrow)),
@@ -197,7 +184,7 @@ class PressureForm:
             return False
         zones, reach = found.free.density.zones, end_errors(found.free, found.fields.state)
         narrow = zones.a[1:] - zones.b[:-1] <= reach[1:, 0] + reach[:-1, 1]
-        dip = TOLERANCES.error_margin * found.tolerance
+        dip = TOLERANCES.margin * found.tolerance
         return found.certificate.dip <= dip or bool(np.any(narrow))
 
 
@@ -270,8 +257,8 @@ def _within_borders(problem: Problem, zones: sie.Zones) -> None:
 def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | None:
     """Width of a gap over the kink of a valley that Newton's method has lost, else None.
 
-    Such a gap narrows as exp(-pressure) but never closes. It is lost if Newton's method closed it
-    or moved it away from its kink.
+    Such a gap narrows as exp(-pressure) but never closes. It is lost for lack of digits if it is
+    narrow beside its zones, and Newton's method closed it or moved it away from its kink.
     """
     kinks, heights = problem.forcing.kinks
     if not np.any(heights < 0) or len(table) < 2 or len(free.density.zones) < len(table):
@@ -282,11 +269,7 @@ def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | No
     at, i = at[inner], i[inner]
     lo, hi = table[i, 1], table[i + 1, 0]
     width = np.diff(table)[:, 0]
-    narrow = (
-        (at > lo)
-        & (at < hi)
-        & (hi - lo < OPTIONS.narrow_valley * np.minimum(width[i], width[i + 1]))
-    )
+    narrow = (at > lo) & (at < hi) & (hi - lo < SEARCH.rough * np.minimum(width[i], width[i + 1]))
     now = free.density.zones
     lost = narrow & (np.isin(i, free.met) | (now.b[i] >= at) | (now.a[i + 1] <= at))
     return float((hi - lo)[lost].min()) if lost.any() else None
