@@ -23,9 +23,8 @@ from sie import Array, Mask, record
 class DerivativeOptions:
     """Options of the derivatives, which steer Newton's method and scale small stated errors."""
 
-    # of the densities, from which also the stiffness of the solution is computed
-    tolerance: float = 1e-9
-    difference_tolerance: float = 1e-11  # of contacts whose difference is taken: shift^2 / 1e5
+    # of the densities: that of differences over 2 * shift stays below the error shift^2
+    tolerance: float = 1e-11
     shift: float = 1e-3  # of the centre in a central difference, relative to the gap at the border
 
 
@@ -137,7 +136,7 @@ class ContactRates(sie.Kept):
         for shift in (away, -away):
             equation = problem.about(problem.centre + shift).equation(alone.control)
             density = sie.solve_zones(
-                equation, zones.moved(shift * moved), OPTIONS.difference_tolerance
+                equation, zones.moved(shift * moved), OPTIONS.tolerance
             ).density
             sides.append(moves_by(density, density))
         return np.asarray(moved + (sides[0] - sides[1]) / (2 * away))
@@ -206,9 +205,9 @@ def middle_motion(moved: Array) -> float:
     return 0.5 * float(moved[1, -1] - moved[0, 0])
 
 
-def spread(table: Array, moved: Array, part: float) -> Array:
-    """Zones after outward motions (2, Z) of their ends, at most `part` of each zone and gap."""
-    outward = np.clip(moved.T, -part * np.diff(table), part * room_beside(table, None))
+def spread(table: Array, moved: Array) -> Array:
+    """Zones after outward motions (2, Z) of their ends, at most half of each zone and gap."""
+    outward = np.clip(moved.T, -0.5 * np.diff(table), 0.5 * room_beside(table, None))
     return np.asarray(table + outward * [-1, 1])
 
 

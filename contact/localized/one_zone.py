@@ -21,27 +21,31 @@ from contact.formulation.problem import Problem
 from contact.localized.derivatives import ContactRates, TwoContacts, table_of
 from contact.localized.several_zones import no_isolated_load
 from contact.model.interactions.isolated import Isolated
+from contact.model.profiles.noise import EPS
+from contact.search.options import SEARCH
 from contact.search.topology.failure import EXACT
 from contact.verify.error import SolvedZones
+from contact.verify.tolerances import TOLERANCES
 from sie import Array, record
 
 Search = Callable[[Problem, Control, Array | None], SolvedZones]
-
-
-# Round-off of a computed width.
-WIDTH_ROUND_OFF = 64 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
 class WidthOptions:
     """Options of Newton's method for the width of one zone."""
 
-    max_steps: int = 80  # five are usual, more near the maximum of the load
     widest: float = 0.9998  # fraction of the period; for wider zones the right side is not resolved
-    converged_step: float = 1e-8  # relative to the width; the rates then correct the rest
-    # relative to the width; below it round-off may keep steps from falling
-    stalled_step: float = 1e-6
-    at_maximum: float = 1e-4  # relative bracket of the width at the maximum; the load is flat there
+
+    @property
+    def converged_step(self) -> float:
+        """Step relative to the width: the rates then correct the rest, to its square."""
+        return math.sqrt(EPS)
+
+    @property
+    def at_maximum(self) -> float:
+        """Relative bracket of the width at the maximum, where the load is flat."""
+        return math.sqrt(self.converged_step)
 
 
 @record
@@ -94,7 +98,7 @@ class OneZoneClosure:
         given = control.half_width is not None
         here = self._at_width(control, guess) if given else self._root(control, guess)
         condition = here.slope * here.width / abs(here.present)
-        if not given and WIDTH_ROUND_OFF * condition > self.tol:
+        if not given and TOLERANCES.rounding * condition > self.tol:
             raise no_isolated_load()
         strip, rate, more = (
             here.at.strip,
@@ -149,7 +153,7 @@ class OneZoneClosure:
         options, low = self.options, None
         high, carries, refusal = options.widest * self._period, False, None
         width, last = min(guess, 0.5 * high), math.inf
-        for _ in range(options.max_steps):
+        for _ in range(SEARCH.max_steps):
             here: _AtWidth | None = None
             try:
                 here = self._at_width(control, width)
@@ -160,7 +164,7 @@ class OneZoneClosure:
             if here is not None:
                 step = abs(here.step)
                 if step <= options.converged_step * width or (
-                    step > 0.5 * last and last < options.stalled_step * width
+                    step > 0.5 * last and last < TOLERANCES.noise * width
                 ):
                     return here
                 last = step

@@ -35,11 +35,13 @@ from contact.search.context import SolveContext
 from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.nested_grids import grid_height, propose
 from contact.search.grid.scaling import ScaledScene
+from contact.search.options import SEARCH
 from contact.search.strategies.guesses import INSTEAD
 from contact.search.topology.failure import NOT_APPLICABLE, Failure
 from contact.search.topology.loop import NewtonSettings, refine_topology
 from contact.search.topology.pressure_form import PressureForm
 from contact.verify.error import SolvedZones
+from contact.verify.tolerances import TOLERANCES
 from sie import Array
 
 Strip = Callable[[Problem, Control, Array | None], SolvedZones]
@@ -49,15 +51,9 @@ Strip = Callable[[Problem, Control, Array | None], SolvedZones]
 class ClosureOptions:
     """Options of the root search for the nominal pressure."""
 
-    max_steps: int = 40  # Newton steps; from a rough guess five are usual
     widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
-    max_fraction_closed: float = 0.5  # limits the predicted change of a zone or gap in a step
-    least_rate: float = 64 * float(
-        np.finfo(float).eps
-    )  # d ln width / d ln pressure: round-off of a width
     # steps from both ends divided by the bracket; above it W - W0 jumps past zero
     jump: float = 3.0
-    grid_tolerance: float = 1e-3  # for the first guess of the zones of the profile alone
     margin: float = 2.0  # stated error of the root over its last Newton step
 
 
@@ -82,7 +78,7 @@ class SeveralZones:
         low, high, before, factor = 0.0, math.inf, math.inf, self.options.widening
         at: TwoContacts | None = None
         newton = [0.0, 0.0]  # Newton's steps from the lower and the upper end of the bracket
-        for _ in range(self.options.max_steps):
+        for _ in range(SEARCH.max_steps):
             at = self._at(pressure, start, at)
             rates = ContactRates(at)
             miss = width_of(at.strip) - width_of(at.alone)
@@ -103,9 +99,7 @@ class SeveralZones:
             elif not low < there < high:
                 there = pressure * factor if miss > 0.0 else pressure / factor
             part = (there - pressure) / float(step[1]) if step[1] else 0.0
-            start = spread(
-                table_of(at.strip), rates.of_strip(part * step), self.options.max_fraction_closed
-            )
+            start = spread(table_of(at.strip), rates.of_strip(part * step))
             pressure = there
         assert at is not None
         reason = f"the nominal pressure of the first-order closure did not settle; {INSTEAD}"
@@ -120,7 +114,7 @@ class SeveralZones:
         by_load = np.array([[rates.by_load.sum()], [middle_motion(rates.by_load)]])
         matrix = np.vstack((np.hstack((rates.matrix, by_load)), held))
         width, pressure = width_of(rates.at.strip), float(rates.at.unknowns[1])
-        if abs(matrix[0, 1]) * pressure <= self.options.least_rate * width:
+        if abs(matrix[0, 1]) * pressure <= TOLERANCES.rounding * width:
             raise no_isolated_load()
         return np.asarray(np.linalg.solve(matrix, [-miss, 0.0, 0.0]))
 
@@ -204,7 +198,7 @@ def _from_grid(problem: Problem, load: float) -> Array:
         Response(units.E_star, False, rest=problem.operator.strip_rest),
         resolution=None if profile.feature is None else 0.25 * profile.feature,
         load=load * units.load,
-        tol=ClosureOptions.grid_tolerance,
+        tol=SEARCH.rough,
     )
     return np.asarray(units.scaled(found.zones))
 

@@ -17,9 +17,11 @@ from contact.formulation.problem import Problem
 from contact.search.context import SolveContext
 from contact.search.grid.proposals import about
 from contact.search.grid.scaling import ScaledScene
+from contact.search.options import SEARCH
 from contact.search.strategies.guesses import INSTEAD, search
 from contact.search.topology.failure import EXACT
 from contact.verify.error import SolvedZones
+from contact.verify.tolerances import TOLERANCES
 from sie import Array
 
 
@@ -27,13 +29,8 @@ from sie import Array
 class CentringOptions:
     """Options of the secant method for the centre of a strip."""
 
-    max_steps: int = 30  # five are usual
-    patience: int = 4  # steps in which the residual must halve; it does not where the middle jumps
     # bound of a secant step, relative to the last step and to the residual
     longest_step: float = 4.0
-    max_halvings: int = 3  # of a step of the centre after which the zones are not found
-    # residual relative to the narrowest width; a smaller residual that does not fall is round-off
-    round_off: float = 1e-7
 
 
 OPTIONS = CentringOptions()
@@ -61,7 +58,7 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
     """The zones after the strip was moved until its centre is the middle of its zones."""
     before: tuple[float, float, Array] | None = None
     misses, stalled = [math.inf], math.inf
-    for _ in range(OPTIONS.max_steps):
+    for _ in range(SEARCH.max_steps):
         zones, centre = found.free.density.zones, found.fields.problem.centre
         width = float((zones.b - zones.a).min())
         miss = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1]) - centre
@@ -75,14 +72,15 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
             follows = max(float(np.abs(rate).max()) * abs(moved / (before[1] - miss)), 1.0)
             expected = zones.table + step * rate
         close = 0.1 * context.tolerance * width + float(np.spacing(abs(centre)))
-        if abs(miss) * follows <= close or stalled < abs(miss) < OPTIONS.round_off * width:
+        if abs(miss) * follows <= close or stalled < abs(miss) < TOLERANCES.noise * width:
             left = abs(miss) * follows / width
             return replace(found, control_error=found.control_error + left)
         # Only round-off keeps the residual from falling after a secant step.
         stalled = 0.25 * abs(miss) if is_secant else math.inf
         misses.append(abs(miss))
-        recent = misses[-OPTIONS.patience :]
-        if len(misses) > len(recent) and min(recent) > 0.5 * min(misses[: -OPTIONS.patience]):
+        # In a few steps the residual halves, unless the middle of the zones jumps.
+        recent = misses[-SEARCH.max_attempts :]
+        if len(misses) > len(recent) and min(recent) > 0.5 * min(misses[: -SEARCH.max_attempts]):
             break
         before = centre, miss, zones.table
         found = _moved(context, scaled, found, step, expected)
@@ -94,7 +92,7 @@ def _moved(
 ) -> SolvedZones:
     """The zones after a step of the centre, which is halved until the zones are found."""
     problem, table = found.fields.problem, found.free.density.zones.table
-    for _ in range(OPTIONS.max_halvings):
+    for _ in range(SEARCH.max_attempts):
         there = problem.about(problem.centre + step)
         moved = context.refine_topology(there, scaled.control, expected)
         if isinstance(moved, SolvedZones):

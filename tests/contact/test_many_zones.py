@@ -273,8 +273,8 @@ def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(mo
     monkeypatch.setattr(sie, "find_ends", found)
     scene = rough(400)
     solution = contact.solve(scene, tol=1e-9)
-    assert [tolerance for tolerance, _ in asked[:-1]] == [loop.ROUGH.tolerance]
-    assert asked[-1][0] < loop.ROUGH.tolerance and len(solution.zones) != asked[0][1]
+    assert [tolerance for tolerance, _ in asked[:-1]] == [loop.SEARCH.rough]
+    assert asked[-1][0] < loop.SEARCH.rough and len(solution.zones) != asked[0][1]
     monkeypatch.undo()
     plain = contact.solve(scene, tol=1e-9)
     assert (
@@ -330,7 +330,7 @@ def test_a_first_look_waits_for_no_more_than_three_steps(monkeypatch):
 
     monkeypatch.setattr(sie, "find_ends", found)
     assert contact.solve(rough(400), tol=1e-9).certificate.holds
-    loose = [len(free.trace) for tolerance, free in looks if tolerance == loop.ROUGH.tolerance]
+    loose = [len(free.trace) for tolerance, free in looks if tolerance == loop.SEARCH.rough]
     assert loose and max(loose) <= 3
 
 
