@@ -101,6 +101,30 @@ def hook(name: str) -> ModuleType:
     return module
 
 
+CHANGES = (DOCS / "architecture.md").read_text(encoding="utf-8").split("## Five changes")[1]
+CHANGES = CHANGES.split("\n## ")[0]
+
+
+def named_files(text: str) -> list[str]:
+    """Files of both packages and of the pages that a text names in code spans."""
+    return re.findall(r"`((?:contact|sie|docs)/[\w/]+\.(?:py|md))`", text)
+
+
+def test_each_of_the_five_changes_reads_at_most_six_files_that_exist() -> None:
+    changes = CHANGES.split("\n### ")[1:]
+    steps = [re.findall(r"^\d+\. `([^`]+)`: ", change, re.MULTILINE) for change in changes]
+    assert len(steps) == 5 and all(0 < len(files) <= 6 for files in steps)
+    assert not [name for name in named_files(CHANGES) if not (ROOT / name).is_file()]
+
+
+def test_the_five_changes_name_what_stands_in_their_files() -> None:
+    """A step's code spans before its first full stop are words of its file."""
+    for name, told in re.findall(r"^\d+\. `([^`]+)`: (.*?)(?:\. |\.$)", CHANGES, re.MULTILINE):
+        source = (ROOT / name).read_text(encoding="utf-8")
+        for span in re.findall(r"`([A-Za-z_.]+)(?:\([^)]*\))?`", told):
+            assert span.rpartition(".")[2] in source, (name, span)
+
+
 @pytest.mark.parametrize("package", [contact, sie], ids=lambda p: p.__name__)
 def test_the_reference_has_every_public_name_and_no_other(package: Any) -> None:
     reference = hook("reference")
