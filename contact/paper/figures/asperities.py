@@ -144,19 +144,14 @@ def _at_widths(
 
 
 def _draw_errors(
-    axes: Any,
-    x: Array,
-    columns: dict[str, Array],
-    names: Mapping[str, float | None],
-    across: str,
-    up: str,
-    most: float,
+    axes: Any, columns: dict[str, Array], names: Mapping[str, float | None], up: str, most: float
 ) -> None:
-    """Draw the differences of the models from the exact one [%].
+    """Draw the differences of the models from the exact one [%] over the first column.
 
-    names: the quantities, each with a line width or None for that of the model; across, up: labels
-    of the axes; most: limit of the ordinate.
+    names: the quantities, each with a line width or None for that of the model; up: label of the
+    ordinate; most: its limit.
     """
+    across, x = next(iter(columns.items()))
     for model in (FIRST, SELF, ONE, ALONE):
         for name, width in names.items():
             error = columns[f"{name} {model}"] / columns[f"{name} {EXACT}"] - 1.0
@@ -224,15 +219,7 @@ def figure_8() -> Figure:
         left.annotate("mean", (0.62, 0.45), fontsize=8)
         label_panel(left, "2a/L", "p/p*", xlim=(0.0, 1.0), ylim=(0.0, 2.1))
         widths = {"mean/p*": 1.4, "max/p*": 0.7}
-        _draw_errors(
-            right,
-            _FRACTIONS,
-            columns,
-            widths,
-            "2a/L",
-            "error [%], thick: mean, thin: greatest",
-            15.0,
-        )
+        _draw_errors(right, columns, widths, "error [%], thick: mean, thin: greatest", 15.0)
         right.axvline(0.7, **_LINE)
 
     notes = (
@@ -304,9 +291,7 @@ def figure_10() -> Figure:
             curve(left, columns[f"{mean} {model}"], _FRACTIONS, model, model)
         left.axhline(0.7, **_LINE)
         label_panel(left, r"$\bar p$/(E* tan$\,\beta$)", "2a/L", xlim=(0.0, 1.1), ylim=(0.0, 1.0))
-        _draw_errors(
-            right, _FRACTIONS, columns, {mean: None}, "2a/L", "error of the mean pressure [%]", 30.0
-        )
+        _draw_errors(right, columns, {mean: None}, "error of the mean pressure [%]", 30.0)
         right.axvline(0.7, **_LINE)
 
     notes = (
@@ -378,7 +363,7 @@ def figure_12() -> Figure:
             for share in (0.125, 0.35):
                 axes(share, **_LINE)
         label_panel(left, "P R/(L² E*)", "a/L", xlim=(0.0, 0.4), ylim=(0.0, 0.5))
-        _draw_errors(right, _SHARES, columns, {load: None}, "a/L", "error of the load [%]", 30.0)
+        _draw_errors(right, columns, {load: None}, "error of the load [%]", 30.0)
 
     notes = (
         "The paper's curves are the first-order (30), the exact (28) and Hertz.",
