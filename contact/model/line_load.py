@@ -254,7 +254,10 @@ def _at_end(series: Array) -> float:
 def _summed(series: Array, t: Array) -> Array:
     """The series at t >= 0, in units of the first panel; constant beyond the last one."""
     panels = len(series)
-    t = np.minimum(t, 2.0 ** (panels - 1))
+    end = 2.0 ** (panels - 1)
+    out = np.full(np.shape(t), _at_end(series))
+    inside = t <= end
+    t = t[inside]
     panel = np.where(t <= 1, 0, np.frexp(np.maximum(t, 1.0) * (1 - 1e-16))[1]).astype(np.intp)
     panel = np.clip(panel, 0, panels - 1)
     width = np.where(panel == 0, 1.0, np.ldexp(1.0, panel - 1))
@@ -262,4 +265,5 @@ def _summed(series: Array, t: Array) -> Array:
     b1, b2 = np.zeros(np.shape(t)), np.zeros(np.shape(t))
     for row in series.T[:0:-1]:
         b1, b2 = row[panel] + 2 * x * b1 - b2, b1
-    return np.asarray(series[:, 0][panel] + x * b1 - b2)
+    out[inside] = series[:, 0][panel] + x * b1 - b2
+    return out

@@ -149,20 +149,25 @@ def _safe_slopes(
     """(edge slopes A for the division in Newton's step (2, Z), mask where they are replaced).
 
     At the solution A has the sign of the density. Far from the solution A may have the other sign
-    or vanish. There the change of the residual in the last step gives a slope.
-    If that has the wrong sign, too, A is replaced by its natural size. On a thin layer this size is
-    much too large, and the steps would be much too short. natural: largest coefficient of each zone
-    beyond c_0 (Z,); residual: intensities less the prescribed ones (2, Z).
+    or vanish. There the change of the residual in the last step gives a slope. If that has the
+    wrong sign, too, A is replaced by its natural size. On a thin layer, A and its natural size can
+    be a hundred times too large, and the steps a hundred times too short. natural: largest
+    coefficient of each zone beyond c_0 (Z,); residual: intensities less the prescribed ones (2, Z).
     """
     a, side = np.array(density.edge_slopes), np.array(signs)[:, None]
     size = natural * density.zones.slope_scale / np.sqrt(2)
     least, safe = 1e-8 * size, side * (size + 1e-300)
     weak = side * a <= least
-    if last is not None and weak.any():
+    unsure = weak
+    if last is not None:
+        # The last step should have removed most of the residual. Where it has not, its effect is
+        # measured better than A predicts it.
+        unsure = weak | (np.abs(residual) > 0.5 * np.abs(last.residual))
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             secant = density.zones.weight.secant_slope(residual - last.residual, last.moves)
-        safe = np.where(np.isfinite(secant) & (side * secant > least), secant, safe)
-    return np.where(weak, safe, a), weak
+        usable = np.isfinite(secant) & (side * secant > least)
+        safe = np.where(usable, secant, np.where(weak, safe, a))
+    return np.where(unsure, safe, a), weak
 
 
 def corners_of(state: AnyState) -> Array:
