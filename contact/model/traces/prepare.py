@@ -50,8 +50,8 @@ class TraceLimits:
     max_trend: int = 12
     # Points that regrid may create: linear interpolation adds corners and time, no information.
     max_regrid: int = 20_000
-    # Smallest pitch and range of heights [m], far below the size of an atom.
-    atom: float = 1e-12
+    # Smallest pitch and range of heights [m]: below the size of an atom.
+    atom: float = 1e-11
     # Longest trace and widest pitch of a surface [m]: of a guideway or a road.
     max_length: float = 1.0
     max_pitch: float = 1e-3
