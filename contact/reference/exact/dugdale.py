@@ -89,8 +89,6 @@ class DugdaleZone(_DugdaleState):
         Work of adhesion of this state [J/m^2].
     end_gap : float
         The gap at c [m].
-    cohesive_intervals : array, (2, 2)
-        [[-c, -a], [a, c]] [m].
     rates : callable
         d load/dc and d approach/dc along the curve of equilibria.
 
