@@ -14,6 +14,7 @@ of the control. J = dr/ds is its Jacobian.
     pull_off.py          finds where the last contact is lost
     full_contact.py      early test for contacts that close altogether
     branch.py            entry for one solution; path_start.py: entry for a path
+    options.py           options that several of these files share
 
 Two kinds of law differ in the meaning of the intervals and in the residual of their ends:
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from contact.adhesion.curve import TOLERANCES, Curve, NoState, State
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
 from contact.formulation.roots import smooth_root
 from contact.formulation.tables import outward
@@ -28,29 +28,11 @@ from sie import Array, record
 class ArcOptions:
     """Options of the steps along the curve; arc lengths are in units of zone widths."""
 
-    first_step: float = 0.1
+    # Longest step, and largest angle between the tangents at its ends and between predictor and
+    # tangent [rad]: a curve as curved as a zone is wide turns by the length of the step.
     longest_step: float = 0.5
-    # Wanted angle between the tangents at both ends of a step. A step is refused if the cosine of
-    # the angle is below the next number.
-    aimed_turn: float = 0.2
-    least_cosine: float = 0.85
-    max_growth: float = 4.0
-    shrink: float = 0.3
-    # Largest deviation of the predictor from the tangent, relative to the step.
-    max_predictor_bend: float = 0.3
-    # Least ratio of the unit of the control to its last value. Without this limit the unit falls to
-    # 0 at a turning point, and the tangent turns abruptly.
-    least_unit_ratio: float = 0.5
-    # Nodes of the interpolation inside a step, and their least relative separation.
+    # Nodes of the interpolation inside a step, and halvings of the way to one more of them.
     interpolation_nodes: int = 3
-    node_separation: float = 0.1
-    max_bisections: int = 4
-    # Push of ends away from an unstable equilibrium, relative to the zone or gap next to them.
-    push: float = 0.03
-    # Near a point where contact vanishes, a step goes this fraction of the way to it.
-    before_vanishing: float = 0.9
-    # Relative accuracy of a turning point that need not be located exactly.
-    rough_turning: float = 1e-3
 
 
 ARC_OPTIONS = ArcOptions()
@@ -77,7 +59,7 @@ class CurvePoint:
             length * self.tangent
             + (
                 deviation
-                if np.abs(deviation).max() <= ARC_OPTIONS.max_predictor_bend * abs(length)
+                if np.abs(deviation).max() <= ARC_OPTIONS.longest_step * abs(length)
                 else 0.0
             )
         )
@@ -113,7 +95,7 @@ class Step:
     known: dict[float, tuple[State, bool]] = field(default_factory=dict)
 
     def at(
-        self, length: float, tight: bool = True, halvings: int = ARC_OPTIONS.max_bisections
+        self, length: float, tight: bool = True, halvings: int = ARC_OPTIONS.interpolation_nodes
     ) -> State:
         """The equilibrium at a length inside the step.
 
@@ -142,7 +124,7 @@ class Step:
         for node in sorted(self.known, key=lambda k: abs(k - length)):
             if len(nodes) < ARC_OPTIONS.interpolation_nodes and min(
                 abs(node - one) for one in (0.0, self.length, *nodes)
-            ) > ARC_OPTIONS.node_separation * abs(node - length):
+            ) > MOVES.small_part * abs(node - length):
                 nodes.append(node)
         deviation = [
             (self.start.moved(self.known[node][0]) - self._cubic(node))
@@ -197,13 +179,13 @@ class Step:
             growth = self.at(self.turning(False), False).growth
         except NotConverged:
             return False
-        return abs(growth) < ARC_OPTIONS.node_separation * max(
+        return abs(growth) < MOVES.small_part * max(
             abs(self.start.at.growth), abs(self.end.at.growth)
         )
 
     def turning(self, tight: bool = True) -> float:
         """Length at which the control has its extreme."""
-        accuracy = TOLERANCES.neutral if tight else ARC_OPTIONS.rough_turning
+        accuracy = TOLERANCES.neutral if tight else TOLERANCES.coarse
         return self.where(
             self._rising, self.start.rises, self._rising(self.end.at), None, accuracy, tight
         )
@@ -271,7 +253,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
     """
     place, length, why, stands = (
         _stood_by(curve, here, sense),
-        ARC_OPTIONS.first_step,
+        MOVES.small_part,
         "the curve of equilibria was not followed on",
         0,
     )
@@ -295,9 +277,9 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
                     break
             short = curve.vanishes(place.at, place.tangent * place.scales)
             length, vanishing = (
-                (ARC_OPTIONS.before_vanishing * short, True)
+                ((1.0 - MOVES.small_part) * short, True)
                 if short < length
-                else (ARC_OPTIONS.shrink * length, vanishing)
+                else (MOVES.least_part * length, vanishing)
             )
             if length < TOLERANCES.rough:
                 break
@@ -306,7 +288,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
             Step(curve, place, place.length(end.at) if reached is not None else length, end)
         )
         if step.turns and not step.turns_once:
-            length *= ARC_OPTIONS.shrink
+            length *= MOVES.least_part
             continue
         yield step
         if step.lets_go:
@@ -318,18 +300,13 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
             why = "ends at sharp corners are neither held nor free"
             break
         place = step.end if step.after is None else _stood_by(curve, step.after, step.end.rises)
-        length = min(
-            min(
-                ARC_OPTIONS.max_growth,
-                ARC_OPTIONS.aimed_turn
-                / max(step.turned, ARC_OPTIONS.aimed_turn / ARC_OPTIONS.max_growth),
-            )
-            * length,
-            ARC_OPTIONS.longest_step,
-        )
+        # The next step is to turn by half of the largest angle.
+        aimed = 0.5 * ARC_OPTIONS.longest_step
+        growth = aimed / max(step.turned, aimed * MOVES.least_part)
+        length = min(growth * length, ARC_OPTIONS.longest_step)
         if vanishing:
             short = curve.vanishes(place.at, place.tangent * place.scales)
-            part = 2.0 if len(place.at.contact) > 1 else ARC_OPTIONS.before_vanishing
+            part = 2.0 if len(place.at.contact) > 1 else 1.0 - MOVES.small_part
             length, vanishing = min(length, part * short), short < ARC_OPTIONS.longest_step
             if length < TOLERANCES.rough:
                 break
@@ -358,10 +335,12 @@ class SymmetryLost(NotConverged):
         """This error, with the load and the approach of the loss of symmetry in its message."""
         curve, place, length = self.within
         low, high, at = 0.0, length, place.at
-        for _ in range(10 * ARC_OPTIONS.max_bisections):
+        for _ in range(LIMITS.max_iterations):
             middle = 0.5 * (low + high)
             found = along(curve, place, middle)
             if found is None:
+                break
+            if middle in (low, high):
                 break
             low, high, at = (middle, high, found) if found.growth < 0.0 else (low, middle, at)
         units, where = (
@@ -379,7 +358,7 @@ def pushed_off(here: State) -> Array:
     """The intervals of an equilibrium, displaced along its fastest growing motion."""
     growth, motions = here.motions(np.arange(len(here.residual)))
     motion = motions[:, int(np.argmax(growth))].real
-    return here.moved(np.asarray(ARC_OPTIONS.push * motion / np.abs(motion / here.widths).max()))
+    return here.moved(np.asarray(MOVES.short_move * motion / np.abs(motion / here.widths).max()))
 
 
 def _corner_within(curve: Curve, here: CurvePoint, length: float) -> int | None:
@@ -440,7 +419,7 @@ def let_go(step: Step) -> Array:
     """Start intervals of the jump in which ends leave sharp corners at the end of a step."""
     assert step.after is not None
     return step.after.moved(
-        -ARC_OPTIONS.push * step.after.widths * (step.end.at.pinned & ~step.after.pinned)
+        -MOVES.short_move * step.after.widths * (step.end.at.pinned & ~step.after.pinned)
     )
 
 
@@ -453,7 +432,7 @@ def beyond(curve: Curve, turned: State, sense: float) -> Array:
             * (
                 sense
                 * np.sign(move.sum())
-                * ARC_OPTIONS.push
+                * MOVES.short_move
                 / np.abs(move / curve.room(turned.table)).max()
             )
         )
@@ -482,9 +461,7 @@ def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
     """The curve point of the next equilibrium, with its tangent in the same direction."""
     # At a turning point motions per change of the control are unbounded, so that its unit falls to
     # 0. The fall is limited, or the tangent would turn too sharply.
-    scales = np.append(
-        ahead.widths, max(_unit(curve, ahead), ARC_OPTIONS.least_unit_ratio * before.scales[-1])
-    )
+    scales = np.append(ahead.widths, max(_unit(curve, ahead), MOVES.least_part * before.scales[-1]))
     tangent, carried = _tangent(ahead, scales), scales / before.scales
     tangent = tangent if before.tangent @ (tangent * carried) >= 0.0 else -tangent
     here = CurvePoint(ahead, scales, tangent, np.zeros((2, len(tangent))))
@@ -524,7 +501,7 @@ def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
     It has if its tangents have a small angle, and stability was lost at a turning point only.
     """
     kept = before.at.growth >= 0.0 or ahead.at.growth < 0.0 or before.rises * ahead.rises <= 0.0
-    return _alike(before, ahead) >= ARC_OPTIONS.least_cosine and kept
+    return _alike(before, ahead) >= np.cos(ARC_OPTIONS.longest_step) and kept
 
 
 def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
@@ -626,7 +603,9 @@ def _newton(
             return None, None
         size = float(np.abs(step).max())
         # The first step must be short; the lower bound allows for a roughly solved start.
-        if size > (0.3 if k == 0 else 1.0) * max(abs(length), 10 * TOLERANCES.resting_step):
+        if size > (MOVES.least_part if k == 0 else 1.0) * max(
+            abs(length), 10 * TOLERANCES.resting_step
+        ):
             return None, None
         rounded = 0.5 * before < size < TOLERANCES.resting_step
         if (
@@ -639,7 +618,7 @@ def _newton(
         start = start + step
         # The residual falls at least as fast as the steps. If zones have very different widths,
         # round-off may stop the fall earlier.
-        if size * min(size / before if k else 1.0, 1.0) < TOLERANCES.newton_step or rounded:
+        if size * min(size / before if k else 1.0, 1.0) < TOLERANCES.neutral or rounded:
             how_solved.pop("tolerance", None)
             return curve.at(
                 at_start.moved(start[:-1] * widths), at_start.value + start[-1] * unit, **how_solved

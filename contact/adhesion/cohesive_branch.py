@@ -16,7 +16,7 @@ law, with the tension added to the load.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,22 +33,20 @@ from contact.adhesion.cohesive_flow import (
     settled,
 )
 from contact.adhesion.cohesive_pull_off import pull_off, pull_off_from_all
-from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.cohesive_zone import OPTIONS, CohesiveCurve, CohesiveState
 from contact.adhesion.curve import TOLERANCES, Closed, State
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.edge_branch import (
-    OPTIONS,
     branch_scaling,
     described_way,
     driven_inward,
     past_pull_off,
     start_contact,
 )
-from contact.adhesion.events import EVENTS
 from contact.adhesion.full_contact import closing_foreseen
-from contact.adhesion.inner_contact import TIGHT, ContactLost, edge_slopes
+from contact.adhesion.inner_contact import ContactLost, edge_slopes
 from contact.adhesion.intervals import below, sample_points, united_about
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS, MOVES, SAMPLES
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
@@ -68,31 +66,6 @@ from contact.solution.assemble import mean_height
 from contact.verify.certificate import certify
 from contact.verify.error import SolvedZones
 from sie import Array
-
-
-@dataclass(frozen=True)
-class CohesiveBranchOptions:
-    """Options of the start of a branch under a tension, and of its final solution."""
-
-    # Accuracies of the ends of zones that are tried for the final solution, the best first.
-    end_tolerances: tuple[float, ...] = (1e-13, 1e-11, 1e-9)
-    # A strip of tension below this fraction of a zone acts like an edge intensity. The ends then
-    # first move by the fraction `first_move` of the Newton step of that intensity, and by no more
-    # than that fraction of the room next to them.
-    narrow_strip: float = 0.02
-    first_move: float = 0.3
-    # Largest number of zones: each step solves a dense matrix of all unknowns.
-    max_zones: int = 400
-    # Narrowest strip relative to its zone. The pressure then takes about `terms` divided by the
-    # square root of this ratio terms.
-    narrowest_strip: float = 5e-7
-    terms: float = 16.0
-    # Approaches above first touch, relative to the mean height, at which the descent may begin.
-    first_approaches: tuple[float, ...] = (0.5, 0.2, 0.05, 0.01, 1e-3, 1e-4)
-    profile_samples: int = 2049
-
-
-_OPTIONS = CohesiveBranchOptions()
 
 
 def followed_under_tension(context: SolveContext) -> Outcome:
@@ -135,8 +108,9 @@ def _greatest(
         return _receded(context, scaled, curve, value)
     if curve.control.load is not None or value > 0.0:
         return _receded_from_all(context, curve, value)
-    for part in _OPTIONS.first_approaches:
-        above = part * mean_height(context.scene)
+    above = mean = mean_height(context.scene)
+    while above > TOLERANCES.coarse * mean:
+        above *= MOVES.least_part
         higher = replace(context, scene=context.scene.under(context.scene.control[0], above))
         try:
             rest = _receded_from_all(higher, curve, above / curve.problem.units.height)
@@ -217,11 +191,11 @@ def _advanced_from_touch(
 
 
 def _refuse_many(zones: int) -> None:
-    if zones > _OPTIONS.max_zones:
+    if zones > OPTIONS.max_zones:
         raise OutOfRange(
             f"{zones} zones: under a tension beside the contact they are followed by steps that "
             "each take a matrix of all that is unknown "
-            f"on them, which is done for {_OPTIONS.max_zones} zones at the most: take a coarser "
+            f"on them, which is done for {OPTIONS.max_zones} zones at the most: take a coarser "
             "trace, a part of it, or adhesion without range"
         )
 
@@ -230,13 +204,11 @@ def _refuse_narrow(context: SolveContext, width: float) -> None:
     """Raise NotConverged where strips are too narrow next to zones of this width [m]."""
     scene = context.scene
     strip = 0.25 * math.pi * scene.E_star * scene.law.reach / scene.law.tension
-    if strip < _OPTIONS.narrowest_strip * width:
+    if strip < OPTIONS.narrowest_strip * width:
         part = max(strip / width, np.finfo(np.float64).tiny)
         raise NotConverged(
-            f"{TOO_NARROW}. They are {strip:.2g} m beside {width:.2g} m, and the pressure, which "
-            "bends within them, would take "
-            f"{_OPTIONS.terms / math.sqrt(part):.1g} terms a zone: without range its ends differ "
-            f"by {part:.0e} of the zone"
+            f"{TOO_NARROW}. They are {strip:.2g} m beside {width:.2g} m: without range the ends of "
+            f"the zone differ by {part:.0e} of it"
         )
 
 
@@ -251,10 +223,10 @@ def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
     strip, width = np.pi**2 / 4 * (wanted / curve.stress) ** 2, np.diff(zones, axis=1)
     slope = np.maximum(np.array(fields.density.edge_slopes).T, 1e-300)
     out = np.where(
-        strip < _OPTIONS.narrow_strip * width,
+        strip < OPTIONS.narrow_strip * width,
         np.minimum(
-            2 * _OPTIONS.first_move * wanted / slope,
-            _OPTIONS.first_move * room_beside(zones, problem.round),
+            MOVES.least_part * 2 * wanted / slope,
+            MOVES.least_part * room_beside(zones, problem.round),
         ),
         0.0,
     )
@@ -271,7 +243,7 @@ def _sampled_farther(
     problem, (x, gap) = curve.problem, gap_samples
     if problem.round is not None or np.isfinite(problem.corners[0]):
         return gap_samples
-    for _ in range(LIMITS.max_bisections):
+    for _ in range(LIMITS.max_iterations):
         lo, hi = (
             max(problem.borders[0], 2 * x[0] - x[-1]),
             min(problem.borders[1], 2 * x[-1] - x[0]),
@@ -301,11 +273,13 @@ def _touch_intervals(scaled: ScaledScene, curve: CohesiveCurve) -> tuple[Array, 
     border = problem.borders if round_ is None else (-math.inf, math.inf)
     if sharp := bool(np.isfinite(corners[0])):
         lo, hi = corners
-    for _ in range(LIMITS.max_bisections):
+    for _ in range(LIMITS.max_iterations):
         per_feature = (
             0.0 if profile.resolution is None else 8 * (hi - lo) * length / profile.resolution
         )
-        x = np.linspace(lo, hi, int(np.clip(per_feature, _OPTIONS.profile_samples, 2**18)))
+        x = np.linspace(
+            lo, hi, int(np.clip(per_feature, SAMPLES.profile_samples, SAMPLES.max_samples))
+        )
         kinks = problem.forcing.kinks[0]
         x = np.unique(
             np.concatenate(
@@ -332,7 +306,7 @@ def _touch_intervals(scaled: ScaledScene, curve: CohesiveCurve) -> tuple[Array, 
         inner = places[(places >= a) & (places <= b)]
         if len(inner):
             away = [end - start for start, end in ((a, inner[0]), (inner[-1], b)) if end > start]
-            half = 0.5 * EVENTS.new_width * min([b - a, *(2 * one for one in away)])
+            half = 0.5 * MOVES.new_width * min([b - a, *(2 * one for one in away)])
             zones.append((inner[0] - half, inner[-1 if sharp else 0] + half))
     return curve.within(table), curve.within(np.array(zones))
 
@@ -361,8 +335,8 @@ def _receded(
         0.5 * float(here.table[-1, 1] - here.table[0, 0]),
     )
 
-    for _ in range(LIMITS.max_tries):
-        half *= OPTIONS.widening
+    for _ in range(LIMITS.max_iterations):
+        half *= MOVES.widening
         if driven_inward(curve, middle, half, max(value, 0.0)):
             table = np.array([[middle - half, middle + half]])
             rest = receded(curve, table, max(value, 0.0), guide_of(curve, len(here.contact), table))
@@ -461,11 +435,11 @@ def _solved_zones(
     free = next(
         (
             found
-            for tolerance in _OPTIONS.end_tolerances[:-1]
+            for tolerance in (10 * TOLERANCES.density, TOLERANCES.neutral)
             if (found := sie.find_ends(pulled.equation(control), kinds, tolerance)).converged
         ),
         None,
-    ) or sie.find_ends(pulled.equation(control), kinds, _OPTIONS.end_tolerances[-1])
+    ) or sie.find_ends(pulled.equation(control), kinds, TOLERANCES.rough)
     if not free.converged:
         raise context.error(
             Failure(f"under the tension that was found {free.reason}", free), pulled
@@ -484,7 +458,9 @@ def _solved_at_corners(
     while True:
         pulled = pulled.over(zones)
         control = Load(load + pulled.pulling.total)
-        state = sie.solve_fixed(pulled.equation(control), all_zones(pulled, zones), TIGHT)
+        state = sie.solve_fixed(
+            pulled.equation(control), all_zones(pulled, zones), TOLERANCES.density
+        )
         free = state.density.zones.moves
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.where(

@@ -13,6 +13,7 @@ from contact.adhesion.cohesive_fields import CohesiveFields, scaled_second_varia
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
 from contact.adhesion.curve import TOLERANCES
 from contact.adhesion.inner_contact import sampled_gap
+from contact.adhesion.options import SAMPLES
 from contact.formulation.fields import ZoneFields
 from contact.formulation.tables import gaps_between, located
 from contact.verify.certificate import Certificate, least_eigenvalue
@@ -29,8 +30,7 @@ class CohesiveLimits:
     # Bound of the ratio of the error of the pressure, at equal normalised position, to that of the
     # ends. Zones and strips move together, and the slope next to an end is below this.
     pressure_factor: float = 16.0
-    # Samples of the slope of a zone's pressure, and their least angle from its ends.
-    slope_samples: int = 2048
+    # Least angle of samples of the slope of a zone's pressure from its ends.
     least_angle: float = 0.3
 
 
@@ -170,7 +170,7 @@ def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> 
 def _steepness(density: AnyDensity) -> Array:
     """Steepest slope of the pressure of each zone, times its width, away from its ends (Z,)."""
     out = np.zeros(len(density.zones))
-    for zone, count in enumerate(np.minimum(density.sampling, LIMITS.slope_samples).tolist()):
+    for zone, count in enumerate(np.minimum(density.sampling, SAMPLES.profile_samples).tolist()):
         theta = np.linspace(LIMITS.least_angle, np.pi - LIMITS.least_angle, count)
         out[zone] = 2 * float((np.abs(density.by_angle(zone, theta)[1]) / np.sin(theta)).max())
     return out

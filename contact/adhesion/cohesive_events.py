@@ -18,11 +18,11 @@ from contact.adhesion import arc_length, cohesive_flow, cohesive_pull_off
 from contact.adhesion.arc_length import Step
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState, PastState
 from contact.adhesion.curve import TOLERANCES, Closed, NoState, State
-from contact.adhesion.events import EVENTS, Events, Jump, PathState, first_zero
+from contact.adhesion.events import Events, Jump, PathState, first_zero
 from contact.adhesion.inner_contact import ContactLost, EndsCovered
 from contact.adhesion.intervals import interval_of, joined
-from contact.adhesion.limits import LIMITS
 from contact.adhesion.nucleation import about, changes_between, condition, touched, with_change
+from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
 from contact.formulation.roots import maximum, minimum, smooth_root
 from contact.formulation.tables import ascending, located, runs_of
@@ -30,23 +30,6 @@ from contact.search.topology.changes import Change
 from sie import Array, Index, wrapped
 
 At = Callable[[float], CohesiveState]
-
-
-@dataclass(frozen=True)
-class CohesiveEventOptions:
-    """Options of the search for smooth changes of the contact inside intervals of tension."""
-
-    # Number of steps of the control where no end is free.
-    control_steps: int = 8
-    # Largest number of halvings of a range of states with several changes.
-    max_parts: int = 12
-    # Lengths relative to a step up to which a change is searched for with the zones of one side.
-    search_factors: tuple[float, ...] = (1.0, 1.1, 1.5)
-    # Distance from full contact, relative to `size`, at which the last gap can be resolved.
-    before_full: float = 1e-7
-
-
-_OPTIONS = CohesiveEventOptions()
 
 
 @dataclass(frozen=True)
@@ -126,7 +109,7 @@ class CohesiveEvents(Events):
 
     def _changed(self, here: State, place: float, width: float, begins: bool) -> PathState:
         """The state of the path after an interval begins at a place, or is cut there."""
-        curve, half, period = self.curve, 0.5 * EVENTS.new_width * width, self.curve.problem.round
+        curve, half, period = self.curve, 0.5 * MOVES.new_width * width, self.curve.problem.round
         if period is not None:
             place -= np.floor((place - here.table[0, 0]) / period) * period
         assert isinstance(here, CohesiveState)
@@ -193,12 +176,9 @@ class CohesiveEvents(Events):
         i = interval_of(here.zones, here.table)
         share = np.diff(here.zones, axis=1)[:, 0] / np.diff(here.table, axis=1)[i, 0]
         k = int(np.argmin(share))
-        if share[k] > cohesive_pull_off.SHRINKING.shrunk_zone:
+        if share[k] > MOVES.small_part:
             return None
-        if (
-            curve.control.load is not None
-            and share.max() <= cohesive_pull_off.SHRINKING.shrunk_zone
-        ):
+        if curve.control.load is not None and share.max() <= MOVES.small_part:
             last = cohesive_pull_off.touching(curve, here.table, float(here.zones[k].mean()))
             others = np.delete(here.zones.mean(axis=1), k)
             points = np.sort(np.append(others, last.zones[0, 0]))
@@ -210,10 +190,7 @@ class CohesiveEvents(Events):
                 PathState(last.value),
             )
         # Usually one zone vanishes alone, but two of the same kind vanish together.
-        for vanishing in (
-            np.array([k]),
-            np.flatnonzero(share <= cohesive_pull_off.SHRINKING.shrunk_zone),
-        ):
+        for vanishing in (np.array([k]), np.flatnonzero(share <= MOVES.small_part)):
             touch = self._without(here, vanishing)
             if touch is not None:
                 break
@@ -234,7 +211,7 @@ class CohesiveEvents(Events):
             )
         width = float(np.diff(state.table[i[k]])[0])
         table = state.table.copy()
-        table[i[k]] += np.array([arc_length.ARC_OPTIONS.push, -arc_length.ARC_OPTIONS.push]) * width
+        table[i[k]] += np.array([MOVES.short_move, -MOVES.short_move]) * width
         return self.jump(touching, place, self.shrunk(table, state.value), False)
 
     def _without(self, here: CohesiveState, vanishing: Index) -> tuple[Array, CohesiveState] | None:
@@ -258,7 +235,7 @@ class CohesiveEvents(Events):
 
         def state(value: float, table: Array) -> CohesiveState:
             at, before = formal.at(table, value), np.inf
-            for _ in range(LIMITS.max_newton_steps):
+            for _ in range(LIMITS.max_iterations):
                 step = np.linalg.solve(-at.rates, at.residual)
                 at = formal.at(at.moved(np.asarray(step, dtype=np.float64)), value)
                 size = float(np.abs(step / at.widths).max())
@@ -277,7 +254,7 @@ class CohesiveEvents(Events):
         try:
             at = state(value, here.table)
             least = condition(formal, at, each[0])[1]
-            for _ in range(LIMITS.max_newton_steps):
+            for _ in range(LIMITS.max_iterations):
                 at = state(value + step, at.table)
                 value, before, least = value + step, least, condition(formal, at, each[0])[1]
                 if (
@@ -304,9 +281,10 @@ class CohesiveEvents(Events):
             if not ahead:
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
-            for part in _OPTIONS.search_factors:
+            # With the zones of one side, a change may lie a little past the other end of the step.
+            for past in (0.0, MOVES.small_part, arc_length.ARC_OPTIONS.longest_step):
 
-                def formally(u: float, part: float = part) -> CohesiveState:
+                def formally(u: float, part: float = 1.0 + past) -> CohesiveState:
                     found = here if u == 0.0 else arc_length.along(formal, place, u * part * reach)
                     if not isinstance(found, CohesiveState):
                         raise NotConverged(
@@ -318,7 +296,7 @@ class CohesiveEvents(Events):
 
         start = step.start.at
         assert isinstance(start, CohesiveState) and isinstance(last, CohesiveState)
-        yield from self._between(at, states_from, (0.0, start), (length, last), _OPTIONS.max_parts)
+        yield from self._between(at, states_from, (0.0, start), (length, last))
 
     def _formal(self, here: CohesiveState) -> CohesiveCurve:
         return replace(
@@ -333,20 +311,23 @@ class CohesiveEvents(Events):
         states_from: Callable[[CohesiveState, bool, float], Iterator[At]],
         low: tuple[float, CohesiveState],
         high: tuple[float, CohesiveState],
-        parts: int,
+        least: float | None = None,
     ) -> Iterator[Jump]:
         """Changes of the zones between two states.
 
-        states_from: the states ahead of one state, or behind it, with the same zones.
+        states_from: the states ahead of one state, or behind it, with the same zones. least:
+        smallest range that is halved if several zones change in it; by default a small part.
         """
         found = changes_between(low[1], high[1], self.curve.problem.round)
         if not found:
             return
-        if len(found) > 1 and parts:
+        if least is None:
+            least = TOLERANCES.coarse * abs(high[0] - low[0])
+        if len(found) > 1 and abs(high[0] - low[0]) > least:
             middle = 0.5 * (low[0] + high[0])
             state = middle, at(middle)
-            yield from self._between(at, states_from, low, state, parts - 1)
-            yield from self._between(at, states_from, state, high, parts - 1)
+            yield from self._between(at, states_from, low, state, least)
+            yield from self._between(at, states_from, state, high, least)
             return
         for change in found:
             jump = self._located(change, states_from, low, high)
@@ -402,7 +383,7 @@ class CohesiveEvents(Events):
     def reopening(self, here: PathState, value: float) -> Jump | None:
         if value >= self.full:
             return None
-        after = self.under_all(self.full - _OPTIONS.before_full * self.size)
+        after = self.under_all(self.full - TOLERANCES.resting_step * self.size)
         assert isinstance(after.point, CohesiveState)
         return Jump(
             "open",
@@ -425,9 +406,9 @@ class CohesiveEvents(Events):
 
     def _under_all_to(self, here: CohesiveState, value: float) -> Iterator[Jump | PathState]:
         rises = value > here.value
-        end = min(value, self.full - _OPTIONS.before_full * self.size) if rises else value
+        end = min(value, self.full - TOLERANCES.resting_step * self.size) if rises else value
         # Full contact has no gap to follow, so that the first value is a little below it.
-        at, step, halvings = here.value, (end - here.value) / _OPTIONS.control_steps, 0
+        at, step, halvings = here.value, MOVES.small_part * (end - here.value), 0
         while at != end:
             ahead = end if abs(step) >= abs(end - at) else at + step
             try:
@@ -437,7 +418,7 @@ class CohesiveEvents(Events):
                 return
             except (NotConverged, NoState):
                 step, halvings = 0.5 * step, halvings + 1
-                if halvings > LIMITS.max_bisections:
+                if halvings > LIMITS.max_iterations:
                     raise
                 continue
             jump = None if rises else self._let_go(here, new)
@@ -448,7 +429,6 @@ class CohesiveEvents(Events):
                 self._by_value(here, new),
                 (here.value, here),
                 (last.value, last),
-                _OPTIONS.max_parts,
             )
             if jump is not None:
                 yield jump
@@ -498,7 +478,7 @@ class CohesiveEvents(Events):
         if first < 0.0:
             value = smooth_root(lambda v: most(v)[2], {value: first, new.value: most(new.value)[2]})
         at, place, _ = most(value)
-        half = 0.5 * EVENTS.new_width * period
+        half = 0.5 * MOVES.new_width * period
         while True:
             table = np.array([[place + half, place + period - half]])
             try:

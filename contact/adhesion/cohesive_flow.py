@@ -7,46 +7,18 @@ the way between them. One is cut where the gap exceeds the reach. Contact is los
 total load of contact and tension no longer presses the surfaces together.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from contact.adhesion import gradient_flow, jkr_guide
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
 from contact.adhesion.curve import TOLERANCES, Closed, NoState, State
-from contact.adhesion.gradient_flow import FLOW
 from contact.adhesion.grid_guide import GridGuide
 from contact.adhesion.inner_contact import ContactLost, EndsCovered
 from contact.adhesion.intervals import below, interval_of, joined, within
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
 from contact.formulation.tables import ascending, gaps_between, runs_of
 from sie import Array
-
-
-@dataclass(frozen=True)
-class CohesiveFlowOptions:
-    """Options of the gradient flow that only intervals of tension need."""
-
-    # If contact reaches past an interval, its strips are widened by this factor, or its ends moved
-    # by this fraction of its width.
-    widening: float = 1.25
-    forced_advance: float = 0.01
-    # An empty interval this many strips wide is expected to snap into contact.
-    wide_interval: float = 10.0
-    # Steps cut since they overshoot, before a damped step is taken; tries after contact is lost.
-    max_round_trips: int = 4
-    max_retries: int = 6
-    # Newton step, relative to zones and gaps, below which Newton's method alone converges.
-    newton_range: float = 1e-3
-    # With more zones than this, a solution on a grid gives the start of ends that recede.
-    guided_zones: int = 6
-    # Relative changes of the reach on the grid, which must exceed the error of the grid.
-    guide_margins: tuple[float, ...] = (0.02, 0.06, 0.2)
-
-
-OPTIONS = CohesiveFlowOptions()
-
 
 TOO_NARROW = (
     "the tension would act on strips narrower than a millionth of the zones beside them: "
@@ -86,7 +58,7 @@ def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState
 
     The latter state is found from a law without range.
     """
-    if len(here.zones) <= len(before.zones) or here.residual.max() < FLOW.hard_drive:
+    if len(here.zones) <= len(before.zones) or here.residual.max() < MOVES.hard_drive:
         return here
     ahead = jkr_guide.before_advanced(curve, here.zones, here.value)
     if ahead is None:
@@ -127,7 +99,7 @@ def guide_of(curve: CohesiveCurve, zones: int, table: Array | None) -> GridGuide
 
 def guide_down(curve: CohesiveCurve, zones: int, table: Array) -> GridGuide | None:
     """`guide_of` for zones that recede from an equilibrium; None if there are few zones."""
-    return guide_of(curve, zones, table) if zones > OPTIONS.guided_zones else None
+    return guide_of(curve, zones, table) if zones > MOVES.few_zones else None
 
 
 def guided(
@@ -138,19 +110,19 @@ def guided(
     None where the grid is too coarse. Its error shows in the residuals, and must be below the
     margin. table: None for tension in all of a period.
     """
-    for margin in OPTIONS.guide_margins:
+    for margin in MOVES.margins:
         try:
             found = guide.resting(table, value, sign, 1.0 - sign * margin)
             here = curve.from_zones(
                 found.table, value, curve.fitted(found.zones, found.table), TOLERANCES.rough
             )
         except Closed:
-            if sign > 0 and margin == OPTIONS.guide_margins[-1]:
+            if sign > 0 and margin == MOVES.margins[-1]:
                 raise
             continue
         except ContactLost:
             # If the intervals on the grid vanish, so does the equilibrium inside them.
-            if sign < 0 and margin == OPTIONS.guide_margins[-1]:
+            if sign < 0 and margin == MOVES.margins[-1]:
                 raise
             continue
         except (NoState, NotConverged):
@@ -223,16 +195,16 @@ def _filled(curve: CohesiveCurve, zones: Array, table: Array) -> Array:
     empty = np.ones(len(table), dtype=bool)
     empty[interval_of(zones, table)] = False
     new = table[
-        empty & (np.diff(table, axis=1)[:, 0] > OPTIONS.wide_interval * curve.strip)
+        empty & (np.diff(table, axis=1)[:, 0] > curve.strip / MOVES.small_part)
     ] + curve.strip * np.array((1.0, -1.0))
     return ascending(np.concatenate((zones, new)))
 
 
 def _is_near_rest(curve: CohesiveCurve, here: CohesiveState) -> bool:
     """Whether a stable equilibrium is so near that Newton's method alone converges."""
-    if here.growth >= 0.0 or np.abs(here.residual).max() > FLOW.hard_drive:
+    if here.growth >= 0.0 or np.abs(here.residual).max() > MOVES.hard_drive:
         return False
-    return bool(np.all(np.abs(here.newton) <= OPTIONS.newton_range * curve.room(here.table)))
+    return bool(np.all(np.abs(here.newton) <= TOLERANCES.coarse * curve.room(here.table)))
 
 
 def settled(curve: CohesiveCurve, here: State, sign: float) -> CohesiveState | None:
@@ -240,7 +212,7 @@ def settled(curve: CohesiveCurve, here: State, sign: float) -> CohesiveState | N
 
     If the intervals change there, the flow goes on from the changed ones.
     """
-    for _ in range(OPTIONS.max_retries):
+    for _ in range(LIMITS.patience):
         try:
             tight = curve.settled(here)
         except ContactLost:
@@ -264,14 +236,14 @@ def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) ->
     Each widening is larger than the one before, until the ends are no longer driven inward.
     """
     before, power, faster = table, 0, 1
-    for _ in range(LIMITS.max_tries):
+    for _ in range(LIMITS.max_iterations):
         try:
             here = curve.from_zones(table, value, curve.fitted(zones, table), TOLERANCES.rough)
         except EndsCovered as covered:
             before, power = table, power + faster
-            table = _widened(curve, table, zones, covered, OPTIONS.widening ** (1 + power))
+            table = _widened(curve, table, zones, covered, MOVES.widening ** (1 + power))
             continue
-        if power == 0 or here.residual.min() > -FLOW.resting_drive:
+        if power == 0 or here.residual.min() > -TOLERANCES.coarse:
             return table
         table, power, faster = before, 0, 0
     raise NotConverged(TOO_NARROW)
@@ -301,10 +273,10 @@ def _widened(
     )
     left, right = covered.ends.reshape(2, -1)
     out = (by - 1) * np.clip(strips, TOLERANCES.resting_step * width[:, None], 0.5 * width[:, None])
-    out = np.minimum(out, 0.4 * np.column_stack((np.roll(gaps, 1), gaps)))
+    out = np.minimum(out, MOVES.max_move * np.column_stack((np.roll(gaps, 1), gaps)))
     table = table + np.column_stack((-1.0 * left, right)) * out
     # A gap that contact is about to close is closed.
-    joins = (curve.gaps(table) < FLOW.closed_gap * np.minimum(width, np.roll(width, -1))) & (
+    joins = (curve.gaps(table) < MOVES.vanished * np.minimum(width, np.roll(width, -1))) & (
         right | np.roll(left, -1)
     )
     if joins.all():
@@ -315,25 +287,25 @@ def _widened(
 def _step(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, float]:
     """(next state, largest move of an end relative to the zone or gap next to it)."""
     onward = sign * here.residual
-    if onward.min() < -FLOW.max_drive_back or (
-        here.growth >= 0.0 and onward.max() <= FLOW.resting_drive < -onward.min()
+    if onward.min() < -MOVES.small_drive or (
+        here.growth >= 0.0 and onward.max() <= TOLERANCES.coarse < -onward.min()
     ):
         return _let_go(curve, here, sign)
     limit, back = gradient_flow.limits(curve, here, sign)
     lost, beyond = 0, np.zeros(len(limit))
     size = curve.room(here.table)
     back_again = 0
-    for _ in range(LIMITS.max_bisections):
-        if back_again >= OPTIONS.max_round_trips and here.growth >= 0.0:
+    for _ in range(LIMITS.max_iterations):
+        if back_again >= LIMITS.patience and here.growth >= 0.0:
             return _let_go(curve, here, sign)
         step = gradient_flow.bounded_step(here, sign, limit, back) + beyond
         try:
             ahead = curve.at(here.moved(step), here.value, TOLERANCES.rough)
         except (ContactLost, NotConverged):
             lost += 1
-            if lost > OPTIONS.max_retries:
+            if lost > LIMITS.patience:
                 raise
-            limit = _shorter(here, limit, step, 0.3)
+            limit = _shorter(here, limit, step, MOVES.least_part)
             continue
         except EndsCovered as covered:
             # Inward steps of covered ends are shortened. In an outward flow covered ends are moved
@@ -341,9 +313,7 @@ def _step(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, float]
             if sign < 0:
                 limit = _shorter(here, limit, step, np.where(covered.ends, 0.5, 0.9))
             else:
-                beyond = np.where(
-                    covered.ends, 2 * beyond + OPTIONS.forced_advance * here.widths, beyond
-                )
+                beyond = np.where(covered.ends, 2 * beyond + MOVES.short_move * here.widths, beyond)
             continue
         passed = gradient_flow.overshoots(here, ahead, step, sign)
         if not passed.any():
@@ -372,7 +342,7 @@ def _let_go(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, floa
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
     size = curve.room(here.table)
     onward, above = np.minimum(onward, 0.5 * np.maximum(size, 1e-3 * here.widths)), 1e-3
-    for _ in range(LIMITS.max_bisections):
+    for _ in range(LIMITS.max_iterations):
         step = here.damped_step(above)
         if np.all(np.abs(step) <= np.where(sign * step > 0.0, onward, back)):
             try:

@@ -1,13 +1,10 @@
 """Pull-off under a tension: at a turning point, or where the last zone has shrunk to a point."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from contact.adhesion import jkr_guide
 from contact.adhesion import pull_off as apart
 from contact.adhesion.cohesive_flow import (
-    OPTIONS,
     TOO_NARROW,
     guide_down,
     guide_of,
@@ -16,25 +13,14 @@ from contact.adhesion.cohesive_flow import (
     receded,
 )
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState, StateOutline
-from contact.adhesion.curve import Curve, NoState, State
+from contact.adhesion.curve import TOLERANCES, Curve, NoState, State
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.inner_contact import ContactLost, EndsCovered
 from contact.adhesion.intervals import within
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
 from contact.formulation.roots import maximum, minimum
 from sie import Array
-
-
-@dataclass(frozen=True)
-class CohesivePullOffOptions:
-    """Options of the search for pull-off under a tension."""
-
-    # A contact narrower than this fraction of its interval is nearly lost.
-    shrunk_zone: float = 0.1
-
-
-SHRINKING = CohesivePullOffOptions()
 
 
 def pull_off(curve: CohesiveCurve, here: State) -> State:
@@ -65,7 +51,7 @@ def pull_off(curve: CohesiveCurve, here: State) -> State:
         last = curve.known[-1]
         if (
             not np.diff(last.zones, axis=1).sum()
-            < SHRINKING.shrunk_zone * np.diff(last.table, axis=1).sum()
+            < MOVES.small_part * np.diff(last.table, axis=1).sum()
         ):
             raise
     # The widest of several zones is taken: if they are alike, all of them touch.
@@ -101,7 +87,7 @@ def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
     The state itself is returned if there is no guide.
     """
     if (
-        len(here.contact) > OPTIONS.guided_zones
+        len(here.contact) > MOVES.few_zones
         and (rest := jkr_guide.near_pull_off(curve, here, receded)) is not None
     ):
         return rest
@@ -137,9 +123,9 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
         else (curve.yields * load - curve.stress * problem.compression)
     )
     low, high, found, opened = lost, value, curve.contact_under(pulled, value, zones), False
-    for _ in range(LIMITS.max_bisections):
+    for _ in range(LIMITS.max_iterations):
         middle = 0.5 * (low + high)
-        if middle in (low, high) or high - low < 1e-14 * (value - lost):
+        if middle in (low, high) or high - low < TOLERANCES.density * (value - lost):
             break
         try:
             here = curve.contact_under(pulled, middle, found[0].density.zones.table)
@@ -164,7 +150,7 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
         )
     except ContactLost:
         return state
-    rest = receded(curve, table, high - 1e-9 * (value - lost))
+    rest = receded(curve, table, high - TOLERANCES.rough * (value - lost))
     return state if rest is None else pull_off(curve, rest)
 
 
@@ -195,7 +181,7 @@ def touching(curve: CohesiveCurve, table: Array, at: float) -> StateOutline:
     """
     half = 0.02 * float(np.diff(table, axis=1).max())
     lowest = 0.0
-    for _ in range(LIMITS.max_newton_steps):
+    for _ in range(LIMITS.max_iterations):
         pulled = TractionLoaded.of(curve.problem, curve.stress, table)
         at, lowest = minimum(pulled.shape, np.linspace(at - half, at + half, 65))
         ends, tension = np.concatenate((table[:, 0], table[:, 1])), pulled.pulling
@@ -209,7 +195,7 @@ def touching(curve: CohesiveCurve, table: Array, at: float) -> StateOutline:
         table = curve.within(table + np.column_stack((-step[: len(table)], step[len(table) :])))
         if np.any(np.diff(table, axis=1) <= 0.0):
             raise NotConverged("the place where the surfaces touch last was not found")
-        if float(np.abs(step).max()) < 1e-14 * float(np.diff(table, axis=1).min()):
+        if float(np.abs(step).max()) < TOLERANCES.density * float(np.diff(table, axis=1).min()):
             break
     load = -TractionLoaded.of(curve.problem, curve.stress, table).pulling.total
     value = load if curve.control.load is not None else curve.yields * load + lowest

@@ -28,7 +28,6 @@ import sie
 from contact.adhesion.curve import TOLERANCES, Curve, State
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.inner_contact import (
-    TIGHT,
     ContactLost,
     EndsCovered,
     Tolerances,
@@ -53,14 +52,19 @@ from sie import Array, Mask, record
 class CohesiveOptions:
     """Options of the states on a curve of equilibria."""
 
-    # If strips of tension are narrower than this part of the widest zone, states are solved to
-    # round-off: the error of rates is that of the ends times (zone width/strip width)^2.
+    # A strip of tension below this part of a zone acts like an edge intensity. States are then
+    # solved to round-off, since the error of rates is that of the ends times (zone width/strip
+    # width)^2. The ends first move by a part of the Newton step of that intensity.
     narrow_strip: float = 1e-3
+    # Narrower strips than this part of a zone are refused: the pressure varies too fast there.
+    narrowest_strip: float = 5e-7
     # Number of states remembered for warm starts.
     max_known: int = 256
+    # Largest number of zones: each step solves a dense matrix of all unknowns.
+    max_zones: int = 400
 
 
-_OPTIONS = CohesiveOptions()
+OPTIONS = CohesiveOptions()
 
 
 @record
@@ -205,7 +209,7 @@ class CohesiveCurve(Curve):
         self,
         table: Array,
         value: float,
-        tolerance: float = TIGHT,
+        tolerance: float = TOLERANCES.density,
         pinned: Mask | None = None,
         same_rates: CohesiveState | None = None,
     ) -> CohesiveState:
@@ -289,17 +293,17 @@ class CohesiveCurve(Curve):
         table: Array,
         value: float,
         zones: Array,
-        tolerance: float = TIGHT,
+        tolerance: float = TOLERANCES.density,
         same_rates: CohesiveState | None = None,
     ) -> CohesiveState:
         """The state with tension on given intervals, from a first guess of the zones."""
         table = self.within(table)
         narrow = self.strip / float(np.diff(zones, axis=1).max(initial=0.0) or np.inf)
-        wanted, of_rates = tolerance, TOLERANCES.rough_rates
-        if tolerance <= TIGHT:
-            of_rates = TOLERANCES.rates
-        if 0.0 < narrow < _OPTIONS.narrow_strip:
-            tolerance, of_rates = TIGHT, max(TOLERANCES.rates, of_rates * narrow)
+        wanted, of_rates = tolerance, TOLERANCES.coarse
+        if tolerance <= TOLERANCES.density:
+            of_rates = TOLERANCES.rough
+        if 0.0 < narrow < OPTIONS.narrow_strip:
+            tolerance, of_rates = TOLERANCES.density, max(TOLERANCES.rough, of_rates * narrow)
         for curve, last, tightly in self.recent:
             if (
                 tightly <= wanted
@@ -323,7 +327,9 @@ class CohesiveCurve(Curve):
         if point is None or (not self.formal and point.gap_samples[1].min() < overlap):
             try:
                 tolerances = (
-                    Tolerances(tolerance) if wanted <= TIGHT else Tolerances.intermediate(tolerance)
+                    Tolerances(tolerance)
+                    if wanted <= TOLERANCES.density
+                    else Tolerances.intermediate(tolerance)
                 )
                 point = self._point(
                     table,
@@ -338,7 +344,7 @@ class CohesiveCurve(Curve):
                 point = self._without_contact(table, value, pulled)
         self.recent[:] = [(self, point, wanted)]
         self.known.append(PastState(table, value, point.zones, point.by_ends))
-        del self.known[: -_OPTIONS.max_known]
+        del self.known[: -OPTIONS.max_known]
         return point
 
     @property
@@ -399,7 +405,7 @@ class CohesiveCurve(Curve):
             return 1.0
         return float(self.control.yields or 0.0)
 
-    def fields(self, here: State, tolerance: float = TIGHT) -> ZoneFields:
+    def fields(self, here: State, tolerance: float = TOLERANCES.density) -> ZoneFields:
         """The fields of a state, with the tolerance with which it was solved."""
         assert isinstance(here, CohesiveState) and here.q is not None
         return here.q
@@ -455,7 +461,10 @@ class CohesiveCurve(Curve):
             here = self.at(here.table, here.value)
         before = np.inf
         for _ in range(TOLERANCES.max_newton_steps):
-            size, tight = float(np.abs(here.newton / here.widths).max()), self.recent[0][2] <= TIGHT
+            size, tight = (
+                float(np.abs(here.newton / here.widths).max()),
+                self.recent[0][2] <= TOLERANCES.density,
+            )
             # Steps that no longer decrease are round-off.
             converged = tight and (size < 4 * EPS or size > 0.5 * before)
             if size > TOLERANCES.other_equilibrium or converged:
@@ -571,7 +580,7 @@ class CohesiveCurve(Curve):
         if not np.isfinite(corners).all():
             return here
         return here.with_pinned(
-            (here.table == corners).T.ravel() & (here.residual >= -TOLERANCES.pinned)
+            (here.table == corners).T.ravel() & (here.residual >= -TOLERANCES.rough)
         )
 
     def _without_contact(self, table: Array, value: float, pulled: TractionLoaded) -> CohesiveState:

@@ -34,34 +34,21 @@ class StateTolerances:
     Lengths are relative to the width of the interval of each end.
     """
 
-    # Accuracy of the density of a final state: a few units of round-off above the engine's limit.
-    density: float = 1e-13
-    # Accuracy of the densities that rates are computed from, where the engine iterates. Errors of
-    # the rates make Newton's method slower, but not its result less accurate.
-    rates: float = 1e-10
-    rough_rates: float = 1e-4
+    # Accuracy of the density of a final state: the round-off of the engine.
+    density: float = 1e-14
+    # Round-off times a condition of 1e3: a growth rate, a step, a width or a height below it is
+    # zero.
+    neutral: float = 1e-12
     # Accuracy of states on the way to an equilibrium, and of signs that rounding may change.
     rough: float = 1e-9
     # Newton's step at an equilibrium on the way; smaller steps may be rounding.
     resting_step: float = 1e-6
-    # Longest step of an end inward and outward, relative to the width of its interval.
-    max_inward: float = 0.3
-    max_outward: float = 0.5
-    # Longest step relative to the gap next to the end: if both ends move, a fifth of it is left.
-    max_into_gap: float = 0.4
-    # Newton's step at an equilibrium; one more is taken, which squares it.
-    newton_step: float = 1e-11
-    # A longer Newton step leads to another equilibrium.
+    # Accuracy of what leads to such a state only: rates, drives, turning points, grids. Errors of
+    # rates make Newton's method slower, but its result no less accurate.
+    coarse: float = 1e-4
+    # A longer Newton step leads to another equilibrium, as do more steps than the next number.
     other_equilibrium: float = 1e-2
     max_newton_steps: int = 8
-    # Inward drive below which an end at a corner stays pinned: round-off times a condition of 1e5.
-    pinned: float = 1e-10
-    # Round-off times a condition of 1e3: a growth rate, a width or a height below it is zero.
-    neutral: float = 1e-12
-    # Below this ratio K/K* the energy no longer determines the rates. Above it, second derivatives
-    # of the energy are symmetric: a larger asymmetry than the next number means there is no energy.
-    least_gain: float = 1e-3
-    asymmetry: float = 1e-8
 
 
 TOLERANCES = StateTolerances()
@@ -191,15 +178,16 @@ class State:
     def _second(self, ends: Index) -> tuple[Array, Array] | None:
         """(symmetric matrix with the eigenvalues of `_driven`, scale of its eigenvectors).
 
-        None where K/K* of an end is so small that the energy does not determine the rates, or where
-        an interaction has no energy.
+        None where K/K* of an end is not positive, since the energy does not determine the rates, or
+        where an interaction has no energy.
         """
         gains = self.gains[ends]
-        if gains.min(initial=1.0) < TOLERANCES.least_gain:
+        if gains.min(initial=1.0) <= 0.0:
             return None
         scale = 1.0 / np.sqrt(gains * self.weight[ends])
         matrix = (gains * scale)[:, None] * self.rates[np.ix_(ends, ends)] * scale
-        if np.abs(matrix - matrix.T).max(initial=0.0) > TOLERANCES.asymmetry:
+        # Second derivatives of an energy are symmetric up to the accuracy of the rates.
+        if np.abs(matrix - matrix.T).max(initial=0.0) > 10 * TOLERANCES.rough:
             return None
         return 0.5 * (matrix + matrix.T), scale
 
@@ -273,7 +261,7 @@ class Curve:
             follows = sie.solve_fixed(
                 equation,
                 state.density.zones,
-                TOLERANCES.rates if tolerance <= TOLERANCES.density else TOLERANCES.rough_rates,
+                TOLERANCES.rough if tolerance <= TOLERANCES.density else TOLERANCES.coarse,
                 direct=True,
             )
         rates = sie.end_rates(follows)
@@ -302,7 +290,7 @@ class Curve:
         if not np.isfinite(corners).all():
             return here
         if pinned is None:
-            pinned = (table == np.array(corners)).T.ravel() & (residual >= -TOLERANCES.pinned)
+            pinned = (table == np.array(corners)).T.ravel() & (residual >= -TOLERANCES.rough)
         return here.with_pinned(pinned)
 
     def under(self, control: Control) -> "Curve":
@@ -374,7 +362,7 @@ class Curve:
                 break
             # The last step is taken, too: it squares the error.
             here = self.at(here.moved(here.newton), here.value)
-            if size < TOLERANCES.newton_step:
+            if size < TOLERANCES.neutral:
                 break
         return here
 

@@ -11,7 +11,7 @@ No new gap begins inside a zone: an opening of zero width has no edge intensity 
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,9 +19,9 @@ from contact.adhesion.curve import TOLERANCES, Curve, State
 from contact.adhesion.events import Events, Jump, PathState, moves_both_ways
 from contact.adhesion.full_contact import closing_foreseen
 from contact.adhesion.gradient_flow import Closed, receded
-from contact.adhesion.limits import LIMITS
 from contact.adhesion.loading_path import LoadingPath
 from contact.adhesion.nucleation import grown, touched
+from contact.adhesion.options import LIMITS, MOVES
 from contact.adhesion.pull_off import pull_off
 from contact.errors import NotConverged, OutOfRange, unwarned
 from contact.model.scene import Scene
@@ -33,22 +33,6 @@ from contact.search.strategies.guesses import Outcome
 from contact.search.topology.failure import Failure
 from contact.solution.solution import Solution
 from sie import Array
-
-
-@dataclass(frozen=True)
-class BranchOptions:
-    """Options of the start of a branch."""
-
-    # The unit of length of a lone body is the width of its contact: largest number of rounds until
-    # it is known to a factor of two.
-    max_scalings: int = 6
-    # The greatest contact is searched for in ever wider zones. It must be driven inward in all of
-    # these multiples of a width: a wider zone may be driven outward again.
-    widening: float = 1.25
-    multiples: tuple[float, ...] = (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
-
-
-OPTIONS = BranchOptions()
 
 
 def followed(context: SolveContext) -> Outcome:
@@ -162,7 +146,7 @@ def _typical(context: SolveContext, intensity: float) -> Solution:
     load = max(strength * math.sqrt(size), scene.given_load or 0.0)
     found: Solution | None = None
     failure: OutOfRange | None = None
-    for _ in range(OPTIONS.max_scalings):
+    for _ in range(LIMITS.patience):
         try:
             found = start_contact(context, load)
         except OutOfRange as refused:
@@ -225,23 +209,24 @@ def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
     lo, hi = scaled.problem.units.scaled(np.array(scaled.cell))
     middle, half = 0.5 * (lo + hi), 0.25 * (hi - lo)
 
-    for _ in range(LIMITS.max_tries):
+    for _ in range(LIMITS.max_iterations):
         table = np.array([[middle - half, middle + half]])
         if np.any(curve.at(table, value).by_value < 0.0):
             break
         if driven_inward(curve, middle, half, value):
             return table
-        half *= OPTIONS.widening
+        half *= MOVES.widening
     raise OutOfRange("no zone is so wide that its ends recede: there is no greatest contact")
 
 
 def driven_inward(curve: Curve, middle: float, half: float, value: float) -> bool:
-    """Whether the ends of an interval, and of its multiples, are driven inward.
+    """Whether the ends of an interval, and of ones 2, 4 and 8 times as wide, are driven inward.
 
+    A wider interval may be driven outward again.
     An end whose residual falls as the control rises counts as driven inward.
     """
-    for multiple in (1.0, *OPTIONS.multiples):
-        width = half * multiple
+    for doublings in range(LIMITS.patience):
+        width = half * 2**doublings
         here = curve.at(np.array([[middle - width, middle + width]]), value)
         if not np.all((here.residual < 0.0) | (here.by_value < 0.0)):
             return False
@@ -278,7 +263,7 @@ def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
 def _held_higher(curve: Curve, table: Array, value: float) -> State:
     """An equilibrium under a larger control, inside zones from which it recedes."""
     step = max(abs(value), curve.unit(curve.at(table, value)))
-    for _ in range(LIMITS.max_tries):
+    for _ in range(LIMITS.max_iterations):
         value += step
         rest = receded(curve, table, value)
         if rest is not None:

@@ -5,6 +5,7 @@ is halved. The sum over ends farther away than the width of a cell is a short Ch
 the cell, computed at the first evaluation there. Near ends are summed directly.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -13,7 +14,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 import sie
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS, MOVES
+from contact.model.profiles.noise import EPS
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 
@@ -21,12 +23,8 @@ from sie import Array, Index, Mask, nearest_image, record, wrapped
 class EndSumOptions:
     """Options: the sizes of the cells and of their series."""
 
-    # Terms of a series. With singularities a cell's width away, (3 + sqrt(8))^-20 is round-off.
-    terms: int = 20
     # Ends that may be near a cell; more of them halve it.
     near_ends: int = 6
-    # With fewer ends, everything is summed directly.
-    min_ends: int = 16
     # Pairs of points and ends evaluated together; bounds the memory.
     block: int = 2**15
 
@@ -52,7 +50,7 @@ class Cells(sie.Kept):
             self.ends if self.period is None else np.append(self.ends, self.ends[0] + self.period)
         )
         edges = np.unique(ends)
-        for _ in range(LIMITS.max_bisections):
+        for _ in range(LIMITS.max_iterations):
             long = np.diff(edges) > self.longest
             dense = np.flatnonzero(long | (self._is_near(edges).sum(axis=1) > _OPTIONS.near_ends))
             middle = 0.5 * (edges[dense] + edges[dense + 1])
@@ -98,7 +96,7 @@ class EndSum:
     def __call__(self, x: Array) -> Array:
         x = np.asarray(x, dtype=float)
         cells, flat = self._cells, x.ravel()
-        if len(cells.ends) <= _OPTIONS.min_ends:
+        if len(cells.ends) <= 2 * MOVES.few_zones:
             return self._direct(flat).reshape(x.shape)
         place, out = wrapped(flat, float(cells.ends[0]), cells.period), np.empty(flat.size)
         within = (place >= cells.edges[0]) & (place < cells.edges[-1])
@@ -131,7 +129,7 @@ class EndSum:
 
     def _of_cells(self, cells: Index) -> Array:
         """The series of all cells (terms, cells), computed for the given ones if needed."""
-        edges, terms = self._cells.edges, _OPTIONS.terms
+        edges, terms = self._cells.edges, _terms()
         if self._series is None:
             self._series = np.zeros((terms, len(edges) - 1))
             self._made = np.zeros(len(edges) - 1, dtype=bool)
@@ -164,11 +162,20 @@ class EndSum:
 
 
 @cache
+def _terms() -> int:
+    """Number of terms of a series, which converges as (3 + sqrt(8))^-n.
+
+    Its singularities are a cell's width away.
+    """
+    return math.ceil(-math.log(EPS) / math.log(3.0 + math.sqrt(8.0)))
+
+
+@cache
 def _nodes() -> tuple[Array, Array]:
     """(Chebyshev points on (-1, 1), matrix from values there to a Chebyshev series)."""
-    t = chebyshev.chebpts1(_OPTIONS.terms)
+    t = chebyshev.chebpts1(_terms())
     return np.asarray(t), np.asarray(
-        np.linalg.inv(chebyshev.chebvander(t, _OPTIONS.terms - 1)), dtype=np.float64
+        np.linalg.inv(chebyshev.chebvander(t, _terms() - 1)), dtype=np.float64
     )
 
 

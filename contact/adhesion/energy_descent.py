@@ -12,9 +12,8 @@ import numpy as np
 
 from contact.adhesion import gradient_flow
 from contact.adhesion.curve import TOLERANCES, Curve, State
-from contact.adhesion.gradient_flow import FLOW
-from contact.adhesion.limits import LIMITS
 from contact.adhesion.nucleation import with_new
+from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
 from contact.verify.certificate import openings
 from sie import Array
@@ -34,7 +33,7 @@ def relaxed(curve: Curve, table: Array, value: float) -> State | None:
             widest = np.maximum(widest, np.diff(here.table, axis=1)[:, 0])
             if (
                 float(np.abs(step / here.widths).max()) > TOLERANCES.resting_step
-                or float(np.abs(here.residual).max()) > FLOW.resting_drive
+                or float(np.abs(here.residual).max()) > TOLERANCES.coarse
             ):
                 continue
             # Overlaps are searched for only once the ends are at rest: a search costs as much as
@@ -57,8 +56,8 @@ def _changed(curve: Curve, here: State, widest: Array) -> Array | None:
     merged = gradient_flow.closing(curve, here)
     if merged is not None:
         return merged
-    apart = np.logical_and(*np.split(here.residual < -FLOW.hard_drive, 2)) & (
-        np.diff(here.table, axis=1)[:, 0] < FLOW.lost_zone * widest
+    apart = np.logical_and(*np.split(here.residual < -MOVES.hard_drive, 2)) & (
+        np.diff(here.table, axis=1)[:, 0] < MOVES.vanished * widest
     )
     return np.asarray(here.table[~apart]) if apart.any() else None
 
@@ -75,8 +74,8 @@ def _carried(before: Array, widest: Array, table: Array) -> Array:
 def _step(curve: Curve, here: State) -> tuple[State, Array]:
     """(next state, step of the ends)."""
     inward, outward = gradient_flow.inward_and_outward(curve, here)
-    damped = np.full(len(here.residual), FLOW.runaway_overshoot)
-    for _ in range(LIMITS.max_bisections):
+    damped = np.full(len(here.residual), TOLERANCES.coarse)
+    for _ in range(LIMITS.max_iterations):
         step = here.damped_step(damped)
         # Only the ends that would go too far are damped more, so that a zone that separates does
         # not slow down the others.
@@ -85,7 +84,7 @@ def _step(curve: Curve, here: State) -> tuple[State, Array]:
             damped[far] *= 2.0
             continue
         ahead = curve.at(here.moved(step), here.value, TOLERANCES.rough)
-        if ahead.residual @ step >= -FLOW.overshoot * (here.residual @ step):
+        if ahead.residual @ step >= -MOVES.small_drive * (here.residual @ step):
             return ahead, step
         damped *= 4.0
     raise NotConverged("no step of the ends goes down the slope of the energy")

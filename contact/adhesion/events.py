@@ -15,23 +15,11 @@ from contact.adhesion.curve import TOLERANCES, Closed, Curve, State
 from contact.adhesion.energy_descent import relaxed
 from contact.adhesion.gradient_flow import receded
 from contact.adhesion.nucleation import grown, touched
+from contact.adhesion.options import MOVES
 from contact.errors import NotConverged
 from contact.formulation.roots import minimum
 from contact.verify.certificate import openings
 from sie import Array, record
-
-
-@dataclass(frozen=True)
-class EventOptions:
-    """Widths with which a new zone, or a new interval of tension, begins."""
-
-    # First width of a new zone, relative to the width of the overlap.
-    new_width: float = 1e-2
-    # First width relative to the one that a touch at one point grows to.
-    part_of_rest: float = 0.5
-
-
-EVENTS = EventOptions()
 
 
 @record
@@ -209,35 +197,22 @@ class Events:
             lambda at: openings(curve.fields(at, TOLERANCES.rough)).overlaps,
         )
         here = step.at(length)
-        after = self.grown(self._with_new(here, place, 0.5 * EVENTS.new_width * width), here.value)
+        after = self.grown(self._with_new(here, place, 0.5 * MOVES.new_width * width), here.value)
         return Jump("full" if after.closed else "birth", place, PathState(here.value, here), after)
 
     def _with_new(self, here: State, place: float, half: float) -> Array:
-        """The zones and a new one at a place, such that all ends are driven outward.
-
-        The new zone is narrow. If its ends are still driven outward at about its final width, it
-        gets that width.
-        """
+        """The zones and a narrow new one at a place, such that all ends are driven outward."""
         table = here.table
 
-        def driven(half: float) -> tuple[Array, float]:
+        while True:
             new = np.concatenate((table, [[place - half, place + half]]))
             order = np.argsort(new[:, 0])
             at = self.curve.at(new[order], here.value, TOLERANCES.rough).residual
             own = int(np.argmax(order))
-            return new[order], float(
-                at[[own, own + len(new)]].min()
-            ) if at.min() > -TOLERANCES.resting_step else -1.0
-
-        new, most = driven(half)
-        while most < 0.0 and half >= TOLERANCES.neutral:
+            driven = at.min() > -TOLERANCES.resting_step and at[[own, own + len(new)]].min() >= 0.0
+            if driven or half < TOLERANCES.neutral:
+                return new[order]
             half *= 0.1
-            new, most = driven(half)
-        if 0.0 < most < 1.0:
-            # For surfaces that only touch, the drive falls with the power 3/2 of the width.
-            wider, left = driven(EVENTS.part_of_rest * (1.0 - most) ** (-2.0 / 3.0) * half)
-            new = wider if left > 0.0 else new
-        return new
 
 
 def first_zero(

@@ -23,9 +23,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.adhesion.curve import Closed, Curve
+from contact.adhesion.curve import TOLERANCES, Closed, Curve
 from contact.adhesion.grid_guide import GRID, shares_below
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import ContactError, NotConverged
 from contact.formulation.full_contact import FullLimit
 from contact.search.context import SolveContext
@@ -44,11 +44,6 @@ class SnapOptions:
     # Fraction of the work of adhesion that must suffice to close the contact, as the grid has
     # errors of a few per cent. If following the contact has failed, all of the work is used.
     work_share: float = 0.9
-    # Under a law without range, profiles with fewer of their shortest waves in a period than this
-    # are followed faster than they are tested.
-    rough_waves: float = 16.0
-    # Cells per shortest wave: 16 and 64 give the same answers in the scenes of test_soft_adhesion.
-    cells_per_wave: float = 32.0
     # Width of the strip of attraction, in cells; at 3 cells the grid pins the ends.
     strip_cells: float = 6.0
 
@@ -96,10 +91,7 @@ def _is_followed_slowly(context: SolveContext) -> bool:
     return (
         profile.period is not None
         and profile.feature is not None
-        and (
-            context.scene.law.tension > 0.0
-            or profile.period > _OPTIONS.rough_waves * profile.feature
-        )
+        and (context.scene.law.tension > 0.0 or profile.period > MOVES.few_zones * profile.feature)
     )
 
 
@@ -118,8 +110,8 @@ def _closes(context: SolveContext, curve: Curve, value: float, work_share: float
         return False
     work = work_share * law.work_of_adhesion(scene.E_star)
     feature = scene.profile.feature or period
-    points = 2 ** math.ceil(math.log2(_OPTIONS.cells_per_wave * period / feature))
-    points = max(points, 2 ** math.ceil(math.log2(16 * _OPTIONS.strip_cells)))
+    # With at least eight waves on the grid, its period is wide compared with the strip.
+    points = 2 ** math.ceil(math.log2(GRID.cells * max(period / feature, MOVES.few_zones)))
     if points > GRID.max_points:
         return False
     cell = period / points
@@ -142,13 +134,13 @@ def _closes(context: SolveContext, curve: Curve, value: float, work_share: float
             influence,
             load=mean_pressure * period + stress * float(share.sum()) * cell,
             start=pressure,
-            tol=GRID.tolerance,
+            tol=TOLERANCES.coarse,
         )
         if np.all(state.gap < reach):
             return True
         grown = np.maximum(share, shares_below(state.gap - reach))
         change = float((grown - share).max())
         share, pressure = grown, state.pressure
-        if change < GRID.resting_share:
+        if change < MOVES.short_move:
             break
     return False

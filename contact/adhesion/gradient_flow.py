@@ -19,52 +19,14 @@ with every end bounded by its limits. Where J has positive eigenvalues, mu D - J
 diagonal damping and mu exceeds the largest growth rate.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from contact.adhesion.curve import TOLERANCES, Closed, Curve, State
 from contact.adhesion.intervals import joined
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS, MOVES, SAMPLES
 from contact.adhesion.predictor import Predictor
 from contact.errors import NotConverged
 from sie import Array, Mask
-
-
-@dataclass(frozen=True)
-class FlowOptions:
-    """Options of the steps of ends that advance or recede under a fixed control.
-
-    Drives are residuals in units of |K*|, or of the reach. Lengths are relative to the width of the
-    interval of the end.
-    """
-
-    # Longest step of an end against the direction of the flow.
-    max_back: float = 0.02
-    resting_drive: float = 1e-4
-    # Largest opposite residual after a step past an equilibrium: relative to the one before, and
-    # absolute. The third limit holds where the end would then run away.
-    overshoot: float = 0.1
-    max_drive_back: float = 0.05
-    runaway_overshoot: float = 1e-3
-    # After an overshoot, the step is this fraction of the secant step to the equilibrium.
-    chord_part: float = 0.8
-    # An end whose share of a growing motion, relative to the largest, is above this runs away.
-    runaway_share: float = 0.3
-    # A gap narrower than this fraction of its zones has closed if both its ends are driven by more
-    # than `hard_drive`. A zone with such ends is lost below the fraction `lost_zone` of its width.
-    closed_gap: float = 1e-2
-    hard_drive: float = 0.5
-    lost_zone: float = 0.02
-    # The predictor is used for at least this many zones, if the residual of some end exceeds
-    # `overshoot`.
-    predictor_zones: int = 12
-    predictor_tries: int = 4
-
-
-FLOW = FlowOptions()
-# Places inside a step at which the cubic that interpolates the residual is tested.
-_INNER_PLACES = np.linspace(0.05, 0.95, 10)
 
 
 def advanced(
@@ -98,6 +60,9 @@ def _flow(
         if sign > 0 and (merged := closing(curve, here, predicted)) is not None:
             here = curve.at(merged, value, TOLERANCES.rough)
             continue
+        # A zone counts as lost by its width where its ends were driven inward least.
+        widths = np.where(here.residual > residual, here.widths, widths) if sign < 0 else widths
+        residual = np.maximum(here.residual, residual) if sign < 0 else residual
         if sign < 0 and (apart := lost_zones(here, widths, residual)).any():
             if apart.all():
                 return None
@@ -114,13 +79,6 @@ def _flow(
             return here
         if move == 0.0:
             break
-        if sign < 0:
-            # A zone counts as lost by its width where its ends were driven inward least.
-            relieved = here.residual > residual
-            widths, residual = (
-                np.where(relieved, here.widths, widths),
-                np.maximum(here.residual, residual),
-            )
     raise NotConverged(
         "the ends of zones that grow or shrink under a held control did not come to rest"
     )
@@ -133,12 +91,12 @@ def at_rest(here: State, move: float, rest: float = TOLERANCES.resting_step) -> 
     be short only because another end reached its corner: then Newton's next step is longer.
     """
     driven = float(np.abs(here.residual).max())
-    if here.growth < 0.0 and driven <= FLOW.hard_drive:
+    if here.growth < 0.0 and driven <= MOVES.hard_drive:
         newton = float(np.abs(here.newton / here.widths).max())
         return newton <= rest or (
             move <= TOLERANCES.resting_step and newton <= 10 * TOLERANCES.resting_step
         )
-    return move <= TOLERANCES.resting_step and driven <= FLOW.resting_drive
+    return move <= TOLERANCES.resting_step and driven <= TOLERANCES.coarse
 
 
 def _predictor(curve: Curve, here: State, sign: float) -> Predictor | None:
@@ -147,9 +105,9 @@ def _predictor(curve: Curve, here: State, sign: float) -> Predictor | None:
     None for few zones, sharp corners or small residuals, where Newton's step is better.
     """
     if (
-        len(here.table) < FLOW.predictor_zones
+        len(here.table) < MOVES.few_zones
         or here.corners is not None
-        or float((sign * here.residual).max()) < FLOW.overshoot
+        or float((sign * here.residual).max()) < MOVES.small_part
     ):
         return None
     return Predictor.of(curve, here, curve.fields(here, TOLERANCES.rough), sign)
@@ -159,7 +117,7 @@ def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor
     """The state after a predicted step; None if the prediction was wrong."""
     inward, outward = inward_and_outward(curve, here, detailed=False)
     limit = outward if sign > 0 else inward
-    for _ in range(FLOW.predictor_tries):
+    for _ in range(LIMITS.patience):
         step = predicted.step(limit)
         ahead = curve.at(here.moved(sign * step), here.value, TOLERANCES.rough)
         astray = predicted.astray(step, sign * ahead.residual)
@@ -173,11 +131,11 @@ def _step(curve: Curve, here: State, sign: float) -> tuple[State, float]:
     """(next state, largest move of an end relative to the width of its zone)."""
     limit, back = limits(curve, here, sign)
     runaway: Mask | None = running_away(here)
-    if np.any(runaway) and float(np.abs(here.residual).max()) <= FLOW.resting_drive:
+    if np.any(runaway) and float(np.abs(here.residual).max()) <= TOLERANCES.coarse:
         # Near a turning point ends follow the growing motion; moved to their limits each, they
         # would leave it.
         runaway = None
-    for _ in range(LIMITS.max_bisections):
+    for _ in range(LIMITS.max_iterations):
         step = bounded_step(here, sign, limit, back, runaway)
         # The accuracy is relative to the largest residual; ends at rest need it in absolute terms.
         ahead = curve.at(
@@ -192,10 +150,7 @@ def _step(curve: Curve, here: State, sign: float) -> tuple[State, float]:
         # other steps are shortened a little, since those ends may have caused the overshoot.
         before, after = here.whole.residual, ahead.whole.residual
         part = np.divide(
-            FLOW.chord_part * before,
-            before - after,
-            out=np.full(len(before), 0.5),
-            where=before != after,
+            before, before - after, out=np.full(len(before), 0.5), where=before != after
         )
         shorter = np.where(over, np.clip(np.where(part > 0.0, part, 0.5), 0.01, 0.5), 0.9)
         limit = shorter * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
@@ -210,7 +165,7 @@ def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
         adjacent = np.maximum(curve.to_corners(here.table), TOLERANCES.resting_step * here.widths)
         outward = np.where(here.pinned, outward, np.minimum(outward, adjacent))
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
-    return onward, np.minimum(back, FLOW.max_back * here.widths)
+    return onward, np.minimum(back, MOVES.short_move * here.widths)
 
 
 def inward_and_outward(curve: Curve, here: State, detailed: bool = True) -> tuple[Array, Array]:
@@ -220,15 +175,15 @@ def inward_and_outward(curve: Curve, here: State, detailed: bool = True) -> tupl
     """
     known = curve.problem.detail if detailed else np.inf
     gaps = curve.gaps(here.table)
-    room = TOLERANCES.max_into_gap * np.concatenate((np.roll(gaps, 1), gaps))
+    room = MOVES.max_move * np.concatenate((np.roll(gaps, 1), gaps))
     # An end may pass the border of the known profile: `Curve.at` then raises OutOfRange.
     lo, hi = curve.problem.borders
     room[0], room[-1] = (
         min(room[0], 1.1 * (here.table[0, 0] - lo)),
         min(room[-1], 1.1 * (hi - here.table[-1, 1])),
     )
-    return np.minimum(TOLERANCES.max_inward * here.widths, known), np.minimum(
-        np.minimum(TOLERANCES.max_outward * here.widths, room), known
+    return np.minimum(MOVES.max_move * here.widths, known), np.minimum(
+        np.minimum(MOVES.max_move * here.widths, room), known
     )
 
 
@@ -240,9 +195,9 @@ def closing(curve: Curve, here: State, predicted: Predictor | None = None) -> Ar
     gap = curve.gaps(table)
     adjacent = np.minimum(widths, np.roll(widths, -1))
     closes = (
-        (gap < FLOW.closed_gap * adjacent)
-        & (right > FLOW.hard_drive)
-        & (np.roll(left, -1) > FLOW.hard_drive)
+        (gap < MOVES.vanished * adjacent)
+        & (right > MOVES.hard_drive)
+        & (np.roll(left, -1) > MOVES.hard_drive)
     )
     if predicted is not None:
         closes |= predicted.closes(gap, adjacent)
@@ -259,8 +214,8 @@ def lost_zones(here: State, widths: Array, residual: Array) -> Mask:
     They are much narrower than where their ends were driven inward least, and that drive grows.
     widths, residual: at the states where the ends were driven inward least (2n,).
     """
-    driven = here.residual < np.minimum(-FLOW.hard_drive, 1.5 * residual)
-    return np.logical_and(*np.split(driven & (here.widths < FLOW.lost_zone * widths), 2))
+    driven = here.residual < np.minimum(-MOVES.hard_drive, 1.5 * residual)
+    return np.logical_and(*np.split(driven & (here.widths < MOVES.vanished * widths), 2))
 
 
 def running_away(here: State) -> Mask:
@@ -278,7 +233,7 @@ def running_away(here: State) -> Mask:
         if not grows.any():
             break
         size = np.abs(motions[:, grows])
-        away[stays[(size > FLOW.runaway_share * size.max(axis=0)).any(axis=1)]] = True
+        away[stays[(size > MOVES.least_part * size.max(axis=0)).any(axis=1)]] = True
     return away
 
 
@@ -295,7 +250,7 @@ def bounded_step(
     away = np.zeros(len(residual), dtype=bool) if runaway is None else runaway
     free, released = ~away, np.zeros(len(residual), dtype=bool)
     # An end that runs away may be just past an equilibrium: it is then moved back.
-    step = sign * np.where(sign * residual > -FLOW.resting_drive, limit, -most_back)
+    step = sign * np.where(sign * residual > -TOLERANCES.coarse, limit, -most_back)
     while True:
         step[free] = np.linalg.solve(
             -rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free]
@@ -321,7 +276,7 @@ def _damped_step(here: State, sign: float, limit: Array) -> Array:
     mu exceeds the largest growth rate and is as small as the limits allow.
     """
     # An end that is driven back does not move, until the others have caught up.
-    free = sign * here.residual > -FLOW.resting_drive
+    free = sign * here.residual > -TOLERANCES.coarse
     weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
     growth = max(here.growth_of(np.flatnonzero(free)), -above)
     step = np.zeros_like(here.residual)
@@ -341,25 +296,25 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
     first, last = here.whole, ahead.whole
     before, after = sign * first.residual, sign * last.residual
     allowed = np.minimum(
-        -FLOW.overshoot * np.minimum(np.abs(before), 1.0) - FLOW.resting_drive,
-        1.1 * before - FLOW.resting_drive,
+        -MOVES.small_drive * np.minimum(np.abs(before), 1.0) - TOLERANCES.coarse,
+        1.1 * before - TOLERANCES.coarse,
     )
     # Short steps are exempt: near a stable equilibrium a small overshoot corrects itself.
     far = (
-        (np.abs(step) > FLOW.max_back * here.widths)
+        (np.abs(step) > MOVES.short_move * here.widths)
         | (here.growth < 0.0 <= ahead.growth)
-        | (after < -FLOW.max_drive_back)
+        | (after < -MOVES.small_drive)
     )
     # If the end of the step is more unstable than its start was stable, the end would run away.
     if 0.0 < -here.growth <= ahead.growth:
-        allowed = np.where(before > 0.0, -FLOW.runaway_overshoot, allowed)
+        allowed = np.where(before > 0.0, -TOLERANCES.coarse, allowed)
     # A pinned end was at rest, so that it has passed no equilibrium.
     far &= ~first.pinned
     over = (after < allowed) & far
-    if float(np.abs(step / here.widths).max()) < FLOW.max_back:
+    if float(np.abs(step / here.widths).max()) < MOVES.short_move:
         return np.asarray(over)
     rise, fall = sign * (first.rates @ step), sign * (last.rates @ step)
-    u = _INNER_PLACES[:, None]
+    u = np.linspace(0.0, 1.0, SAMPLES.samples)[1:-1, None]
     way = (
         (1 + 2 * u) * (1 - u) ** 2 * before
         + u * (1 - u) ** 2 * rise

@@ -19,9 +19,9 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from contact.adhesion.curve import Closed
+from contact.adhesion.curve import TOLERANCES, Closed
 from contact.adhesion.inner_contact import ContactLost
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
 from contact.formulation.problem import Problem
 from contact.formulation.tables import runs_of
@@ -35,22 +35,10 @@ from sie import Array, Mask, record
 class GridOptions:
     """Options of the grid on which intervals of tension are moved."""
 
-    # Cells for each feature of the profile, and for the strip of tension next to a wide zone.
-    cells_per_feature: int = 16
-    cells_per_strip: int = 32
-    least_points: float = 256.0
-    # Up to `few_points` any grid is used. A finer one has at most `max_refinement` times the points
-    # that the profile needs, and at most `max_points`.
-    few_points: int = 2**14
-    max_refinement: int = 8
-    max_points: int = 2**18
-    # Window on either side of the intervals of a lone body, relative to their span.
-    window: float = 0.25
-    # Change of the covered fraction of a cell at rest, and accuracy of contacts on the way.
-    resting_share: float = 0.02
-    tolerance: float = 1e-4
-    # Halvings between a control with a contact and one without.
-    max_halvings: int = 12
+    # Least number of cells for a feature of the profile, and for a strip of tension.
+    cells: int = 32
+    # Largest number of cells, unless the profile itself needs more.
+    max_points: int = 2**16
 
 
 GRID = GridOptions()
@@ -87,7 +75,7 @@ class GridGuide(sie.Kept):
             x0, width = profile.x0, profile.period
         else:
             assert table is not None
-            around = GRID.window * float(table[-1, 1] - table[0, 0])
+            around = (MOVES.widening - 1.0) * float(table[-1, 1] - table[0, 0])
             lo, hi = problem.borders
             window = units.x(
                 np.array([max(lo, table[0, 0] - around), min(hi, table[-1, 1] + around)])
@@ -95,18 +83,12 @@ class GridGuide(sie.Kept):
             x0, width = float(window[0]), float(window[1] - window[0])
         feature = width if profile.feature is None else profile.feature
         strip = 0.25 * math.pi * units.E_star * law.reach / law.tension
-        least = GRID.cells_per_feature * width / feature
-        wanted = max(least, GRID.cells_per_strip * width / strip)
-        # For few zones on narrow strips the flow itself takes less time than so fine a grid.
-        if not wanted <= max(
-            GRID.few_points,
-            min(GRID.max_refinement * least, GRID.max_points),
-            min(least, MOST_POINTS),
-        ):
+        least = GRID.cells * width / feature
+        wanted = max(least, GRID.cells * width / strip)
+        # On narrower strips the flow itself takes less time than so fine a grid.
+        if not wanted <= max(GRID.max_points, min(least, MOST_POINTS)):
             return None
-        return cls(
-            problem, x0, width, 2 ** math.ceil(math.log2(max(wanted, GRID.least_points))), by_load
-        )
+        return cls(problem, x0, width, 2 ** math.ceil(math.log2(wanted)), by_load)
 
     @property
     def cell(self) -> float:
@@ -156,7 +138,7 @@ class GridGuide(sie.Kept):
             new = shares_below(state.gap - limit)
             new = np.maximum(share, new) if sign > 0 else np.minimum(share, new)
             change, share, start = float(np.abs(new - share).max()), new, state.pressure
-            if change < GRID.resting_share:
+            if change < MOVES.short_move:
                 break
         below = state.gap < limit
         if np.any(~below & (share == 1.0) if sign > 0 else below & (share == 0.0)):
@@ -168,7 +150,8 @@ class GridGuide(sie.Kept):
         """Approximate lowest value of the control at which shrinking intervals come to rest."""
         high, low = value, self._lost(value)
         warm_start: GridRest | None = None
-        for _ in range(GRID.max_halvings):
+        least = TOLERANCES.coarse * (high - low)
+        while high - low > least:
             middle = 0.5 * (high + low)
             try:
                 warm_start = self.resting(
@@ -191,7 +174,7 @@ class GridGuide(sie.Kept):
         if self.by_load:
             return -law.tension * self.width / problem.units.load
         step = law.reach / problem.units.height
-        for _ in range(LIMITS.max_bisections):
+        for _ in range(LIMITS.max_iterations):
             try:
                 self.resting(None, value - step, -1.0, 1.0)
             except ContactLost:
@@ -208,14 +191,16 @@ class GridGuide(sie.Kept):
             load = value * units.load + tension * float(share.sum()) * self.cell
             if not load > 0.0:
                 raise ContactLost
-            state = solve_grid(deformed, self.influence, load=load, start=start, tol=GRID.tolerance)
+            state = solve_grid(
+                deformed, self.influence, load=load, start=start, tol=TOLERANCES.coarse
+            )
         else:
             state = solve_grid(
                 deformed,
                 self.influence,
                 level=self.problem.lowest + value * units.height,
                 start=start,
-                tol=GRID.tolerance,
+                tol=TOLERANCES.coarse,
             )
         if not state.load > 0.0:
             raise ContactLost

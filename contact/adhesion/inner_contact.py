@@ -17,7 +17,7 @@ import sie
 from contact.adhesion.curve import TOLERANCES, NoState
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.intervals import fitted, interval_of, sample_points
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS, MOVES, SAMPLES
 from contact.errors import NotConverged
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
@@ -26,33 +26,16 @@ from contact.formulation.roots import reaches
 from contact.formulation.tables import gaps_between, joined_where, runs_of
 from sie import Array, Index, Mask, record
 
-# The tolerance of a density solved to round-off.
-TIGHT = 1e-14
-# Fractions of the distance between samples at which minima are resolved.
-_REFINED = np.linspace(0.0, 1.0, 17)[1:-1]
-# Distances that divide the samples outside the zones of an isolated body, in spans of the zones.
-_OUTER_PARTS = np.array([0.25, 1.0, 4.0, 16.0, 64.0])
-
 
 @dataclass(frozen=True)
 class InnerContactOptions:
-    """Options of Newton's method for zones in intervals of tension, and of sign corrections."""
+    """Options of the samples of a contact in intervals of tension."""
 
-    # Fraction of the distance to the end of the interval that a step leaves.
-    left_of_room: float = 0.25
-    # If a step overshoots and leaves more than this part of the residual, the secant is used.
-    max_overshoot: float = 0.3
-    # Zones below this fraction of their first width vanish, and gaps below it of their zones close.
-    vanished_below: float = 1e-3
-    # Width of a new zone relative to that of the overlap of the surfaces.
-    new_zone_width: float = 0.5
     # Distance up to which the gap of an isolated body is sampled, relative to the span of its
     # zones.
-    far: float = 1e3
+    far: float = 1024.0
     # Number of refinements of samples about extrema.
     refinements: int = 3
-    # Largest number of samples of q on a zone, unless the profile varies faster.
-    sign_samples: int = 128
 
 
 _OPTIONS = InnerContactOptions()
@@ -79,14 +62,14 @@ class Tolerances:
     Newton's method squares the error.
     """
 
-    density: float = TIGHT
-    ends: float = TOLERANCES.newton_step
+    density: float = TOLERANCES.density
+    ends: float = TOLERANCES.neutral
     last: float = TOLERANCES.rough
 
     @classmethod
     def intermediate(cls, density: float) -> Tolerances:
         """Tolerances for an intermediate state, whose ends may be rough."""
-        return cls(density, 1e-5, 1e-3)
+        return cls(density, TOLERANCES.resting_step, TOLERANCES.coarse)
 
 
 def contact_under(
@@ -106,7 +89,7 @@ def contact_under(
         raise ContactLost
     if len(zones) == 0:
         zones = _lowest(pulled)
-    for done in range(LIMITS.max_bisections):
+    for done in range(LIMITS.max_iterations):
         fields = ZoneFields(*_with_ends(pulled, control, zones, tolerances, done == 0))
         if formal:
             return fields, None
@@ -146,7 +129,7 @@ def _with_ends(
 
 def _lowest(pulled: TractionLoaded) -> Array:
     """A narrow zone about the lowest sampled point of the deformed profile."""
-    tension, count = pulled.pulling, _OPTIONS.sign_samples
+    tension, count = pulled.pulling, SAMPLES.sign_samples
     table = np.array([[0.0, tension.width]]) if tension.everywhere else tension.table
     x = table[:, :1] + np.diff(table, axis=1) * (np.arange(count) + 0.5) / count
     i, j = np.unravel_index(int(np.argmin(pulled.shape(x.ravel()))), x.shape)
@@ -181,7 +164,7 @@ def _settled(
                 "zones under a given tension came too near to one another, or to its ends"
             ) from failure
 
-    for _ in range(LIMITS.max_newton_steps):
+    for _ in range(LIMITS.max_iterations):
         here, state = solved(zones)
         width, (room, shared) = np.diff(zones, axis=1)[:, 0], _room(pulled, zones)
         pinned, rests = _pinned(here, zones, np.array(state.density.intensities))
@@ -207,15 +190,15 @@ def _settled(
             for side in (0, 1):
                 ends[side, i[covers[side]]] = True
             raise EndsCovered(ends.ravel())
-        share = np.where(shared, TOLERANCES.max_into_gap, 1 - _OPTIONS.left_of_room)
-        limit = np.minimum(TOLERANCES.max_outward * width, share * room)
-        inward = TOLERANCES.max_inward * width
+        share = np.where(shared, MOVES.max_move, 1 - MOVES.least_part)
+        limit = np.minimum(MOVES.max_move * width, share * room)
+        inward = MOVES.max_move * width
         moved = np.where(reaches, room, np.clip(step, -inward, limit))
         # Newton's method squares the error: one more step suffices and is not checked.
         if float(np.abs(moved / least).max()) < tolerances.last and not reaches.any():
             return solved(_moved(here, zones, moved, reaches))
         shrinks = ((step < -inward) | (pinned & rests)).all(axis=0)
-        lost = (width < _OPTIONS.vanished_below * first) & shrinks
+        lost = (width < MOVES.vanished * first) & shrinks
         if lost.any():
             if lost.all():
                 raise ContactLost
@@ -245,14 +228,14 @@ def _steps(
     if before is not None and len(before[0]) == len(zones):
         # After an overshoot the end lies between its last two positions: the secant is used.
         back = np.array([zones[:, 0] - before[0][:, 0], before[0][:, 1] - zones[:, 1]])
-        overshot = np.abs(k) > _OPTIONS.max_overshoot * np.abs(before[1])
+        overshot = np.abs(k) > MOVES.least_part * np.abs(before[1])
         turned = (k * before[1] < 0) & overshot & ~pinned
         step = np.where(turned, back * k / np.where(turned, k - before[1], 1.0), step)
     # Near the end of an interval, K is linear in the square root of the distance from it: the
     # Newton step is made in that root.
     alone = ~shared & np.isfinite(step) & (room > 0)
     own = np.where(alone, room, 1.0)
-    least_root = np.sqrt(_OPTIONS.left_of_room)
+    least_root = np.sqrt(MOVES.least_part)
     root = np.clip(1 - np.where(alone, step, 0.0) / (2 * own), least_root, 4.0)
     rooted = np.where(alone, own * (1 - root**2), step)
     step = np.where(np.abs(step) < 0.1 * room, step, rooted)
@@ -323,7 +306,7 @@ def _reaches(
     )
     for side, i, corner in ((0, 0, lo), (1, -1, hi)):
         if zones[i, side] != corner and not shared[side, i] and to_obstacle[side, i]:
-            narrow = room[side, i] < TOLERANCES.max_inward * (zones[i, 1] - zones[i, 0])
+            narrow = room[side, i] < MOVES.max_move * (zones[i, 1] - zones[i, 0])
             part = 2 / np.pi * pulled.pulling.stress * np.sqrt(room[side, i]) if len(table) else 0.0
             out[side, i] = (
                 narrow
@@ -341,7 +324,7 @@ def _searched(
 ) -> tuple[TractionLoaded, sie.AnyState]:
     """The zones found by the engine's search, if they stay within their intervals."""
     equation = pulled.equation(control(pulled))
-    for _ in range(LIMITS.max_bisections):
+    for _ in range(LIMITS.max_iterations):
         free = sie.find_ends(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-10)
         ended = free.density.zones.table
         if len(free.lost):
@@ -387,9 +370,9 @@ def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
     gap = zones[1:, 0] - zones[:-1, 1]
     width = np.diff(zones, axis=1)[:, 0]
     meets = (
-        (gap < _OPTIONS.vanished_below * np.minimum(width[1:], width[:-1]))
-        & (step[1, :-1] > 0.3 * gap)
-        & (step[0, 1:] > 0.3 * gap)
+        (gap < MOVES.vanished * np.minimum(width[1:], width[:-1]))
+        & (step[1, :-1] > MOVES.least_part * gap)
+        & (step[0, 1:] > MOVES.least_part * gap)
     )
     return joined_where(zones, meets), first[np.append(True, ~meets)]
 
@@ -440,10 +423,10 @@ def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
         edges = gaps_between(zones, period) if len(zones) else np.array([[first, first + period]])
     else:
         span = float(both.max() - both.min())
-        marks = np.concatenate(
-            (table.ravel(), both.min() - span * _OUTER_PARTS, both.max() + span * _OUTER_PARTS)
-        )
         far = _OPTIONS.far * span
+        # Distances that divide the samples outside the zones: each is four times the one before.
+        away = far / 4.0 ** np.arange(1, np.log(4 * _OPTIONS.far) / np.log(4.0))
+        marks = np.concatenate((table.ravel(), both.min() - away, both.max() + away))
         left, right = max(lo, both.min() - far), min(hi, both.max() + far)
         edges = np.column_stack((np.append(left, zones[:, 1]), np.append(zones[:, 0], right)))
         edges = edges[edges[:, 0] < edges[:, 1]]
@@ -475,7 +458,8 @@ def _refined(
         inner = inner[(inner > 0) & (inner < len(q) - 1)]
         if len(inner) == 0:
             break
-        x = np.concatenate([place[i - 1] + (place[i + 1] - place[i - 1]) * _REFINED for i in inner])
+        parts = np.linspace(0.0, 1.0, SAMPLES.samples)[1:-1]
+        x = np.concatenate([place[i - 1] + (place[i + 1] - place[i - 1]) * parts for i in inner])
         x = np.unique(x[~np.isin(x, place)])
         left, right = (x - zones.a[zone]) / zones.half[zone], (zones.b[zone] - x) / zones.half[zone]
         more = fields.problem.bearing(density, np.full(len(x), zone), left, right) / np.sqrt(
@@ -506,7 +490,7 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
     varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
     # Near the ends the tension makes q vary fast, but its sign does not change there: the samples
     # need not resolve it.
-    wanted = np.maximum(_OPTIONS.sign_samples, 8 * zones.half / varies).astype(np.intp)
+    wanted = np.maximum(SAMPLES.sign_samples, 8 * zones.half / varies).astype(np.intp)
     counts = np.minimum(density.sampling, wanted)
     at = [(np.arange(n) + 0.5) * np.pi / n for n in counts]
     theta, zone = np.concatenate(at), np.repeat(np.arange(len(zones)), counts)
@@ -533,7 +517,8 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
         if (s == 0 or lo in zones.table) and (e == len(x) - 1 or hi in zones.table):
             continue
         middle = 0.5 * (x[s] + x[e])
-        half = 0.5 * _OPTIONS.new_zone_width * max(x[e] - x[s], 0.2 * (hi - lo))
+        # The new zone is half as wide as the overlap.
+        half = 0.25 * max(x[e] - x[s], 0.2 * (hi - lo))
         # A zone at a sharp corner begins at the corner.
         middle += (
             half

@@ -3,18 +3,15 @@
 import numpy as np
 
 from contact.adhesion.curve import Closed
+from contact.adhesion.options import SAMPLES
 from contact.errors import OutOfRange
 from contact.formulation.tables import ascending, begun_from, joined_where, located, runs_of, united
 from sie import Array, Index, Mask, wrapped
 
-# Least and largest number of sample points between two ends; the latter bounds the memory.
-_MIN_POINTS = 24
-_MAX_POINTS = 20000
-
 
 def sample_points(a: float, b: float, spacing: float) -> Array:
     """Points in (a, b), denser near its ends."""
-    count = int(np.clip((b - a) / spacing, _MIN_POINTS, _MAX_POINTS))
+    count = int(np.clip((b - a) / spacing, SAMPLES.samples, SAMPLES.max_gap_samples))
     return a + (b - a) * np.sin(0.5 * np.pi * (np.arange(count) + 0.5) / count) ** 2
 
 

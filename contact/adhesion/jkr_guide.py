@@ -8,7 +8,7 @@ all its ends are driven one way from there.
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,25 +19,10 @@ from contact.adhesion.curve import TOLERANCES, Closed, Curve, NoState, State
 from contact.adhesion.energy_descent import relaxed
 from contact.adhesion.inner_contact import ContactLost
 from contact.adhesion.intervals import joined
-from contact.adhesion.limits import LIMITS
 from contact.adhesion.nucleation import grown
+from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
 from sie import Array
-
-
-@dataclass(frozen=True)
-class JkrGuideOptions:
-    """Margins and tolerances of the first guesses from a law without range."""
-
-    # Relative changes of the work of adhesion that are tried.
-    margins: tuple[float, float] = (0.02, 0.2)
-    # Largest drive of a state near an equilibrium.
-    near_drive: float = 0.25
-    # Accuracy of the ends of the zones to which strips of tension are added.
-    resting_step: float = 2e-3
-
-
-_OPTIONS = JkrGuideOptions()
 
 
 def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> CohesiveState | None:
@@ -46,14 +31,12 @@ def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> Cohesiv
     Its ends are all driven outward. It is put about the zones of a little less adhesion without
     range. None where strips are wider than zones, or the guide fails.
     """
-    for margin in _OPTIONS.margins:
+    for margin in MOVES.margins:
         short = _curve_without_range(curve, zones, 1.0 - margin)
         if short is None:
             return None
         with suppress(Closed, NoState, ContactLost, NotConverged):
-            found = _with_range(
-                curve, short, grown(short, zones, value, _OPTIONS.resting_step), margin
-            )
+            found = _with_range(curve, short, grown(short, zones, value, TOLERANCES.coarse), margin)
             if found is not None:
                 return found
     return None
@@ -91,7 +74,7 @@ def _with_range(
         * np.maximum(np.concatenate(short.fields(tips, TOLERANCES.rough).density.edge_slopes), 0.0)
     )
     d = np.full(len(by_slope), wide)
-    for _ in range(LIMITS.max_newton_steps):
+    for _ in range(LIMITS.max_iterations):
         d -= (d * (1 + by_slope * np.sqrt(d)) - wide) / (1 + 1.5 * by_slope * np.sqrt(d))
     # The drive of an end is one minus its share of K.
     inward: Array = np.asarray(
@@ -106,7 +89,7 @@ def _with_range(
     )
     for _ in range(TOLERANCES.max_newton_steps):
         driven = here.residual * math.copysign(1.0, margin)
-        if driven.min() > 0.0 and driven.max() < _OPTIONS.near_drive:
+        if driven.min() > 0.0 and driven.max() < MOVES.hard_drive:
             return here
         if here.growth >= 0.0:
             break
@@ -125,7 +108,7 @@ def near_pull_off(
 
     recede: brings ends driven inward to rest. None where the guide fails.
     """
-    short = _curve_without_range(curve, here.contact, 1.0 + _OPTIONS.margins[0])
+    short = _curve_without_range(curve, here.contact, 1.0 + MOVES.margins[0])
     if short is None:
         return None
     passed: list[State] = []
@@ -148,7 +131,7 @@ def near_pull_off(
             # larger control serves as the start.
             above = min((one for one in passed if one.value >= value), key=lambda one: one.value)
             tips = gradient_flow.receded(short, above.table, value)
-            start = None if tips is None else _with_range(curve, short, tips, -_OPTIONS.margins[0])
+            start = None if tips is None else _with_range(curve, short, tips, -MOVES.margins[0])
             rest = None if start is None else recede(curve, start.table, value)
             if rest is not None:
                 return rest

@@ -22,7 +22,7 @@ import numpy as np
 from contact.adhesion.arc_length import Step, SymmetryLost, beyond, let_go, pushed_off, steps
 from contact.adhesion.curve import TOLERANCES, State
 from contact.adhesion.events import Events, Jump, PathState
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS
 from contact.errors import NotConverged
 
 

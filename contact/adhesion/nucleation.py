@@ -4,7 +4,7 @@ Inside intervals of tension zones begin, merge, split and vanish without a jump,
 pressure is zero.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
 from contact.adhesion.curve import TOLERANCES, Curve, State
 from contact.adhesion.gradient_flow import advanced
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS, MOVES, SAMPLES
 from contact.errors import NotConverged
 from contact.formulation.roots import minimum
 from contact.formulation.tables import ascending, runs_of
@@ -21,31 +21,13 @@ from contact.verify.certificate import openings
 from sie import Array
 
 
-@dataclass(frozen=True)
-class NucleationOptions:
-    """Widths with which zones begin, and numbers of samples."""
-
-    # First width of a zone at first touch, relative to the period or to a few samples. Smaller ones
-    # give the same result.
-    touch_width: float = 1e-3
-    # Width of a new zone relative to the overlap in which it begins.
-    new_width: float = 0.1
-    # This many equal samples in a row make a level stretch.
-    level_samples: int = 5
-    # Samples of an interval in which a least gap or pressure is searched for.
-    samples: int = 33
-
-
-_OPTIONS = NucleationOptions()
-
-
 def grown(curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step) -> State:
     """The least equilibrium without overlap that contains these zones.
 
     Their ends are all driven outward. Raises `Closed` if there is none. rest: largest Newton step,
     relative to the widths, of ends at rest.
     """
-    for _ in range(LIMITS.max_bisections):
+    for _ in range(LIMITS.max_iterations):
         here = advanced(curve, table, value, rest)
         new = curve.within(openings(curve.fields(here, TOLERANCES.rough)).overlaps)
         if len(new) == 0:
@@ -71,7 +53,7 @@ def _driven_outward(curve: Curve, here: State, overlaps: Array) -> Array:
 
 def with_new(table: Array, overlaps: Array) -> Array:
     """The zones and narrow ones in the middle of overlaps."""
-    middle, half = overlaps.mean(axis=1), 0.5 * _OPTIONS.new_width * np.diff(overlaps, axis=1)[:, 0]
+    middle, half = overlaps.mean(axis=1), 0.5 * MOVES.new_width * np.diff(overlaps, axis=1)[:, 0]
     return ascending(np.concatenate((table, np.column_stack((middle - half, middle + half)))))
 
 
@@ -87,7 +69,9 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
     )
     period, profile = problem.period, problem.profile
     per_feature = 0.0 if profile.resolution is None else 8 * (hi - lo) / profile.resolution
-    x = problem.units.scaled(np.linspace(lo, hi, int(np.clip(per_feature, 2049, 2**18))))
+    x = problem.units.scaled(
+        np.linspace(lo, hi, int(np.clip(per_feature, SAMPLES.profile_samples, SAMPLES.max_samples)))
+    )
     kinks = problem.forcing.kinks[0]
     x = np.unique(np.concatenate((x, kinks[(kinks > x[0]) & (kinks < x[-1])])))
     f = problem.shape(x)
@@ -104,9 +88,7 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
         f[0] - least <= together and f[-1] - least <= together
     )
     level = [
-        (x[s], x[e])
-        for s, e in runs_of(f - least <= together)
-        if e - s >= _OPTIONS.level_samples and whole
+        (x[s], x[e]) for s, e in runs_of(f - least <= together) if e - s > LIMITS.patience and whole
     ]
     low = low[[all(not s <= x[i] <= e for s, e in level) for i in low]]
     step = float(np.diff(x).max())
@@ -121,7 +103,7 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
         places = places[:-1]
     if problem.profile.symmetric and problem.units.origin == 0.0:
         places = [0.0 if abs(p) < 1e-6 * step else p for p in places]
-    half = 0.25 * _OPTIONS.touch_width * (1.0 if period is None else min(period, step * 1e3))
+    half = 0.25 * MOVES.new_width * (1.0 if period is None else min(period, step * 1e3))
     while True:
         narrow = [(place - half, place + half) for place in places]
         table = curve.within(np.array(sorted(narrow + [(s - half, e + half) for s, e in level])))
@@ -161,7 +143,7 @@ def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float
 
 def condition(curve: CohesiveCurve, here: CohesiveState, change: Change) -> tuple[float, float]:
     """(place, value) of the least gap where a zone begins, or of the least q where two merge."""
-    x = np.linspace(*change.where, _OPTIONS.samples)
+    x = np.linspace(*change.where, SAMPLES.samples)
     if change.of_gap:
         return minimum(partial(curve.gap, here), x)
     assert here.q is not None

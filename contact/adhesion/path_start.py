@@ -11,7 +11,7 @@ from contact.adhesion import cohesive_branch
 from contact.adhesion.cohesive_events import CohesiveEvents
 from contact.adhesion.cohesive_fields import fields_of
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
-from contact.adhesion.curve import Closed, Curve, State
+from contact.adhesion.curve import TOLERANCES, Closed, Curve, State
 from contact.adhesion.edge_branch import advancing, branch_scaling, curve_of
 from contact.adhesion.events import Events, Jump, PathState
 from contact.adhesion.inner_contact import ContactLost
@@ -30,9 +30,6 @@ from contact.search.strategies.guesses import Outcome
 from contact.search.topology.failure import Failure
 from contact.solution import assemble
 from sie import Array
-
-# An approach is lowered at most to this multiple of its size and of the reach.
-_FARTHEST = 1e6
 
 
 @dataclass(frozen=True)
@@ -210,7 +207,8 @@ class _CohesivePath:
         else:
             zones = here.contact[np.diff(here.contact, axis=1)[:, 0] > 0.0]
             start = self.curve.from_zones(here.table, value, zones)
-        far = value - _FARTHEST * (self.curve.reach + abs(value))
+        # So far down, the present approach and the reach are round-off of an equilibrium at rest.
+        far = value - (self.curve.reach + abs(value)) / TOLERANCES.resting_step
         try:
             for found in LoadingPath(self.events).to(PathState(value, start), far):
                 if isinstance(found, Jump) and found.kind == "pull-off":

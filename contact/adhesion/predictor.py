@@ -21,38 +21,27 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from contact.adhesion.curve import Curve, State
+from contact.adhesion.options import MOVES
 from contact.formulation.fields import ZoneFields
 from sie import Array, Kept, Mask, record
 
 
 @dataclass(frozen=True)
 class PredictorOptions:
-    """Options of the prediction of drives (residuals), and the errors that are admitted."""
+    """Options of the prediction of drives (residuals)."""
 
     # Number of places on the way of an end, evenly spaced in the root of the distance, and least
     # number for each feature of the profile.
     places: int = 64
     places_per_feature: int = 4
-    # Largest way of an end, relative to its zone and to the gap next to it.
-    max_part: float = 0.5
-    # Admitted relative errors of a drive: at the start, and at the end below and above the
-    # prediction. The last is large, since other ends that come nearer raise the drive.
-    start_error: float = 0.05
-    low_error: float = 0.04
-    high_error: float = 0.3
-    # Drive that is left where an end stops. An end driven by less moves by the fraction `creep` of
-    # its zone.
-    left_drive: float = 0.05
-    creep: float = 0.02
-    # A gap closes if both of its ends are driven by more than this up to its middle.
-    closing_drive: float = 0.3
-    # Nodes of Gauss's rule for the Abel integral; its error is below that of the spline.
-    gauss_nodes: int = 40
 
 
 _OPTIONS = PredictorOptions()
-# Places on the way of an end, relative to its farthest distance.
-_PARTS: Array = (np.arange(_OPTIONS.places + 1) / _OPTIONS.places) ** 2
+
+
+def _parts() -> Array:
+    """Places on the way of an end, relative to its farthest distance (1 + places,)."""
+    return (np.arange(_OPTIONS.places + 1) / _OPTIONS.places) ** 2
 
 
 @record
@@ -78,10 +67,10 @@ class Predictor(Kept):
         wanted = curve.problem.end.intensity
         assert wanted is not None
         gaps = curve.gaps(here.table)
-        farthest = _OPTIONS.max_part * here.widths
+        farthest = MOVES.max_move * here.widths
         if sign > 0:
             lo, hi = curve.problem.borders
-            room = _OPTIONS.max_part * np.concatenate((np.roll(gaps, 1), gaps))
+            room = MOVES.max_move * np.concatenate((np.roll(gaps, 1), gaps))
             room[0], room[-1] = (
                 min(room[0], here.table[0, 0] - lo),
                 min(room[-1], hi - here.table[-1, 1]),
@@ -92,14 +81,14 @@ class Predictor(Kept):
         )
         first = sign * here.residual
         driven = sign * (1.0 - _intensity(fields, here, sign, farthest) / abs(wanted))
-        linear = first[:, None] + (np.diag(here.rates) * farthest)[:, None] * _PARTS[1:]
+        linear = first[:, None] + (np.diag(here.rates) * farthest)[:, None] * _parts()[1:]
         off = driven[:, :1] - linear[:, :1]
-        driven = np.where(np.abs(off) < _OPTIONS.start_error, driven - off, linear)
+        driven = np.where(np.abs(off) < MOVES.small_drive, driven - off, linear)
         return cls(
             farthest,
             np.column_stack((first, driven)),
             here.rates - np.diag(np.diag(here.rates)),
-            _OPTIONS.creep * here.widths,
+            MOVES.short_move * here.widths,
         )
 
     @property
@@ -122,8 +111,8 @@ class Predictor(Kept):
 
     def step(self, limit: Array) -> Array:
         """Way of each end within its limit, such that a small drive is left (2n,)."""
-        soft = self.first < _OPTIONS.left_drive
-        left = np.where(soft, 0.5 * np.maximum(self.first, 0.0), _OPTIONS.left_drive * self.size)
+        soft = self.first < MOVES.small_drive
+        left = np.where(soft, 0.5 * np.maximum(self.first, 0.0), MOVES.small_drive * self.size)
         return np.minimum(
             self._rests(self.held_back - left), np.where(soft, np.minimum(limit, self.creep), limit)
         )
@@ -141,22 +130,22 @@ class Predictor(Kept):
             1.0,
             np.divide(high, high - low, out=np.zeros(len(k)), where=high > np.maximum(low, 0.0)),
         )
-        before = _PARTS[np.maximum(k - 1, 0)]
-        return np.asarray(self.farthest * (before + part * (_PARTS[k] - before)))
+        before = _parts()[np.maximum(k - 1, 0)]
+        return np.asarray(self.farthest * (before + part * (_parts()[k] - before)))
 
     def astray(self, step: Array, driven: Array) -> Mask:
         """Mask of the ends whose drive after a step was predicted wrongly (2n,)."""
         alone = [
-            np.interp(part, _PARTS, own)
+            np.interp(part, _parts(), own)
             for part, own in zip(step / self.farthest, self.driven, strict=True)
         ]
         least = np.array(alone) + self.held_back
         most = least + np.maximum(self.by_others, 0.0) @ step
-        past = driven < 1.1 * np.minimum(self.first, 0.0) - _OPTIONS.creep * _OPTIONS.left_drive
+        past = driven < 1.1 * np.minimum(self.first, 0.0) - MOVES.short_move * MOVES.small_drive
         return np.asarray(
             past
-            | (driven < least - _OPTIONS.low_error * self.size)
-            | (driven > most + _OPTIONS.high_error * self.size)
+            | (driven < least - MOVES.small_drive * self.size)
+            | (driven > most + MOVES.hard_drive * self.size)
         )
 
     def closes(self, gap: Array, adjacent: Array) -> Mask:
@@ -164,16 +153,16 @@ class Predictor(Kept):
 
         adjacent: width of the narrower one of its two zones.
         """
-        left, right = np.split(self.driven.min(axis=1) + self.held_back > _OPTIONS.closing_drive, 2)
+        left, right = np.split(self.driven.min(axis=1) + self.held_back > MOVES.hard_drive, 2)
         far_left, far_right = np.split(self.farthest, 2)
         known = (far_right >= 0.5 * gap) & (np.roll(far_left, -1) >= 0.5 * gap)
-        return np.asarray((gap < _OPTIONS.max_part * adjacent) & known & right & np.roll(left, -1))
+        return np.asarray((gap < MOVES.max_move * adjacent) & known & right & np.roll(left, -1))
 
 
 def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) -> Array:
     """Intensity -K of each end at the places on its way, outward or inward (2n, places)."""
     at, outward = here.table.T.ravel()[:, None], np.repeat((-1.0, 1.0), len(here.table))[:, None]
-    root = np.sqrt(farthest[:, None] * _PARTS)
+    root = np.sqrt(farthest[:, None] * _parts())
     places = at + sign * outward * root**2
     of_gap, of_pressure = _abel()
     if sign > 0:
@@ -195,8 +184,8 @@ def _abel() -> tuple[Array, Array]:
     Here h/sqrt(y) is the slope of the gap or the pressure. The first matrix still has to be divided
     by the root of the farthest distance.
     """
-    part = np.sqrt(_PARTS)
-    node, weight = np.polynomial.legendre.leggauss(_OPTIONS.gauss_nodes)
+    part = np.sqrt(_parts())
+    node, weight = np.polynomial.legendre.leggauss(_OPTIONS.places)
     at = part[1:, None] * np.sin(0.25 * np.pi * (1 + node))
     unit = CubicSpline(part, np.eye(len(part)))
     # h is half of the derivative of the gap by the root of the distance.

@@ -6,33 +6,16 @@ followed from an equilibrium near it.
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 
-from contact.adhesion.arc_length import ARC_OPTIONS, Step, beyond, let_go, steps
-from contact.adhesion.curve import Closed, Curve, NoState, State
+from contact.adhesion.arc_length import Step, beyond, let_go, steps
+from contact.adhesion.curve import TOLERANCES, Closed, Curve, NoState, State
 from contact.adhesion.gradient_flow import receded
-from contact.adhesion.limits import LIMITS
+from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
 from contact.formulation.controls import Load
 from sie import Array, record
 
 Recede = Callable[[Curve, Array, float], State | None]
-
-
-@dataclass(frozen=True)
-class PullOffOptions:
-    """Options of the search for the last equilibrium as the control falls."""
-
-    # Halvings between the last control with a contact and the first without.
-    max_halvings: int = 5
-    # Start values that are tried: distances above the least value with an equilibrium, relative to
-    # the distance of the present value from it.
-    starts_above: tuple[float, ...] = (0.005, 0.02, 0.08, 0.3)
-    # Largest number of events of a single zone that are followed along its curve.
-    max_direct: int = 3
-
-
-OPTIONS = PullOffOptions()
 
 
 def pull_off(
@@ -47,7 +30,7 @@ def pull_off(
     of one of its intervals.
     """
     with suppress(NotConverged):
-        for _ in range(OPTIONS.max_direct):
+        for _ in range(LIMITS.patience):
             if len(here.contact) > 1:
                 break
             # The curve of one zone is followed to its end, which is usually the pull-off. That
@@ -58,7 +41,7 @@ def pull_off(
                 return end.exactly()
             here = rest
     here = near_the_last(curve, here, recede)
-    for _ in range(LIMITS.max_tries):
+    for _ in range(LIMITS.max_iterations):
         end = _end(curve, here, past_cut)
         rest = recede(curve, end.table, end.about.value)
         if rest is None:
@@ -116,8 +99,8 @@ def _end_in(
     first = past_cut(step.start.at)
     if not first < 0.0 < past_cut(last):
         return _End(last, beyond(curve, last, -1.0), lambda: step.at(step.turning()))
-    until = step.where(past_cut, first, past_cut(last), length, ARC_OPTIONS.rough_turning, False)
-    length = min(until + 2 * ARC_OPTIONS.rough_turning * length, length)
+    until = step.where(past_cut, first, past_cut(last), length, TOLERANCES.coarse, False)
+    length = min(until + 2 * TOLERANCES.coarse * length, length)
     about = step.at(length, False)
     return _End(
         about, about.table, lambda: step.at(step.where(past_cut, first, past_cut(about), length))
@@ -126,13 +109,13 @@ def _end_in(
 
 def controls_above(least: float, value: float) -> tuple[float, ...]:
     """Values a little above the least one, from the nearest to the farthest."""
-    return tuple(least + part * (value - least) for part in OPTIONS.starts_above)
+    return tuple(least + part * (value - least) for part in MOVES.margins)
 
 
 def near_the_last(curve: Curve, here: State, recede: Recede = receded) -> State:
     """An equilibrium so near the last one that the curve has one turning point between them."""
     here, high = _bracket(curve, here, recede)
-    for _ in range(OPTIONS.max_halvings):
+    for _ in range(LIMITS.patience):
         middle = 0.5 * (here.value + high)
         rest = recede(curve, here.table, middle)
         here, high = (rest, high) if rest is not None else (here, middle)
@@ -147,7 +130,7 @@ def _bracket(curve: Curve, here: State, recede: Recede) -> tuple[State, float]:
         if curve.control.load is None
         else max(curve.unit(here), 0.5 * abs(here.value))
     )
-    for _ in range(LIMITS.max_tries):
+    for _ in range(LIMITS.max_iterations):
         rest = recede(curve, here.table, here.value - step)
         if rest is None:
             return here, here.value - step

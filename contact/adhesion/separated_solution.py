@@ -5,6 +5,7 @@ Only scenes with a cohesive law import this module.
 
 import numpy as np
 
+from contact.adhesion.cohesive_certificate import LIMITS
 from contact.adhesion.cohesive_fields import scaled_second_variation
 from contact.adhesion.cohesive_zone import CohesiveState
 from contact.adhesion.separated_fields import SeparatedFields
@@ -13,9 +14,6 @@ from contact.solution.assemble import lawful
 from contact.solution.plan import Plan
 from contact.solution.solution import Solution
 from contact.verify.certificate import Certificate, least_eigenvalue
-
-# Residual |1 - gap/reach| at the ends of the tension that the certificate accepts.
-_MAX_RESIDUAL = 1e-7
 
 
 def separated_solution(
@@ -28,7 +26,7 @@ def separated_solution(
     residual = float(np.abs(here.residual).max(initial=0.0))
     stability = least_eigenvalue(scaled_second_variation(here)) if ends else None
     stable = stability is None or stability > 0.0
-    holds = least > 0.0 and residual <= _MAX_RESIDUAL and stable
+    holds = least > 0.0 and residual <= LIMITS.reach_error and stable
     certificate = Certificate(
         smallest_pressure=-scene.law.tension,
         smallest_gap=least * fields.problem.units.height,

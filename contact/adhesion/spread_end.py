@@ -22,8 +22,8 @@ from sie import Array, nearest_image
 
 # Nodes for integrals of smooth functions: the remainders vary on the scale of the period.
 _SMOOTH_NODES = 64
-# Gauss nodes per panel of angles.
-_PANEL_NODES = 16
+# Gauss nodes per panel of angles, and of the regular part of a kernel.
+PANEL_NODES = 16
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class SpreadEnd:
                 np.arccos((inner - self.middle) / self.half),
             )
         )
-        angle, weight = gauss(cuts, _PANEL_NODES)
+        angle, weight = gauss(cuts, PANEL_NODES)
         part = 1 - angle / np.pi if end else angle / np.pi
         return self.middle + self.half * np.cos(angle), self.half * weight * np.sin(angle) * part
 

@@ -17,14 +17,12 @@ import numpy as np
 
 import sie
 from contact.adhesion.end_sums import Cells, EndSum
-from contact.adhesion.spread_end import SpreadEnd
+from contact.adhesion.spread_end import PANEL_NODES, SpreadEnd
 from contact.formulation.conjugate import clausen2
 from contact.formulation.quadrature import gauss
 from contact.formulation.tables import located
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
-# Gauss nodes per panel for the regular part of a kernel.
-_PANEL_NODES = 16
 # Panels per length over which the regular part varies.
 _PANELS_PER_LENGTH = 4.0
 
@@ -241,7 +239,7 @@ class UniformTension(sie.Kept):
         length = min(self.kernel.length, 1.0 if self.period is None else 0.25 * self.period)
         per_unit = _PANELS_PER_LENGTH / length
         rules = [
-            gauss(np.linspace(a, b, int(np.ceil(per_unit * (b - a))) + 1), _PANEL_NODES)
+            gauss(np.linspace(a, b, int(np.ceil(per_unit * (b - a))) + 1), PANEL_NODES)
             for a, b in self.table
         ]
         for end, zone in self.spreads:

@@ -378,11 +378,11 @@ def test_strips_that_are_too_narrow_and_zones_that_are_too_many_are_refused_at_o
 ):
     with pytest.raises(
         contact.NotConverged,
-        match=r"narrower than a millionth.*They are 2\.7e-10 m beside .* terms a zone",
+        match=r"narrower than a millionth.*They are 2\.7e-10 m beside .* of it",
     ):
         cylinder(1e4, load=1e-5)
     monkeypatch.setattr(
-        "contact.adhesion.cohesive_branch._OPTIONS", replace(cohesive_branch._OPTIONS, max_zones=5)
+        "contact.adhesion.cohesive_branch.OPTIONS", replace(cohesive_branch.OPTIONS, max_zones=5)
     )
     with pytest.raises(
         contact.OutOfRange, match="zones: under a tension beside the contact .* 5 zones at the most"

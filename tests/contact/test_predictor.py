@@ -85,7 +85,7 @@ def test_ends_come_to_the_same_equilibrium_whether_it_is_foretold_or_not(
     with_it = contact.solve(scene)
     assert counted
     last = with_it.pull_off
-    monkeypatch.setattr(gradient_flow, "FLOW", replace(gradient_flow.FLOW, predictor_zones=10**9))
+    monkeypatch.setattr(gradient_flow, "MOVES", replace(gradient_flow.MOVES, few_zones=10**9))
     counted.clear()
     without = contact.solve(scene)
     assert not counted
