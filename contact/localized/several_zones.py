@@ -83,8 +83,11 @@ class SeveralZones:
             rates = ContactRates(at)
             miss = width_of(at.strip) - width_of(at.alone)
             step = self._step(rates, miss)
-            if float(rates.of_ends(step).max()) <= self.context.tolerance:
-                off = np.abs(step) + np.abs(self._step(rates, self._width_error(at)))
+            error = np.abs(self._step(rates, self._width_error(at)))
+            # A step that the error of the widths explains comes no nearer to the root.
+            least = max(self.context.tolerance, float(rates.of_ends(error).max()))
+            if float(rates.of_ends(step).max()) <= least:
+                off = np.abs(step) + error
                 return self._solved(at, rates, rates.of_ends(self.options.margin * off))
             newton[miss < 0.0] = abs(step[1])
             low, high = (pressure, high) if miss > 0.0 else (low, pressure)
