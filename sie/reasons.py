@@ -137,7 +137,8 @@ def _causes(worst: _Worst) -> dict[str, float]:
     # Round-off of places in excess of a few units of `EPS`, which every number has.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
     # The right side is a cause only if its coefficients stopped decaying or their number is at its
-    # limit, and the fields only if the number of modes is at its limit or more modes do not help.
+    # limit. The fields are a cause only if the number of modes is at its limit, or more modes do
+    # not help.
     unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.OPTIONS.max_nodes
     grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
     return {

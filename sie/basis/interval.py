@@ -1,7 +1,7 @@
 r"""Chebyshev densities on one interval, with transforms and potentials in closed form.
 
 On an interval of half width w let t = (x - middle)/w = cos(theta) and X = (1 - t^2)^(1/2). A
-density is a sum of T_l / X. It equals (alpha + beta t) / X + X sum u_k U_k; this form keeps its
+density is a sum of T_l / X. It equals (alpha + beta t) / X + X sum u_k U_k. This form keeps its
 digits close to an end where the density vanishes. Off the interval, t is called zeta, and
 
     R = (zeta^2 - 1)^(1/2), about zeta far away,    rho = zeta - R, |rho| < 1,
@@ -15,8 +15,8 @@ digits close to an end where the density vanishes. Off the interval, t is called
                X U_l:    A = (2/w)^(1/2) (l + 1) (+-1)^l,  the factor of distance^(1/2)
 
 These formulas are for the exponent 1/2 (see `sie.basis.weight`). A place on the line is given by
-its distances from both ends divided by w, or by |zeta| - 1; a complex point by zeta + 1 and
-zeta - 1. This way no digit is lost close to an end.
+its distances from both ends divided by w, or by |zeta| - 1. A complex point is given by zeta + 1
+and zeta - 1. This way no digit is lost close to an end.
 """
 
 from collections.abc import Callable, Iterator

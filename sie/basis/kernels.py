@@ -3,8 +3,8 @@
     transform  (1/pi) PV int phi(xi) K(x, xi) dxi
     potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,   dLambda/dx = K
 
-A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, which are integrated in closed form,
-and a regular part, which is integrated by Gauss-Chebyshev quadrature.
+A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, and a regular part. The poles are
+integrated in closed form, and the regular part by Gauss-Chebyshev quadrature.
 """
 
 import math

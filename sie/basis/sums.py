@@ -97,7 +97,7 @@ class Grouped:
 
         zone: zone of each point; weight: weight of each item. of(points, items): the summand
         without its weight, pair by pair. In a zone with many pairs it is called with points (n, 1)
-        and all items of the zone, and its result is used as a matrix.
+        and all items of the zone. Its result is then used as a matrix.
         """
         zone, out = self.rows(zone), np.zeros(len(zone))
         pairs = self.count * np.bincount(zone, minlength=len(self.count))

@@ -7,10 +7,10 @@ On a zone of half width w let t = -1 ... 1 be the coordinate. A density is a sum
 with polynomials T and U. At a small distance d from an end it is K d^(-p) + A d^(1-p), with the
 intensity K and the edge slope A. For Cauchy's kernel p is 1/2.
 
-Every exponent of a density stands here, in `interval` and `chebyshev` (the functions on one zone
-for p = 1/2), and in three files of other rooms: `sie.density.series` (moments), `sie.dense.system`
-(rows) and `sie.states.state` (constants of the stated error). All other files ask the zones. What
-holds for p = 1/2 only calls `needs_half`.
+Every exponent of a density stands in six files: here, in `interval` and `chebyshev` (the functions
+on one zone for p = 1/2), `sie.density.series` (moments), `sie.dense.system` (rows) and
+`sie.states.state` (constants of the stated error). All other files ask the zones. What holds for
+p = 1/2 only calls `needs_half`.
 """
 
 from dataclasses import dataclass

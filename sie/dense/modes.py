@@ -5,12 +5,12 @@ This is cheap, because a zone's own operator is diagonal. The coefficients of th
 zones decay as rho^k, where rho belongs to the nearest end of another zone (or image, or singularity
 of a column). So narrow zones far apart need few coupled modes.
 
-If the neighbours of a small zone keep their levels, they act on a load between them like the
-grounded half-lines x < -g and x > g', with g and g' the distances from the load. Let s be the
-position from the middle of the gap, divided by half the gap. The map s -> tan(asin(s)/2) takes the
-plane slit along |s| > 1 to the unit disk. So a load at the origin has the potential log(r / R) near
-it, with the conformal radius R = 4 g g' / (g + g'). A level of the left half-line contributes to
-the potential there with the harmonic measure 1/2 - asin(s) / pi, where s = (g - g') / (g + g').
+Consider a load between neighbours that keep their levels. They act on it like the grounded
+half-lines x < -g and x > g', with g and g' the distances from the load. Let s be the position from
+the middle of the gap, divided by half the gap. The map s -> tan(asin(s)/2) takes the plane slit
+along |s| > 1 to the unit disk. So a load at the origin has the potential log(r / R) near it, with
+the conformal radius R = 4 g g' / (g + g'). A level of the left half-line contributes to the
+potential there with the harmonic measure 1/2 - asin(s) / pi, where s = (g - g') / (g + g').
 """
 
 import math
@@ -34,9 +34,8 @@ OWN_SIZES = np.sort(np.concatenate((8 * 2 ** np.arange(13), 24 * 2 ** np.arange(
 class ModeOptions:
     """Limits and tolerances of the numbers of modes."""
 
-    # Largest number of nodes of a zone. If its last coefficients are below `nearly_decayed` of the
-    # largest, a zone may have more, while the table of all zones has at most `memory_pairs`
-    # numbers.
+    # Largest number of nodes of a zone. A zone whose last coefficients have nearly decayed may have
+    # more, while the table of all zones has at most `memory_pairs` numbers.
     max_nodes: int = 8192
     # Coefficients below this fraction of the largest have nearly decayed. Those that have stopped
     # decreasing are noise only below it. Those of a kernel as rough as |x - xi| decrease to less
@@ -233,7 +232,7 @@ def sample(
     """Sample the right side on each zone, with nodes doubled until the coefficients have decayed.
 
     A symmetric set is sampled on its right half only. The decay is measured relative to the
-    coefficients of the smooth part or of the subtracted jumps, whichever are larger: under a wedge
+    coefficients of the smooth part or of the subtracted jumps, whichever are larger. Under a wedge,
     nothing but the round-off of the jumps remains. If only derivatives jump, the decay is measured
     relative to g itself, because the terms of the jumps may be much larger than their sum.
     """

@@ -315,8 +315,8 @@ class System(Rows):
     def _quadrature_tails(self) -> Array:
         """Quadrature error on each zone (Z,), relative, for a kernel that declares its length.
 
-        It is the size of the kernel's coefficient that Gauss's rule confuses with the highest mode,
-        extrapolated for x at both ends and in the middle of the zone.
+        Gauss's rule confuses one coefficient of the kernel with the highest mode. The error is the
+        size of this coefficient, extrapolated for x at both ends and in the middle of the zone.
         """
         zones, kernel, tails = self.zones, self.equation.kernel, np.zeros(len(self.zones))
         assert kernel.regular is not None

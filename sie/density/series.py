@@ -28,8 +28,8 @@ from sie.trees.skeleton import Skeleton
 class DensityOptions:
     """Places at which the response of a density to motions of the ends is evaluated."""
 
-    # Distance from a singular end or a kink, relative to the half width, within which no error of
-    # the density is stated: the error grows without bound there.
+    # No error of the density is stated closer to a singular end or a kink than this distance,
+    # relative to the half width. The error grows without bound there.
     end_distance: float = 0.01
     # Least number of angles at which the density of a zone is sampled, and largest number of kinks
     # next to which it is also sampled.
@@ -163,8 +163,8 @@ class Series(DensityBase):
                 for i, theta in zip(bent.tolist(), even, strict=True)
             ]
             out[1:] += bounded.largest_changes(bent, near_kinks)[1:]
-        # The singular part (alpha + beta t) / sqrt(1 - t^2) changes as well: with one fixed end,
-        # the load spreads over another width when the other end moves.
+        # The singular part (alpha + beta t) / sqrt(1 - t^2) changes as well. If one end is fixed
+        # and the other one moves, the load spreads over another width.
         alpha, beta = self.singular
         out[1:] += (np.abs(alpha) + np.abs(beta)) / interval.root_weight(
             OPTIONS.end_distance, 2 - OPTIONS.end_distance

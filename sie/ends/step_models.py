@@ -1,8 +1,8 @@
 """Newton's step of a free end whose intensity is not linear in its motion.
 
 The intensity K of an end is not linear close to a jump of the right side, or at a narrow gap. A
-jump J > 0 of the right side at distance r inside an end adds C / sqrt(r) to the edge slope A, with
-C = (J/pi) sqrt(2 l), where l is the distance of the jump from the other end in half widths. On the
+jump J > 0 of the right side at distance r inside an end adds C / sqrt(r) to the edge slope A. Here
+C is (J/pi) sqrt(2 l), with l the distance of the jump from the other end in half widths. On the
 scale of r, K is not linear in the motion of the end. Its nonlinear part is known, and the step
 delta solves
 
@@ -16,9 +16,9 @@ image (`jumps.exterior`). It adds 2 J / (pi sqrt(y)) to A and 2 J sqrt(y) / pi t
 moves outward past it. An end never moves inward past a logarithm with J < 0, because the density
 around it would have the wrong sign.
 
-On the scale of a gap |x| < c the intensities of its two ends are not linear in their motions, and
-the slope A by which Newton's method divides depends on K. There the density is that of a crack
-under the traction P_0 + P_1 x + P_2 x^2/2 that the merged zones would bear. Outside the gap
+On the scale of a gap |x| < c the intensities of its two ends are not linear in their motions. The
+slope A by which Newton's method divides depends on K. There the density is that of a crack under
+the traction P_0 + P_1 x + P_2 x^2/2 that the merged zones would bear. Outside the gap
 
     phi = |x| / sqrt(x^2 - c^2) (P_0 + P_2 (x^2 - c^2/2)/2)
           + sgn(x) P_1 (x^2 - c^2/2) / sqrt(x^2 - c^2).
@@ -69,10 +69,10 @@ def gap_steps(
     """(outward steps (2, Z), mask of the ends for which they are valid) at narrow gaps.
 
     A gap is narrow if it is narrower than both zones next to it. gaps, moves, k, slopes: values
-    (2, Z) at both ends of all zones. k is the intensity K less its target and slopes the edge slope
-    A, with signs so that a density of the right sign has A > 0, and K > 0 drives the end outward.
-    tips: None if the density has the same sign on both sides of a gap, else the heights J of the
-    logarithms in the gaps (2, Z).
+    (2, Z) at both ends of all zones. k is the intensity K less its target, and slopes is the edge slope
+    A. Signs are such that a density of the right sign has A > 0, and that K > 0 drives the end
+    outward. tips: None if the density has the same sign on both sides of a gap, else the heights J
+    of the logarithms in the gaps (2, Z).
     """
     alike = tips is None
     of_both = np.array([widths, widths])

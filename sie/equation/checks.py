@@ -1,9 +1,9 @@
 """Checks of a user's functions at a few points, made once before an equation is solved.
 
 Values must be real and of the right shape. A primitive must rise by the integral of its function,
-and so must the potential of a regular part. On symmetric zones the right side must be odd. Claims
-about a function are tested: that a regular kernel depends on x - xi only, that a weight is a
-polynomial, that a column has few modes.
+and so must the potential of a regular part. On symmetric zones the right side must be odd. Three
+claims about a function are tested. A regular kernel may claim to depend on x - xi only, a weight to
+be a polynomial, and a column to have few modes.
 """
 
 from collections.abc import Callable

@@ -18,7 +18,7 @@ class CoarseOptions:
     # other, which is a larger error.
     tolerance: float = 1e-4
     # An inverse is reused for moved zones while ends have moved by less than this number of widths
-    # in the mean, and none by more than one width.
+    # in the mean. No end may have moved by more than one width.
     kept_move: float = 0.1
 
 

@@ -19,7 +19,7 @@ HIGHEST = 2
 
 @dataclass(frozen=True)
 class JumpOptions:
-    """When jumps and singular points are treated in closed form, and when by their series."""
+    """Limits between the closed forms of jumps and singular points, and their series."""
 
     # Singular points outside a zone, within this many half widths of it, are treated in closed
     # form. The effect of farther ones is smooth on the zone. Insensitive: 0.3 to 1.

@@ -344,8 +344,8 @@ class ForcingJumps(PlacedJumps):
         """
         phi, s, q = self.phi, self.s, self.order
         sine, double = self.sine, np.sin(2 * phi)
-        # A jump of g itself is computed from its distance d from the nearer end, because close to
-        # the end the terms cancel and leave a result of the order d^(3/2).
+        # A jump of g itself is computed from its distance d from the nearer end. Close to the end
+        # the terms would cancel and leave a result of the order d^(3/2).
         near, angle = np.minimum(self.left, self.right), np.minimum(phi, self.psi)
         kink = (sine - angle * (1 - near)) / np.pi - 0.5 * near
         # Primitives of (t - s)_+^q at t = 1, and their means.

@@ -22,7 +22,7 @@ zone the transform and the potential of this density are
     (2/pi) int g sin(phi) arg(1 / (1 - rho e^(i phi))) dphi - rho g_0 - c_0 ln(2 |rho|),
 
 with g_0, c_0 the means of g and g cos(phi). As functions of phi, the other factors are singular at
-the ends of the zone only, so panels that double in length away from the ends resolve them. On each
+the ends of the zone only. Panels that double in length away from the ends resolve them. On each
 panel g enters through a few moments. So the integrals are sums over some hundred nodes, whatever
 the number of knots.
 
@@ -57,7 +57,7 @@ from sie.trees.tree import SEPARATION, TERMS
 
 @dataclass(frozen=True)
 class SplineOptions:
-    """When a spline replaces the jumps of a zone, and how finely it is integrated."""
+    """Numbers of jumps from which a spline replaces them, and the length of its series."""
 
     # From this number of jumps of g'' in a zone on, a spline replaces them. With fewer jumps, their
     # closed forms are faster.

@@ -1,7 +1,7 @@
 """Narrow gaps between zones as slits of wide zones.
 
 Consider two zones with a gap g between them. The series of either zone's density has a singularity
-at the near end of the other zone, so that it needs n ~ sqrt(width / g) modes. A wide zone therefore
+at the near end of the other zone. So it needs n ~ sqrt(width / g) modes. A wide zone therefore
 spans both zones and the gap, which becomes a *slit* of the wide zone. Without the share of the
 slit, the density on the wide zone is as smooth as the right side.
 
@@ -12,8 +12,8 @@ t^2), sigma = s X and z the slit's own coordinate from -1 to 1,
 
     X P[s] = (1/pi) PV int sigma / (t - tau) dtau,          T[P[s]] = -s on the zone.
 
-The condition phi = 0 on the slits is then a singular integral equation of the same kind for sigma =
-sum d_l T_l(z) / sqrt(1 - z^2) on each slit:
+On each slit let sigma be sum d_l T_l(z) / sqrt(1 - z^2). The condition phi = 0 on the slits is then
+a singular integral equation of the same kind for sigma:
 
     sum d_l U_(l-1)(z) = sum c_k T_k(t) + X (jumps) + (field of the zone's other slits),
     int sigma / X = 0.
@@ -46,7 +46,7 @@ from sie.slits.kinks import SlitKink
 
 @dataclass(frozen=True)
 class SlitOptions:
-    """When a gap is treated as a slit, and how its slack is expanded and solved for."""
+    """Widths below which a gap is treated as a slit, and the series and solution of its slack."""
 
     # Gaps narrower than this fraction of the wider adjacent zone may be slits.
     max_gap: float = 0.02

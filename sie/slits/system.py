@@ -492,8 +492,8 @@ class SlitState(Answered):
     def end_truncation(self) -> Array:
         """Truncation error of each moving end of the given zones, relative to the zone's width.
 
-        Shape (n, 2). An error of the intensity K moves an end by 2 K / A, where A is the
-        coefficient of sqrt(d) in the density at the distance d from the end.
+        Shape (n, 2). An error of the intensity K moves an end by 2 K / A. Here A is the edge slope,
+        the coefficient of sqrt(d) in the density at the distance d from the end.
         """
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)

@@ -1,11 +1,10 @@
 """Effect of round-off and truncation of the rows on the density and on the intensities.
 
-The round-off of each row of A y = b is that of the root of the sum of its terms' squares, because
-the round-off of different terms is independent. The intensities K are linear in the unknowns,
-K = C y, so one solve for X = A^-T C^T gives the effect of every row on every K. Levels are
-differences of large potentials and large heights (values of the primitive of g), and have the
-round-off of these. So a lightly loaded zone between heavy ones is affected by the round-off of all
-heights.
+The round-off of different terms is independent. So the round-off of each row of A y = b is that of
+the root of the sum of its terms' squares. The intensities K are linear in the unknowns, K = C y, so
+one solve for X = A^-T C^T gives the effect of every row on every K. Levels are differences of large
+potentials and large heights (values of the primitive of g), and have the round-off of these. So a
+lightly loaded zone between heavy ones is affected by the round-off of all heights.
 """
 
 import numpy as np
@@ -91,8 +90,8 @@ def _of_levels(state: Solved) -> Array | float:
         return 0.0
     w = zones.half
     # An error e of a level changes c_0 by e / (w log(w / 2R)), with the conformal radius R, and K
-    # by `edge_scale` times this. Neighbours that are not wider keep less of their level than the grounded
-    # half-lines for which R holds.
+    # by `edge_scale` times this. Neighbours that are not wider keep less of their level than the
+    # grounded half-lines for which R holds.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
     logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
     return np.asarray(zones.edge_scale * 2 * _level_noise(state) / (logarithm * 2 * w))

@@ -28,7 +28,7 @@ from sie.states.state import State, field_tails
 
 @dataclass(frozen=True)
 class SolveOptions:
-    """When fast sums replace a matrix, and the largest matrix."""
+    """Number of unknowns from which fast sums replace a matrix, and the largest matrix."""
 
     # From this number of unknowns on, fast sums cost less than a matrix (measured on one core).
     min_fast_unknowns: int = 600

@@ -17,9 +17,9 @@ from sie.states.rounding import density_rounding, intensity_rounding, truncation
 
 # max over t of |T_k / sqrt(1 - t^2) - its singular parts| is 0.73 k, near an end.
 _AT_ENDS = 0.73
-# Round-off of n coefficients, close to an end that moves so that the 1/sqrt(d) term vanishes: 0.42
-# n^1.5 times their mean size, which is a third of the largest. Here is half of this, 0.07 n^1.5;
-# `State.made_of` restores the other half.
+# Round-off of n coefficients close to an end that moves so that the 1/sqrt(d) term vanishes. It is
+# 0.42 n^1.5 times their mean size, and the mean size is a third of the largest. Here is half of
+# this, 0.07 n^1.5; `State.made_of` restores the other half.
 _OF_ROUNDING = 0.08
 # Points of every zone at which the residual is evaluated; none of them is a node.
 LOOKS = 15
@@ -92,10 +92,10 @@ class State(Solved):
         """Error of the density on each zone, divided by given sizes (Z,); 0 where a size is 0.
 
         It is the sum of three errors: the neglected coefficients, the residual between the nodes,
-        and the effect of truncation and round-off of all rows, which no residual shows. Without its
-        singularity, T_k / sqrt(1 - t^2) reaches 0.73 k close to an end, so an error of c_k counts
-        0.73 k times. Coefficients of one sign with the ratio `fall` near 1 add up within a distance
-        (1 - fall)^2 of the end only, where sqrt(1 - t^2) is about 1 - fall^2.
+        and the effect of truncation and round-off of all rows. No residual shows the last one.
+        Without its singularity, T_k / sqrt(1 - t^2) reaches 0.73 k close to an end, so an error of
+        c_k counts 0.73 k times. Coefficients of one sign with the ratio `fall` near 1 add up within
+        a distance (1 - fall)^2 of the end only, where sqrt(1 - t^2) is about 1 - fall^2.
         """
         zones, modes_of = self.density.zones, self.system.layout.m
         solved, sizes = zones.solved, np.where(sizes > 0.0, sizes, np.inf)

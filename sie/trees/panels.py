@@ -9,7 +9,7 @@ where d is the number of panels by which x lies to the right of xi. The coeffici
 K^(d) for each lag d. The moments of a panel are sum_q w_q T_l(tau_q), over the quadrature nodes of
 the zones on it. The field at points follows from the moments by series on the panels, in time
 linear in zones and points. A kernel that does not depend on x - xi alone is treated by a skeleton
-instead, so that it is called for positions on zones only.
+instead. It is then called for positions on zones only.
 """
 
 from __future__ import annotations

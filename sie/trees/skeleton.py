@@ -31,8 +31,8 @@ class SkeletonOptions:
 
     # Largest accepted error at other positions, relative to the largest value of the kernel.
     max_error: float = 1e-12
-    # Numbers of nodes on each zone that are tried in turn to find the number of modes of the kernel
-    # there, and numbers of positions that are tried for the skeleton.
+    # Numbers of nodes on each zone that are tried in turn, until one shows the number of modes of
+    # the kernel there. They are also the numbers of positions that are tried for the skeleton.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
     # Number of positions of the skeleton at which these coefficients are computed.
     sampled_places: int = 8
