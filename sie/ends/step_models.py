@@ -69,10 +69,10 @@ def gap_steps(
     """(outward steps (2, Z), mask of the ends for which they are valid) at narrow gaps.
 
     A gap is narrow if it is narrower than both zones next to it. gaps, moves, k, slopes: values
-    (2, Z) at both ends of all zones. k is the intensity K less its target, and slopes is the edge slope
-    A. Signs are such that a density of the right sign has A > 0, and that K > 0 drives the end
-    outward. tips: None if the density has the same sign on both sides of a gap, else the heights J
-    of the logarithms in the gaps (2, Z).
+    (2, Z) at both ends of all zones. k is the intensity K less its target, and slopes is the edge
+    slope A. Signs are such that a density of the right sign has A > 0, and that K > 0 drives the
+    end outward. tips: None if the density has the same sign on both sides of a gap, else the
+    heights J of the logarithms in the gaps (2, Z).
     """
     alike = tips is None
     of_both = np.array([widths, widths])

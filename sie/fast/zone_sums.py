@@ -2,8 +2,8 @@
 
 Outside a zone its field depends on the moments M_l = (1/pi) int phi T_l dxi of its density phi
 alone. With the half width w and the coefficients c_l of the density, M_0 = w c_0 and
-M_l = w c_l / 2. A node of the tree is a group of zones, treated as one zone that covers them all. Its field
-follows in the same way from its moments (`sie.basis.interval`).
+M_l = w c_l / 2. A node of the tree is a group of zones, treated as one zone that covers them all.
+Its field follows in the same way from its moments (`sie.basis.interval`).
 
 Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s). The
 same matrix A takes the Chebyshev series of the far field from a parent to its children. Of the

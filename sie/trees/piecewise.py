@@ -2,10 +2,10 @@
 
 The transform is (1/pi) PV int f(xi) K(x - xi) dxi. A jump J of f'' at s adds the term
 (J/2 pi) (x - s)^2 ln|x - s| to it. A jump of f' adds the term (J/pi) (x - s) ln|x - s|. The line is
-cut into cells: the pieces of f, halved where more than a few jumps are near. On a cell the terms of the near
-jumps are evaluated in closed form. The rest is analytic, and a Chebyshev series represents it. The
-series is computed once, from a fast sum over the pieces (`sie.trees.far`) and from closed forms of
-the pieces near the cell,
+cut into cells: the pieces of f, halved where more than a few jumps are near. On a cell the terms of
+the near jumps are evaluated in closed form. The rest is analytic, and a Chebyshev series represents
+it. The series is computed once, from a fast sum over the pieces (`sie.trees.far`) and from closed
+forms of the pieces near the cell,
 
     int_-1^1 (p_0 + p_1 u + p_2 u^2) / (z - u) du
         = (p_0 + p_1 z + p_2 z^2) ln|(z + 1)/(z - 1)| - 2 p_1 - 2 p_2 z.
