@@ -3,11 +3,11 @@
 The equation is solved on given zones. At distance d from an end the density is
 K / sqrt(d) + A sqrt(d), with the intensity K and the edge slope A. At the solution K is the
 prescribed intensity. Let the prescribed intensities be zero. Then an outward motion delta_i of end
-i changes K_i by -(A_i / 2) delta_i and no other K. The reason is that, to first order, the motion of an end adds nothing
-singular to a bounded density. So delta = 2 K / A is a Newton step that costs one linear solve. A
-condition on the ends alone (their total width) borders this diagonal Jacobian. If an intensity
-other than zero is prescribed, the change of the density is d^(-3/2)-singular and couples all ends
-(see `motions`).
+i changes K_i by -(A_i / 2) delta_i and no other K. The reason is that, to first order, the motion
+of an end adds nothing singular to a bounded density. So delta = 2 K / A is a Newton step that costs
+one linear solve. A condition on the ends alone (their total width) borders this diagonal Jacobian.
+If an intensity other than zero is prescribed, the change of the density is d^(-3/2)-singular and
+couples all ends (see `motions`).
 """
 
 from dataclasses import dataclass, field, replace
