@@ -100,10 +100,9 @@ class Iterative:
 
         plain = self.preconditioner(right) if near is None else near
         scale = self.scale_of(plain)
-        # The norm adds up the errors of all zones. For the same error in each, it grows with the
-        # root of their number.
-        wanted = self.tolerance if tolerance is None else tolerance
-        wanted = max(wanted, 4 * EPS) * math.sqrt(len(self.system.zones.solved))
+        # The norm adds up the round-off of all zones.
+        rounding = 4 * EPS * math.sqrt(len(self.system.zones.solved))
+        wanted = max(self.tolerance if tolerance is None else tolerance, rounding)
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
         before = float(norm(left_over))
