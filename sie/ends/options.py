@@ -65,7 +65,8 @@ class NewtonOptions:
         zone keeps the given total however narrow it is. So it has vanished only if half of all
         digits of this fraction are lost.
     insistent_steps : int
-        A zone has vanished if the undamped steps would remove it this number of times in a row.
+        A zone, or a gap as narrow as a slit, has vanished if the undamped steps would remove it
+        this number of times in a row.
 
     Examples
     --------

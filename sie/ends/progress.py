@@ -8,6 +8,7 @@ from sie.basis.data import HALF_DIGITS, Array, Index, Mask, record
 from sie.basis.zones import Zones
 from sie.ends.options import NewtonOptions
 from sie.ends.steps import Branch, NewtonStep
+from sie.slits.slits import OPTIONS as SLITS
 
 
 @record
@@ -192,9 +193,12 @@ class Progress:
             # The search continues without it, and also without others that would vanish soon.
             insists = self.leaving >= 2
         narrowest = np.minimum(width, self.first_width)
-        closed = gaps < options.vanished_part * np.minimum(self.first_gap, narrowest)
-        if options.allow_loss:
-            closed |= self.closing >= 2
+        closed = self.closing >= 2
+        if not options.allow_loss:
+            # Only a gap that is as narrow as a slit is given up, since another search follows.
+            narrow = gaps < SLITS.max_gap * narrowest
+            closed = (self.closing >= options.insistent_steps) & narrow
+        closed |= gaps < options.vanished_part * np.minimum(self.first_gap, narrowest)
         return np.flatnonzero(gone | insists), np.flatnonzero(closed)
 
     @property
