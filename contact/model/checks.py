@@ -14,7 +14,8 @@ from sie import Array
 
 
 def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:
-    """A finite number with a property; bool, str, None, complex and arrays are refused.
+    """Return a finite number if it has the property `holds`; bool, str, None, complex and arrays
+    are refused.
 
     holds: the property; allowed: the same in words.
     """
@@ -32,12 +33,12 @@ def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -
 
 
 def finite(field: str, value: Any, allowed: str = "a finite real number") -> float:
-    """A finite real number as a float."""
+    """Return a finite real number as a float."""
     return such(field, value, allowed, isfinite)
 
 
 def as_array(value: Any) -> NDArray[Any]:
-    """The given value as an array; a ragged list becomes an array of objects."""
+    """Return the value as an array; a ragged list becomes an array of objects."""
     try:
         return np.asarray(value)
     except (TypeError, ValueError):
@@ -59,23 +60,23 @@ def of_author(what: str, field: str, given: str = "", hint: str = "") -> Iterato
 
 
 def positive(field: str, value: Any) -> float:
-    """A finite number > 0."""
+    """Return a finite number > 0."""
     return such(field, value, "a finite number > 0", lambda number: number > 0)
 
 
 def keep(part: Any, check: Callable[[str, Any], Any], *names: str) -> None:
-    """Check fields of a frozen part and store them in their plain types."""
+    """Check the fields `names` of a frozen object and store their values in plain types."""
     for name in names:
         object.__setattr__(part, name, check(name, getattr(part, name)))
 
 
 def non_negative(field: str, value: Any) -> float:
-    """A finite number >= 0."""
+    """Return a finite number >= 0."""
     return such(field, value, "a finite number >= 0", lambda number: number >= 0)
 
 
 def between(field: str, value: Any, low: float, high: float) -> float:
-    """A finite number strictly between low and high."""
+    """Return a finite number strictly between low and high."""
     return such(
         field,
         value,
@@ -85,38 +86,38 @@ def between(field: str, value: Any, low: float, high: float) -> float:
 
 
 def poisson_ratio(field: str, value: Any) -> float:
-    """The Poisson ratio of a stable body: above -1 and at most 0.5."""
+    """Return the Poisson ratio of a stable body: above -1 and at most 0.5."""
     return such(
         field, value, "a Poisson ratio, more than -1 and at most 0.5", lambda nu: -1.0 < nu <= 0.5
     )
 
 
 def positive_or_none(field: str, value: Any) -> float | None:
-    """A finite number > 0, or None (left out)."""
+    """Return a finite number > 0, or None (left out)."""
     return None if value is None else positive(field, value)
 
 
 def finite_or_none(field: str, value: Any) -> float | None:
-    """A finite number, or None (left out)."""
+    """Return a finite number, or None (left out)."""
     return None if value is None else finite(field, value)
 
 
 def integer(field: str, value: Any, least: int = 0) -> int:
-    """A whole number >= least; 2.0 is refused, as is True."""
+    """Return a whole number >= least. The float 2.0 and the bool True are refused."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, Integral) or value < least:
         raise SceneError.of(field, value, f"a whole number >= {least}")
     return int(value)
 
 
 def text(field: str, value: Any) -> str:
-    """A non-empty string."""
+    """Return a non-empty string."""
     if not isinstance(value, str) or not value:
         raise SceneError.of(field, value, "a non-empty string")
     return value
 
 
 def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
-    """One of the given strings; otherwise the message names the nearest of them."""
+    """Return one of the given strings; otherwise the message names the nearest of them."""
     known = tuple(choices)
     if not isinstance(value, str) or value not in known:
         raise SceneError.unknown(field, value, known)
@@ -124,7 +125,7 @@ def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
 
 
 def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -> Array:
-    """A read-only float copy of finite real numbers.
+    """Return a read-only float copy of an array of finite real numbers.
 
     There are at least `least` of them, with `ndim` axes (None: any number).
     """
@@ -156,7 +157,7 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
 
 
 def real(field: str, value: Any) -> Array:
-    """Real numbers of any shape as floats; infinite ones become NaN."""
+    """Return real numbers of any shape as floats; infinite ones become NaN."""
     raw = as_array(value)
     if raw.dtype.kind not in "iuf" and raw.size:
         raise SceneError.of(field, value, f"real numbers, of any shape (got type {raw.dtype})")
@@ -165,7 +166,9 @@ def real(field: str, value: Any) -> Array:
 
 
 def increasing(field: str, value: Any, least: int = 1) -> Array:
-    """A finite one-dimensional array, strictly increasing; a fault names the first wrong place."""
+    """Return a strictly increasing, finite, one-dimensional array; a SceneError names the first
+    place that violates this.
+    """
     array = finite_array(field, value, 1, least)
     wrong = np.flatnonzero(np.diff(array) <= 0)
     if wrong.size:

@@ -30,7 +30,7 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class LineLoadOptions:
-    """Series and panels of the smooth part; with them it is accurate to rounding.
+    """Options for the smooth part of a kernel: Chebyshev series on panels, accurate to rounding.
 
     nodes: terms of the Chebyshev series in a panel of r, and nodes of Gauss's rule in a panel of q.
         They resolve a phase q r of half their number.
@@ -42,13 +42,15 @@ class LineLoadOptions:
 
 
 OPTIONS = LineLoadOptions()
-# Halvings of panels of q from the shortest wave to the longest, and doublings of panels of r.
+# Number of halvings from the largest wavenumber to the smallest. Panels of q halve and panels of r
+# double this often.
 _HALVINGS = int(np.log2(WAVES.max() / WAVES.min()))
 
 
 @record
 class SmoothPart:
-    """m, M and N as functions of the distance r [m].
+    """The smooth part m of a line load's kernel, its primitive M and the primitive N of M, as
+    functions of the distance r [m].
 
     first: end of the first panel [m]; the next ones double in width. m, M, N: Chebyshev
     coefficients (panels, terms), with lengths in units of `first`. limit: r m beyond the last
@@ -66,14 +68,17 @@ class SmoothPart:
 
     @classmethod
     def of(cls, symbol: Symbol, grounded: bool) -> SmoothPart:
-        """The smooth part for a symbol of q [1/m]; grounded: whether the body has a base."""
+        """The smooth part for a symbol L(q), q in 1/m, of a body with a base (`grounded`) or
+        without.
+        """
         top = _shortest(symbol)
         if top is None:
             zero = np.zeros((1, OPTIONS.nodes))
             return cls(1.0, zero, zero, zero, 0.0, None, np.inf)
         first = 0.5 * OPTIONS.nodes / top
         integral = _integral(symbol, top)
-        # r m(r) settles for r above the inverse of the wave at which L reaches its long-wave limit.
+        # r m(r) is constant once r is well above 1/q, where q is the wavenumber [1/m] below which
+        # L(q) has its long-wave limit.
         slow = _longest(symbol)
         panels: list[Array] = []
         lo, hi, limit = 0.0, first, 0.0
@@ -95,7 +100,7 @@ class SmoothPart:
         M = _integrated(m, half)
         M[:, 0] += start - _at_end(M) if grounded else 0.0
         N = _integrated(M, half)
-        # L - 1 falls about as exp(-q length).
+        # As a function of the wavenumber q, L - 1 decreases about as exp(-q length).
         return cls(first, m, M, N, limit, first if grounded else None, -np.log(EPS) / top)
 
     @property
@@ -103,7 +108,7 @@ class SmoothPart:
         return not self.m.any()
 
     def value(self, r: Array) -> Array:
-        """m(r), the smooth part of the kernel [1/m]."""
+        """m(r), the smooth part of the kernel [1/m], at distances r [m]."""
         t = np.abs(r) / self.first
         inner = _summed(self.m, t)
         with np.errstate(divide="ignore"):
@@ -111,7 +116,9 @@ class SmoothPart:
         return np.asarray(np.sign(r) * out / self.first)
 
     def potential(self, r: Array) -> Array:
-        """M(r); on a body with a base it goes with ln(r / scale)."""
+        """M(r), the primitive of the kernel's smooth part m. On a body with a base, ln(r / scale)
+        + M(r) is the potential.
+        """
         t = np.abs(r) / self.first
         out = _summed(self.M, t)
         far = t > self._end
@@ -120,7 +127,7 @@ class SmoothPart:
         )
 
     def primitive(self, r: Array) -> Array:
-        """N(r) = int_0^r M [m]."""
+        """N(r) = int_0^r M [m], the second primitive of the kernel's smooth part m."""
         t = np.abs(r) / self.first
         end, x = self._end, np.maximum(t / self._end, 1.0)
         beyond = end * ((x - 1) * _at_end(self.M) + self.limit * (x * np.log(x) - x + 1))
@@ -128,14 +135,15 @@ class SmoothPart:
 
     @property
     def _end(self) -> float:
-        """End of the last panel in units of `first`."""
+        """End of the last panel, in units of the first panel's length `first`."""
         return float(2.0 ** (len(self.m) - 1))
 
 
 def _shortest(symbol: Symbol) -> float | None:
-    """The wave [1/m] above which L = 1; None if L = 1 everywhere."""
+    """The wavenumber [1/m] above which the symbol L is 1; None if L = 1 everywhere."""
     deviation = np.abs(np.asarray(symbol(WAVES)) - 1)
-    # The shortest waves show the rounding of L.
+    # At the largest wavenumbers L is 1, so that its deviation from 1 there shows its rounding
+    # error.
     level = max(EPS, 4 * float(deviation[-8:].max()))
     seen = np.flatnonzero(deviation > level)
     if len(seen) == 0:
@@ -146,15 +154,16 @@ def _shortest(symbol: Symbol) -> float | None:
 
 
 def _longest(symbol: Symbol) -> float:
-    """The wave [1/m] below which L is constant."""
+    """The wavenumber [1/m] below which the symbol L is nearly constant."""
     values = np.asarray(symbol(WAVES))
     changes = np.flatnonzero(np.abs(values - values[0]) > 1e-3 * np.abs(values - 1).max())
     return float(WAVES[max(changes[0] - 1, 0)])
 
 
 def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
-    """The function m(r) of distances r [m], by quadrature."""
-    # A compliance that grows without bound has no limit to subtract.
+    """A function that computes the kernel's smooth part m(r) at distances r [m] by quadrature."""
+    # The long-wave limit of L is subtracted. If L grows without bound there, it has no limit, and 1
+    # is subtracted.
     first, next_ = np.asarray(symbol(WAVES[:2]))
     base = float(first) if abs(next_ - first) <= 1e-3 * abs(first) or first < 1 else 1.0
     edges = np.concatenate(([0.0], top * 2.0 ** np.arange(-_HALVINGS, 1.0)))
@@ -180,8 +189,8 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
             out[near] = np.sin(r[near, None] * q) @ weighted
         if not near.all():
             far = r[~near, None]
-            # The integral of the sine alone is 1. The sum is over L less its limit, which vanishes
-            # far away.
+            # int_0^inf sin x dx is taken as 1 (its Abel sum). The sum over L less its long-wave
+            # limit vanishes for large r.
             out[~near] = (
                 base - 1 + (np.asarray(symbol(_OOURA / far)) - base) @ _OOURA_WEIGHTS
             ) / far[:, 0]
@@ -191,7 +200,7 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
 
 
 def _ooura_mori(density: float = 40.0, reach: float = 7.0) -> tuple[Array, Array]:
-    """Nodes x and weights w of int_0^inf f(x) sin x dx = sum w f(x), by Ooura and Mori.
+    """Nodes x and weights w for int_0^inf f(x) sin x dx = sum w f(x), by Ooura and Mori (1999).
 
     density: half the number of nodes in a unit of their variable. reach: where the sum ends.
     """
@@ -206,15 +215,16 @@ def _ooura_mori(density: float = 40.0, reach: float = 7.0) -> tuple[Array, Array
         below = -np.expm1(exponent)
         phi = t / below
         slope = 1 / below + t * grown * rate / below**2
-    # Limits at t = 0.
+    # At t = 0 the function phi and its slope are 0/0: their limits are set here.
     zero = np.abs(t) < 1e-12
     first, second = 2 + alpha + beta, (alpha - beta)
     phi[zero], slope[zero] = 1 / first, 0.5 * (1 + second / first**2)
-    # phi is 0 if the exponential overflows.
+    # If the exponential overflows, phi and its slope are set to their limit 0.
     tiny = ~np.isfinite(phi) | ~np.isfinite(slope)
     phi[tiny], slope[tiny] = 0.0, 0.0
     x = density * phi
-    # For t > 0 nodes tend to multiples of pi; the sine is that of the small difference.
+    # For t > 0 the nodes tend to multiples of pi. The sine there is computed from the small
+    # distance of a node to its multiple of pi.
     n = np.rint(t / h)
     left = density * np.where(t > 0, t * grown / np.where(t > 0, below, 1.0), 0.0)
     sine = np.where(t > 0, np.cos(np.pi * n) * np.sin(left), np.sin(x))
@@ -227,7 +237,9 @@ _OOURA, _OOURA_WEIGHTS = _ooura_mori()
 
 
 def _chebyshev_transform(terms: int) -> tuple[Array, Array]:
-    """Chebyshev nodes on (-1, 1), and the matrix from values at them to coefficients."""
+    """Chebyshev nodes on (-1, 1), and the matrix that maps function values at these nodes to
+    Chebyshev coefficients.
+    """
     angles = (np.arange(terms) + 0.5) * np.pi / terms
     matrix = 2 / terms * np.cos(np.arange(terms)[:, None] * angles)
     matrix[0] *= 0.5
@@ -238,7 +250,7 @@ _POINTS, _TO_SERIES = _chebyshev_transform(OPTIONS.nodes)
 
 
 def _integrated(series: Array, half: Array) -> Array:
-    """Series of the integral from 0 of a function given by series on panels."""
+    """Chebyshev series, on each panel, of the integral from 0 of a function given by its series."""
     out, before = np.empty((len(series), series.shape[1] + 1)), 0.0
     for k, (row, width) in enumerate(zip(series, half, strict=True)):
         out[k] = width * np.polynomial.chebyshev.chebint(row, lbnd=-1)
@@ -252,7 +264,7 @@ def _at_end(series: Array) -> float:
 
 
 def _summed(series: Array, t: Array) -> Array:
-    """The series at t >= 0, in units of the first panel; constant beyond the last one."""
+    """The sum of the series at t >= 0, in units of the first panel; constant after the last panel."""
     panels = len(series)
     end = 2.0 ** (panels - 1)
     out = np.full(np.shape(t), _at_end(series))

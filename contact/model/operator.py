@@ -50,13 +50,13 @@ from sie import Array, record
 
 Potential = Callable[[Array, Array], Array]
 Symbol = Callable[[Array], Array]
-# A function of lags and of the width of a cell.
+# A smooth potential as a function of the distances x - xi [m] and of the width of a grid cell [m].
 Rest = Callable[[Array, float], Array]
 
 
 @dataclass(frozen=True)
 class OperatorOptions:
-    """Samples of the kernel of a user's interaction, from which the grid's operator is made."""
+    """Options for averaging a kernel over the cells of a grid."""
 
     near_cells: float = 4.5  # cell widths: nearer to the source the kernel is averaged over a cell
 
@@ -66,7 +66,8 @@ _OPTIONS = OperatorOptions()
 
 @record
 class Operator(sie.Kept):
-    """The operator of an interaction on a substrate.
+    """The elastic operator: the effect of a pressure on the surface, for an interaction and a
+    substrate.
 
     period: of the solution [m]; None where nothing repeats.
     """
@@ -77,7 +78,9 @@ class Operator(sie.Kept):
 
     @property
     def is_periodic(self) -> bool:
-        """Whether all periods act, so that harmonics remain harmonics."""
+        """Whether the pressure of all periods acts, so that a harmonic pressure gives a harmonic
+        displacement.
+        """
         return self.period is not None and not self.interaction.strip
 
     @property
@@ -91,7 +94,7 @@ class Operator(sie.Kept):
 
     @cached_property
     def symbol(self) -> Symbol | None:
-        """L as a function of q [1/m]; None for an own kernel without a symbol."""
+        """The symbol L(q), q in 1/m; None if the interaction gives a kernel without a symbol."""
         if not self.is_own:
             return self.substrate.symbol
         return self.interaction.symbol if self._overrides("symbol") else None
@@ -102,7 +105,9 @@ class Operator(sie.Kept):
 
     @cached_property
     def excess(self) -> Array | None:
-        """L_n - 1 of the harmonics up to the last that is not 0; None without a symbol."""
+        """L_n - 1, with L_n the symbol at the harmonic n of the period, up to the last value that
+        is not zero. None without a symbol.
+        """
         if not self.is_periodic or self.symbol is None:
             return None
         assert self.period is not None
@@ -110,7 +115,7 @@ class Operator(sie.Kept):
 
     @property
     def has_inverse(self) -> bool:
-        """Whether the pressure follows from a given displacement.
+        """Whether the pressure can be computed from a given displacement.
 
         If so, there are full contact and the gap formulation.
         """
@@ -118,17 +123,19 @@ class Operator(sie.Kept):
 
     @cached_property
     def inverse_excess(self) -> Array | None:
-        """1 / L_n - 1, the same for the inverse operator."""
+        """1 / L_n - 1 for the inverse operator, with L_n the symbol at the harmonic n of the
+        period.
+        """
         return None if self.excess is None else np.asarray(-self.excess / (1 + self.excess))
 
     @property
     def is_half_plane(self) -> bool:
-        """Whether L = 1 and a uniform pressure displaces nothing."""
+        """Whether the symbol L is 1 and a uniform pressure causes no displacement."""
         return self.excess is not None and len(self.excess) == 0 and not self.compression
 
     @cached_property
     def is_plain(self) -> bool:
-        """Whether the kernel is that of half-plane sources only."""
+        """Whether the kernel is that of line loads on a half-plane, without any further part."""
         if self.is_own:
             return self.interaction.strip or self.rest is None
         return self.compression is None and (
@@ -137,7 +144,9 @@ class Operator(sie.Kept):
 
     @property
     def compression(self) -> float | None:
-        """Displacement by a uniform pressure p, over 2 p / E* [m]; None if it is not counted."""
+        """Displacement under a uniform pressure p, divided by 2 p / E* [m]. None if it is not
+        counted.
+        """
         return None if self.is_own else self.substrate.compression
 
     @property
@@ -155,19 +164,21 @@ class Operator(sie.Kept):
 
     @property
     def datum(self) -> float | None:
-        """Length in the logarithm of a line load's displacement [m]; None without an approach.
+        """Distance at which the displacement by a line load is zero [m]; None without an approach.
 
         It is for bodies that do not repeat.
         """
         return self.smooth_part.scale if self.compression is not None else self.interaction.datum
 
     def inverse_kernel(self, unit: float) -> sie.Kernel:
-        """The kernel of symbol 1 / L in scaled lengths, for the slope of the gap."""
+        """The kernel that has the symbol 1 / L, in scaled lengths; its unknown is the slope of the
+        gap.
+        """
         assert self.period is not None and self.inverse_excess is not None
         return kernel_of(self.inverse_excess, self.period / unit)
 
     def kernel(self, unit: float) -> sie.Kernel:
-        """The kernel in scaled lengths.
+        """The kernel of the interaction on the substrate, in scaled lengths.
 
         If all periods act, the mean of its potential is that of the compression only.
         """
@@ -189,7 +200,7 @@ class Operator(sie.Kept):
         )
 
     def _line_kernel(self, period: float | None, unit: float) -> sie.Kernel:
-        """1/r and the smooth part of a line load, with the images of a strip.
+        """The kernel 1/r and the smooth part of a line load, repeated for the images of a strip.
 
         The potential vanishes at the datum, or far away on a body with a base.
         """
@@ -234,12 +245,14 @@ class Operator(sie.Kept):
                 kernel,
                 "a sie.Kernel, such as sie.hilbert(period) + sie.Smooth(...)",
             )
-        # The kernel depends on the lag only; that was checked with the scene.
+        # The kernel depends on the difference x - xi only: this was checked when the scene was
+        # made.
         kernel = replace(kernel, of_lag=True)
         if not self.is_periodic or kernel.regular_potential is None or self.is_half_plane:
             return kernel
         assert period is not None
-        # The potential of Hilbert's kernel has mean 0 over a period.
+        # The mean of the potential over a period is subtracted: it is zero for Hilbert's kernel,
+        # too.
         mean = float(
             _smooth_rest(
                 kernel, period, period * (np.arange(SYMBOLS.harmonics) + 0.5) / SYMBOLS.harmonics
@@ -251,11 +264,11 @@ class Operator(sie.Kept):
 
     @property
     def own_columns(self) -> bool:
-        """Whether the interaction gives its own columns, of which nothing is known."""
+        """Whether the interaction defines its own terms of unknown amplitude on the right side."""
         return self._overrides("columns") or self._overrides("placed_columns")
 
     def columns(self, centre: float, unit: float, scaled: Scaled) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with unknown amplitudes, scaled.
+        """Terms of the right side with unknown amplitudes, in scaled lengths.
 
         centre: of the strip.
         """
@@ -274,7 +287,9 @@ class Operator(sie.Kept):
         )
 
     def multiplier(self, q: Array) -> Array:
-        """L of the first harmonics q of the period, from the symbol or from the kernel."""
+        """The symbol L at the first wavenumbers q [1/m] of the period, taken from the symbol or
+        the kernel.
+        """
         assert self.period is not None
         if self.symbol is not None:
             return checked(self.symbol, q, self._named)
@@ -289,7 +304,8 @@ class Operator(sie.Kept):
 
     @cached_property
     def rest(self) -> Rest | None:
-        """Potential of the lag x - xi [m] without half-plane sources, averaged over cells.
+        """The potential at x - xi [m] less that of half-plane sources, averaged over cells of a
+        grid.
 
         None if there is nothing else, and for a strip.
         """
@@ -314,7 +330,7 @@ class Operator(sie.Kept):
 
     @cached_property
     def strip_rest(self) -> Rest | None:
-        """The same for a strip and its images, up to a constant; None on a half-plane."""
+        """The smooth potential of a strip and its images, up to a constant; None on a half-plane."""
         if self.is_own or self.smooth_part.is_zero:
             return None
         return partial(_cells, self.smooth_part.primitive, self.kernel(1.0).poles, 0.0)
@@ -328,14 +344,14 @@ def _lines(
     x: Array,
     xi: Array,
 ) -> Array:
-    """factor * sum of a function at x - xi - s [m] over poles s."""
+    """The sum of a function `of` at the lengths x - xi - s [m] over all poles s, times a factor."""
     lag = x - xi
     total = sum((of((lag - pole) * unit) for pole in poles), np.zeros(np.shape(lag)))
     return np.asarray(factor * total)
 
 
 def _plus_constant(of: Callable[[Array], Array], constant: float, r: Array) -> Array:
-    """A function of the distance plus a constant."""
+    """The sum of a function `of` at the distance r and a constant."""
     return np.asarray(of(r) + constant)
 
 
@@ -346,7 +362,8 @@ def _cells(
     lag: Array,
     width: float,
 ) -> Array:
-    """Mean of a potential over a cell around the lag [m], by its primitive, summed over images.
+    """Mean of a potential over a cell around the distance `lag` [m], from the potential's
+    primitive, summed over all images.
 
     Cells may be wider than the length on which it varies.
     """
@@ -358,16 +375,19 @@ def _cells(
 
 
 def _less_constant(potential: Potential, by: float, x: Array, xi: Array) -> Array:
-    """A potential less a constant."""
+    """A potential minus the constant `by`."""
     return np.asarray(potential(x, xi) - by)
 
 
 def _rest(kernel: sie.Kernel, period: float | None, lag: Array, width: float = 0.0) -> Array:
-    """The potential of a kernel less that of half-plane sources, at lags or averaged over cells."""
+    """The potential of a kernel minus that of half-plane sources, at distances `lag` or averaged
+    over cells of this width around them.
+    """
     found = _smooth_rest(kernel, period, lag)
     near = np.flatnonzero(np.abs(lag) < _OPTIONS.near_cells * width)
     if len(near):
-        # If the source is less than a cell deep, the middle of the cell does not represent it.
+        # A source may lie less than a cell below the surface. Then the value at the middle of a
+        # cell does not represent the cell.
         places, weights = _crowded_nodes()
         found[near] = (
             _smooth_rest(kernel, period, (lag[near][:, None] + width * places).ravel()).reshape(
@@ -387,16 +407,18 @@ def _smooth_rest(kernel: sie.Kernel, period: float | None, lag: Array) -> Array:
 
 @cache
 def _crowded_nodes() -> tuple[Array, Array]:
-    """Places and weights in a cell around 0 of width 1, ever closer towards its middle."""
+    """Quadrature nodes and weights on (-1/2, 1/2); the nodes are dense near 0."""
     node, weight = np.polynomial.legendre.leggauss(LINE_LOADS.nodes)
-    # The cube crowds the nodes at the middle, where the potential may vary as a logarithm.
+    # The cube makes the nodes dense at the middle, where the potential may vary as a logarithm.
     u = 0.5 * (1 + node)
     places, weights = 0.5 * u**3, 0.75 * weight * u**2
     return np.concatenate((-places, places)), np.concatenate((weights, weights))
 
 
 def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
-    """Lambda(lag) - ln|lag|, less the constant of the datum for a single body."""
+    """The smooth part of a kernel's potential Lambda: Lambda(lag) - ln|lag|. Without a period,
+    ln(datum) is added.
+    """
     out = np.zeros(np.shape(lag))
     if kernel.period is not None:
         out -= np.log(kernel.datum)
@@ -409,7 +431,7 @@ def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
 
 @record
 class BeyondStrip:
-    """The term of a unit of nominal pressure outside a strip, scaled.
+    """The term of the right side for a unit nominal pressure outside a strip, in scaled lengths.
 
     half: half width of the strip. unit: of lengths [m], for the smooth part and the compression.
     """
@@ -422,8 +444,8 @@ class BeyondStrip:
     compression: float | None
 
     def slope(self, x: Array) -> Array:
-        # During Newton steps zones may cross the border of the strip, where the term must stay
-        # finite.
+        # During Newton steps, zones may extend over the border of the strip: the term must stay
+        # finite there.
         y, inside = x - self.centre, 1 - 4 * np.finfo(np.float64).eps
         out = 2 / np.pi * np.arctanh(np.clip(y / self.half, -inside, inside))
         if not self.smooth.is_zero:
@@ -436,8 +458,8 @@ class BeyondStrip:
 
     def height(self, x: Array) -> Array:
         half, smooth, unit = self.half, self.smooth, self.unit
-        # Length at which a line load causes no displacement; on a body with a base it is in
-        # `smooth`.
+        # The distance at which a line load causes no displacement. On a body with a base, `smooth`
+        # gives this distance.
         length = self.period if smooth.scale is None else smooth.scale / unit
         before, after = half + (x - self.centre), half - (x - self.centre)
         total = length * (_entropy(before / length) + _entropy(after / length)) - 2 * half
@@ -456,6 +478,6 @@ class BeyondStrip:
 
 
 def _entropy(x: Array) -> Array:
-    """x ln x, and 0 at x = 0."""
+    """x ln x for x > 0, and 0 for x <= 0."""
     x = np.maximum(x, 0.0)
     return np.asarray(scipy.special.xlogy(x, x))

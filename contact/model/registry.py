@@ -20,7 +20,7 @@ C = TypeVar("C", bound=type)
 
 
 class Named:
-    """Base of the parts of a scene; it gives a name to each class.
+    """Base of the parts of a scene; it gives each class a `name`.
 
     The name is the registered one, else the class's own attribute `name`, else the name of the
     class.
@@ -51,7 +51,7 @@ class Registry:
         self._plugins_loaded = False
 
     def register(self, name: str) -> Callable[[C], C]:
-        """Class decorator that sets `cls.name` and makes the class known under it."""
+        """Return a class decorator that sets `cls.name` and registers the class under this name."""
         if not isinstance(name, str) or not name.strip():
             raise SceneError.of(f"{self.kind} name", name, "a non-empty string")
 
@@ -77,11 +77,12 @@ class Registry:
         self._classes[name] = cls
 
     def forget(self, name: str) -> None:
-        """Remove a name, for tests and for running a notebook cell twice."""
+        """Remove a name from the registry, for tests and for running a notebook cell twice."""
         self._classes.pop(name, None)
 
     def find(self, name: str, key: str | None = None) -> Any:
-        """The class of a name; otherwise a SceneError with the nearest known name.
+        """The class registered under a name. For an unknown name, SceneError names the nearest
+        known one.
 
         key: under which the name was written.
         """
@@ -103,8 +104,8 @@ class Registry:
         for point in entry_points(self.group):
             try:
                 cls = point.load()
-                # Loading a module runs its decorators; a class without one gets the entry point's
-                # name.
+                # Loading a module runs its decorators. A class without a decorator gets the name of
+                # its entry point.
                 if not any(cls is known for known in self._classes.values()):
                     self._enter(point.name, cls)
             except Exception as error:  # a third-party module may raise anything
@@ -115,7 +116,7 @@ class Registry:
 
 
 def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> Any:
-    """`cls(**params)` with unknown and missing parameters refused by name."""
+    """Return `cls(**params)`; refuse unknown and missing parameters by their names."""
     accepted = inspect.signature(cls).parameters.values()
     known = [p.name for p in accepted if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     anything = any(p.kind is p.VAR_KEYWORD for p in accepted)
@@ -132,7 +133,7 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
 
 
 def parameters(part: Any) -> dict[str, Any]:
-    """Arguments by name with which the class of a part makes it again."""
+    """Arguments by name from which the class of a part can make an equal part."""
     return (
         {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init}
         if dataclasses.is_dataclass(part)
@@ -141,7 +142,9 @@ def parameters(part: Any) -> dict[str, Any]:
 
 
 def anew(kind: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
-    """A part of a class with these arguments; SceneError where the class does not take them."""
+    """A new object of the class `kind` with these arguments; SceneError if the class does not take
+    them.
+    """
     name = getattr(kind, "__name__", str(kind))
     call = f"{name}({', '.join(f'{key}=...' for key in arguments)})"
     with of_author(call, name, hint="; a frozen dataclass takes its fields by name"):
@@ -150,7 +153,7 @@ def anew(kind: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
 
 
 def remade(part: Any, changes: Mapping[str, Any]) -> Any:
-    """The part with other values of some parameters."""
+    """A copy of the part in which some parameters have other values."""
     return anew(type(part), {**parameters(part), **changes})
 
 
@@ -162,7 +165,7 @@ CONTROLS = Registry("control", "contact.controls", ("held", "of"))
 
 
 def register_profile(name: str) -> Callable[[C], C]:
-    """Class decorator: make a profile known by name.
+    """Class decorator that makes a profile known under this name.
 
     Parameters
     ----------
@@ -198,7 +201,7 @@ def register_profile(name: str) -> Callable[[C], C]:
 
 
 def register_interaction(name: str) -> Callable[[C], C]:
-    """Class decorator: make an interaction known by name.
+    """Class decorator that makes an interaction known under this name.
 
     Parameters
     ----------
@@ -231,7 +234,7 @@ def register_interaction(name: str) -> Callable[[C], C]:
 
 
 def register_substrate(name: str) -> Callable[[C], C]:
-    """Class decorator: make a substrate known by name.
+    """Class decorator that makes a substrate known under this name.
 
     Parameters
     ----------
@@ -267,7 +270,7 @@ def register_substrate(name: str) -> Callable[[C], C]:
 
 
 def register_law(name: str) -> Callable[[C], C]:
-    """Class decorator: make a law known by name.
+    """Class decorator that makes a law known under this name.
 
     Parameters
     ----------
@@ -303,7 +306,7 @@ def register_law(name: str) -> Callable[[C], C]:
 
 
 def register_control(name: str) -> Callable[[C], C]:
-    """Class decorator: make a control known by name.
+    """Class decorator that makes a control known under this name.
 
     Parameters
     ----------
@@ -341,12 +344,14 @@ def register_control(name: str) -> Callable[[C], C]:
 def from_table(
     registry: Registry, name: str, params: Mapping[str, Any], key: str | None = None
 ) -> Any:
-    """The object of a name with these parameters; `key`: under which the name was written."""
+    """An object of the class registered under this name, with these parameters. `key`: the key of
+    the scene file that gives the name.
+    """
     return construct(registry.find(name, key), f"{registry.kind} {name!r}", params)
 
 
 def profile(name: str, **params: Any) -> Any:
-    """The profile of that name with these parameters, as a scene file would give them.
+    """The profile of this name with these parameters, as in the table of a scene file.
 
     Parameters
     ----------
@@ -458,7 +463,7 @@ def law(name: str, **params: Any) -> Any:
 
 
 def profiles() -> dict[str, Any]:
-    """Every known profile: name to class.
+    """All known profiles: a mapping from the name to the class.
 
     Returns
     -------
@@ -475,7 +480,7 @@ def profiles() -> dict[str, Any]:
 
 
 def interactions() -> dict[str, Any]:
-    """Every known interaction: name to class.
+    """All known interactions: a mapping from the name to the class.
 
     Returns
     -------
@@ -492,7 +497,7 @@ def interactions() -> dict[str, Any]:
 
 
 def substrates() -> dict[str, Any]:
-    """Every known substrate: name to class.
+    """All known substrates: a mapping from the name to the class.
 
     Returns
     -------
@@ -509,7 +514,7 @@ def substrates() -> dict[str, Any]:
 
 
 def laws() -> dict[str, Any]:
-    """Every known law: name to class.
+    """All known laws: a mapping from the name to the class.
 
     Returns
     -------
@@ -526,7 +531,7 @@ def laws() -> dict[str, Any]:
 
 
 def controls() -> dict[str, Any]:
-    """Every known control: name to class.
+    """All known controls: a mapping from the name to the class.
 
     Returns
     -------

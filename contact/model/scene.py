@@ -40,14 +40,14 @@ from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import remade
 from contact.model.substrates import HalfPlane, Substrate
 
-# Methods of a user's control and law that are called here.
+# Methods that a user's control or law defines and that this module calls.
 _SIGNED = AuthorMethod("control.signed(scene)", "control")
 _CHECK = AuthorMethod("control.check(scene)", "control")
 _REFUSES = AuthorMethod("law.refuses(scene)", "law")
 
 
 def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = None) -> float:
-    """The reduced modulus E* [Pa] of two bodies by (2); a counter-body left out is rigid.
+    """The reduced modulus E* [Pa] of two bodies; without E2 and nu2 the counter-body is rigid.
 
     Parameters
     ----------
@@ -88,14 +88,14 @@ def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = N
 
 
 def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio: float) -> float:
-    """(1 - nu^2)/E of one body."""
+    """The compliance (1 - nu^2)/E of one body in plane strain."""
     modulus = positive(modulus_name, modulus)
     return (1.0 - poisson_ratio(ratio_name, ratio) ** 2) / modulus
 
 
 @dataclass(frozen=True)
 class Scene(sie.Kept):
-    """One contact problem in full. Exactly one control is given, the others stay None.
+    """A complete contact problem. Exactly one control is given; the other controls are None.
 
     All is checked when the scene is made. Units are SI, loads per unit thickness.
 
@@ -200,7 +200,9 @@ class Scene(sie.Kept):
         self._check_control()
 
     def _check_control(self) -> None:
-        """Check the value of the one control, and that it goes with the rest of the scene."""
+        """Check that exactly one control is given, and that its value goes with the rest of the
+        scene.
+        """
         given = tuple(name for name in (*CONTROLS, "given") if getattr(self, name) is not None)
         if len(given) != 1:
             raise SceneError.of("control", given or None, f"exactly one of {', '.join(CONTROLS)}")
@@ -238,8 +240,8 @@ class Scene(sie.Kept):
             raise SceneError.of("interaction", self.interaction, allowed)
 
     def under(self, name: str, value: float) -> "Scene":
-        """The scene under another value of a control, or another control; nothing else is checked
-        again.
+        """The scene with another value of a control, or with another control. Only the control is
+        checked again.
         """
         other = object.__new__(type(self))
         other.__dict__.update({**self.__dict__, **fields_under(name, value, self.given)})
@@ -249,30 +251,36 @@ class Scene(sie.Kept):
 
     @property
     def control(self) -> tuple[str, float]:
-        """Name and value of the given quantity."""
+        """Name and value of the prescribed quantity."""
         return self.control_object.name, self.control_object.value
 
     @cached_property
     def control_object(self) -> Control:
-        """The control as an object."""
+        """The control of the scene as an object."""
         if self.given is not None:
             return self.given
         name = next(name for name in CONTROLS if getattr(self, name) is not None)
         return REGISTERED.find(name)(getattr(self, name))
 
     def held(self, quantity: Quantity) -> float | None:
-        """The value [SI] of a quantity that the solver prescribes; None for another quantity."""
+        """The value [SI] at which the solver prescribes this quantity; None if it prescribes
+        another one.
+        """
         held = self.control_object.held(self)
         return held.value if held is not None and held.quantity is quantity else None
 
     @property
     def given_load(self) -> float | None:
-        """The load [N/m] that the control gives, itself or by the mean pressure; else None."""
+        """The load [N/m] that the control prescribes, directly or as a mean pressure; None
+        otherwise.
+        """
         return self.held(Quantity.LOAD)
 
     @property
     def given_fraction(self) -> float | None:
-        """The contact fraction that the control gives, itself or by the width; else None."""
+        """The contact fraction that the control prescribes, directly or as a width; None
+        otherwise.
+        """
         width, period = self.held(Quantity.WIDTH), self.profile.period
         if width is None or period is None:
             return None
@@ -280,12 +288,12 @@ class Scene(sie.Kept):
 
     @property
     def turning(self) -> dict[str, float]:
-        """The given quantity that turns the body, by name (`tilt` [rad], `moment` [N]), or none."""
+        """The given `tilt` [rad] or `moment` [N] of the body, by name; empty if neither is given."""
         return {name: value for name in TURNING if (value := getattr(self, name)) is not None}
 
     @property
     def turned(self) -> bool:
-        """Whether the body stands at an angle, given or unknown.
+        """Whether the body may be tilted, by a given angle or by an unknown one.
 
         A zero moment does not turn a symmetric body.
         """
@@ -295,16 +303,18 @@ class Scene(sie.Kept):
 
     @property
     def period(self) -> float | None:
-        """The period of the solution; None where nothing repeats, as with one cell taken alone."""
+        """The period of the solution; None for a contact that does not repeat, such as one cell
+        alone.
+        """
         return self.profile.period if self.interaction.needs_period else None
 
     @cached_property
     def operator(self) -> Operator:
-        """The elastic operator: displacements of the surface by a pressure."""
+        """The elastic operator: it maps a pressure to the displacement of the surface."""
         return Operator(self.interaction, self.substrate, self.period)
 
     def _check_admitted(self, control: Control, asked: str) -> None:
-        """SceneError where interaction or law do not admit the control.
+        """Raise SceneError if the interaction or the law does not admit the control.
 
         asked: the name of the prescribed quantity.
         """
@@ -320,7 +330,8 @@ class Scene(sie.Kept):
             )
 
     def _named(self, control: Control) -> Control | None:
-        """The package's control of the quantity that a user's control prescribes.
+        """The package's own control for the quantity that a user's control prescribes; None if
+        there is none.
 
         It is None where there is no such quantity, as for a width without a period.
         """
@@ -390,11 +401,13 @@ class Scene(sie.Kept):
 
     @property
     def is_flat(self) -> bool:
-        """Whether the profile is a punch with sharp corners and no slope."""
+        """Whether the profile is a punch with sharp corners and no slope between them."""
         return self.profile.support is not None and self.is_flat_between(*self.profile.support)
 
     def is_flat_between(self, lo: float, hi: float) -> bool:
-        """Whether f' = 0 in an interval: there every load gives the same zone."""
+        """Whether the profile is flat (f' = 0) in an interval: every load then gives the same
+        zone.
+        """
         height = self.profile.height(np.linspace(lo, hi, 17))
         return float(np.ptp(height[np.isfinite(height)])) == 0.0
 

@@ -37,15 +37,16 @@ Table = Mapping[str, Any]
 T = TypeVar("T")
 
 TABLES = ("profile", "material", "interaction", "control")
-# Tables that may be left out, and the registries of what they name.
+# Tables of a scene file that may be left out, with the registries of their classes.
 OPTIONAL = {"substrate": SUBSTRATES, "law": LAWS}
-# The table of a rough counter body: as [profile], with how the body stands.
+# The table of a rough counter body. It has the keys of [profile], and others that place the body.
 COUNTER = "counter"
 MODULI = ("E_star", "E1", "nu1", "E2", "nu2")
 
 
 def load_scene(path: str | PathLike[str]) -> Scene:
-    """Read a scene file. A fault in it is a SceneError that names the file, the table and the key.
+    """Read a scene from a file. An error in the file is a SceneError that names the file, the
+    table and the key.
 
     Parameters
     ----------
@@ -87,7 +88,7 @@ def load_scene(path: str | PathLike[str]) -> Scene:
         raise SceneError(
             f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}"
         ) from error
-    # The user may have given the trace instead of a scene.
+    # The user may have given a measured trace instead of a scene file.
     of_trace = (
         f" with a scene (of a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
     )
@@ -99,7 +100,7 @@ def load_scene(path: str | PathLike[str]) -> Scene:
 def read_scene(
     text: bytes, name: str, directory: str | PathLike[str] = ".", hint: str = ""
 ) -> Scene:
-    """The scene of a TOML text.
+    """The scene that a TOML text describes.
 
     name: of the text in messages.
     directory: file names are relative to it.
@@ -113,7 +114,7 @@ def read_scene(
 
 
 def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Scene:
-    """The scene of tables; file names in them are relative to `directory`."""
+    """The scene that the tables of a scene file describe; file names are relative to `directory`."""
     if not isinstance(tables, Mapping):
         raise SceneError.of("tables", tables, f"a mapping with the keys {', '.join(TABLES)}")
     for name in tables:
@@ -192,7 +193,7 @@ def _read_control(table: Table) -> dict[str, Any]:
 
 
 def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
-    """The name that `table[key]` gives, and the rest of the table."""
+    """The name that `table[key]` gives, and the table without this key."""
     if key not in table:
         raise SceneError(f"{key} is missing: it names what the other keys are parameters of")
     rest = dict(table)
@@ -200,7 +201,7 @@ def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
 
 
 def _placed(error: SceneError, tables: Table) -> SceneError:
-    """A fault of the scene, with the table and the key under which its value was written."""
+    """The error with the table and the key under which the wrong value was written."""
     table = next(
         (name for name in tables if error.field == name or error.field in tables[name]), None
     )
@@ -219,7 +220,7 @@ def _placed(error: SceneError, tables: Table) -> SceneError:
 
 
 def _under(place: str, read: Callable[..., T], *given: Any) -> T:
-    """The result of `read`; its SceneError gets the place before its message."""
+    """Return the result of `read`. The message of a SceneError gets `place` in front."""
     try:
         return read(*given)
     except SceneError as error:
@@ -227,7 +228,7 @@ def _under(place: str, read: Callable[..., T], *given: Any) -> T:
 
 
 def to_toml(scene: Scene, written: Mapping[str, Table] | None = None) -> str:
-    """The text of a scene.
+    """The text of a scene file that describes this scene.
 
     written: tables [profile] and [counter] as a file gave them, where they name a file of points;
     otherwise all numbers are written. Raises SceneError where a part has no name that a scene file
@@ -256,7 +257,7 @@ def to_toml(scene: Scene, written: Mapping[str, Table] | None = None) -> str:
 
 
 def tables(scene: Scene) -> dict[str, dict[str, Any]]:
-    """Tables of a scene file that describe the scene; usual substrates and laws are left out."""
+    """Tables of a scene file that describe the scene, without the default substrate and law."""
     parts = {place: getattr(scene, place) for place in ("interaction", "substrate", "law")}
     given = {
         place: part
@@ -277,7 +278,7 @@ def _lines(table: Table) -> str:
 
 
 def toml(value: Any) -> str:
-    """A value as TOML writes it; numbers have all their digits."""
+    """The TOML text of a value; numbers keep all their digits."""
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, (Integral, np.integer)):
@@ -287,7 +288,7 @@ def toml(value: Any) -> str:
     if isinstance(value, (np.ndarray, list, tuple)):
         return f"[{', '.join(toml(item) for item in value)}]"
     if isinstance(value, str):
-        # The strings of JSON are strings of TOML.
+        # A JSON string is also a valid TOML string.
         return json.dumps(value, ensure_ascii=False)
     raise SceneError.of(
         "value",

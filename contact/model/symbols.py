@@ -27,13 +27,14 @@ from sie import Array
 
 Symbol = Callable[[Array], Array]
 
-# Waves [1/m] at which a symbol is sampled: from the length of a planet to that of an atom.
+# Wavenumbers [1/m] at which a symbol is sampled: from 1 over the size of a planet to 1 over that of
+# an atom.
 WAVES = 10.0 ** np.arange(-9, 12.01, 0.125)
 
 
 @dataclass(frozen=True)
 class SymbolOptions:
-    """Harmonics of a period at which a symbol is evaluated, at first and at most."""
+    """Numbers of harmonics of a period at which a symbol is evaluated, at first and at most."""
 
     harmonics: int = 2**12
     max_harmonics: int = 2**16
@@ -43,7 +44,8 @@ OPTIONS = SymbolOptions()
 
 
 def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
-    """L(q); raises SceneError if it is not the symbol of a body.
+    """Values of the symbol L(q); raises SceneError if they cannot be the symbol of an elastic
+    body.
 
     of: the part of the scene that it belongs to.
     """
@@ -70,7 +72,8 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
 
 
 def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
-    """L_n - 1 for n = 1, 2, ..., up to the last that is not zero.
+    """L_n - 1 for n = 1, 2, ..., up to the last value that is not zero, with L_n the symbol at the
+    harmonic n of the period.
 
     Raises SceneError if the symbol is not that of a body.
     """
@@ -79,7 +82,7 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
         q = np.asarray(2 * np.pi / period * np.arange(1, count + 1), dtype=np.float64)
         found = checked(symbol, q, of)
         deviation = np.asarray(found - 1.0, dtype=np.float64)
-        # A smaller deviation is the rounding of L.
+        # A deviation from 1 that is smaller than this is the rounding error of L.
         seen = np.flatnonzero(np.abs(deviation) > 4 * EPS)
         if len(seen) == 0 or seen[-1] < 0.9 * count:
             return deviation[: seen[-1] + 1] if len(seen) else np.zeros(0)
@@ -93,13 +96,15 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
 
 
 def _waves(sums: Sum, period: float, x: Array, xi: Array) -> Array:
-    """A trigonometric sum at x - xi."""
+    """A trigonometric sum at x - xi, with the given period."""
     turns = np.asarray((x - xi) / period)
     return sums(turns.ravel()).reshape(turns.shape)
 
 
 def kernel_of(excess: Array, period: float) -> sie.Kernel:
-    """The kernel of a scaled period from L_n - 1."""
+    """The kernel for a scaled period, computed from `excess` = L_n - 1 with L_n the symbol at the
+    harmonic n.
+    """
     plain = sie.hilbert(period)
     if len(excess) == 0:
         return plain
@@ -108,7 +113,7 @@ def kernel_of(excess: Array, period: float) -> sie.Kernel:
         Sum.of(np.asarray(c, dtype=np.complex128))
         for c in (-2j * np.pi / period * excess, -excess / n)
     )
-    # The harmonics fall about as exp(-2 pi n length / l).
+    # The harmonics of the smooth part decrease about as exp(-2 pi n length / period).
     length = -np.log(EPS) * period / (2 * np.pi * len(excess))
     return plain + sie.Smooth(
         partial(_waves, value, period),

@@ -12,9 +12,9 @@ from typing import Any, ClassVar, NamedTuple
 from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import Named, construct, remade
 
-# Controls that are fields of a scene.
+# Names of the controls that are fields of a scene.
 CONTROLS = ("load", "mean_pressure", "approach", "half_width", "contact_fraction")
-# Quantities that turn a body, with their units.
+# Quantities that tilt a body, with their units.
 TURNING = {"tilt": "rad", "moment": "N"}
 
 
@@ -37,7 +37,7 @@ class Held(NamedTuple):
 
 @dataclass(frozen=True)
 class Control(Named):
-    """Base of the controls.
+    """Base of the controls: a control is the quantity whose value a scene prescribes.
 
     Parameters
     ----------
@@ -83,26 +83,28 @@ class Control(Named):
         return False
 
     def check(self, scene: Any) -> None:
-        """Raise SceneError where the control and the rest of the scene do not go together."""
+        """Raise SceneError if the control and the rest of the scene do not go together."""
 
     def held(self, scene: Any) -> Held | None:
-        """The quantity that the solver prescribes; None: a load with the value of `of` is searched
-        for.
+        """The quantity that the solver prescribes directly. If it is None, the solver searches for
+        a load at which the method `of` gives the prescribed value.
         """
         return None if self.quantity is None else Held(self.quantity, self.value)
 
     def of(self, solution: Any) -> float:
-        """The value that a solution (`contact.Solution`) has, to about its stated error."""
+        """The value of the controlled quantity in a solution (`contact.Solution`), accurate to
+        about the error that the solution states.
+        """
         raise NotImplementedError
 
 
 def known_controls(given: Control | None) -> dict[str, type[Control]]:
-    """All controls by name: the registered ones, and the one that a scene was given."""
+    """All controls by name: the registered ones and the control `given` of a scene."""
     return REGISTERED.all() if given is None else {**REGISTERED.all(), given.name: type(given)}
 
 
 def fields_under(name: str, value: float, given: Control | None = None) -> dict[str, Any]:
-    """The fields of a scene under the control of this name.
+    """Values of a scene's control fields if the control of this name is prescribed.
 
     given: the present `given` of the scene, if any.
     """

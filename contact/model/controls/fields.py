@@ -14,7 +14,7 @@ from contact.model.registry import register_control
 @register_control("load")
 @dataclass(frozen=True)
 class Load(Control):
-    """Load [N/m], per period where there is one."""
+    """Load [N/m]; in a periodic contact, the load on one period."""
 
     unit = "N/m"
     quantity = Quantity.LOAD
@@ -26,7 +26,7 @@ class Load(Control):
 @register_control("mean_pressure")
 @dataclass(frozen=True)
 class MeanPressure(Control):
-    """Load over the profile's period [Pa]."""
+    """Mean pressure [Pa]: the load on one period, divided by the period."""
 
     unit = "Pa"
 
@@ -46,14 +46,14 @@ class MeanPressure(Control):
 @register_control("approach")
 @dataclass(frozen=True)
 class Approach(Control):
-    """Approach [m]; needs a datum where nothing repeats."""
+    """Approach of the bodies [m]. A contact that is not periodic needs a datum for it."""
 
     unit = "m"
     quantity = Quantity.APPROACH
 
     def signed(self, scene: Any) -> bool:
-        # A turned body touches away from its lowest point, and its approach counts from that point.
-        # Adhesion bears tension.
+        # Both signs are possible. The approach of a tilted body counts from its lowest point, but
+        # the body touches elsewhere. Adhesive contacts can carry tension.
         return bool(scene.turned or scene.law.pressure_range.has_tension)
 
     def check(self, scene: Any) -> None:
@@ -68,7 +68,7 @@ class Approach(Control):
 @register_control("contact_fraction")
 @dataclass(frozen=True)
 class ContactFraction(Control):
-    """Width in contact over the period [1], above 0 and at most 1."""
+    """Contact fraction [1]: the width in contact divided by the period, above 0 and at most 1."""
 
     def check(self, scene: Any) -> None:
         if scene.period is None:
@@ -90,7 +90,7 @@ class ContactFraction(Control):
 @register_control("half_width")
 @dataclass(frozen=True)
 class HalfWidth(Control):
-    """Half width [m]."""
+    """Half width [m] of a single zone about x = 0."""
 
     unit = "m"
     quantity = Quantity.HALF_WIDTH

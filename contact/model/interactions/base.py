@@ -81,39 +81,42 @@ class Interaction(Named):
         return False
 
     def kernel(self, period: float | None, unit: float) -> sie.Kernel:
-        """A kernel of one's own in scaled lengths, of x - xi alone, in place of the substrate's;
-        left out as a rule.
+        """The interaction's own kernel, a function of x - xi in scaled lengths. Most models do not
+        define this method and use the substrate's kernel.
         """
         raise NotImplementedError(
             f"{type(self).__name__} has no kernel of its own: that of the substrate acts"
         )
 
     def symbol(self, q: Array) -> Array:
-        """The symbol L(q) of one's own kernel, q [1/m], by which it has an inverse; of all periods
-        it may stand in place of the kernel.
+        """The symbol L(q), q in 1/m, of the interaction's own kernel. It makes the operator
+        invertible. If all periods act, it may replace `kernel`.
         """
         raise NotImplementedError(
             f"{type(self).__name__} has no symbol of its own: that of the substrate acts"
         )
 
     def columns(self, period: float | None, centre: float) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with an unknown amplitude, about the centre of the strip. Left
-        out, a model with a `strip` has one, that of the nominal pressure beyond the strip.
+        """Terms of the right side with unknown amplitudes, about the centre of the strip. If a
+        model with a `strip` does not define this method, it has one term: that of the nominal
+        pressure outside the strip.
         """
         return ()
 
     def side_conditions(self, period: float | None) -> tuple[sie.Condition, ...]:
-        """One condition for each column."""
+        """Conditions that determine the amplitudes: one condition for each term in `columns`."""
         return ()
 
     def placed_columns(
         self, period: float | None, centre: float, scaled: Scaled
     ) -> tuple[sie.Forcing, ...]:
-        """Columns that speak of places: `scaled` says where places [m] of the profile come to
-        stand. Else `columns`.
+        """Terms of unknown amplitude that depend on places of the profile. `scaled` converts such
+        places [m] to scaled lengths. By default, `columns`.
         """
         return self.columns(period, centre)
 
     def placed_conditions(self, period: float | None, scaled: Scaled) -> tuple[sie.Condition, ...]:
-        """Conditions that speak of places, likewise. Else `side_conditions`."""
+        """Conditions that depend on places of the profile, which `scaled` converts. By default,
+        `side_conditions`.
+        """
         return self.side_conditions(period)

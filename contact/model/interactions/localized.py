@@ -26,8 +26,8 @@ CLOSURES = ("first-order", "self-consistent")
 @register_interaction("localized")
 @dataclass(frozen=True)
 class Localized(Interaction):
-    """One strip solved exactly, the rest of the surface as its nominal pressure, self-consistent or
-    to first order.
+    """One strip solved exactly, with the rest of the surface replaced by its nominal pressure.
+    This pressure is self-consistent or of first order.
 
     (I. G. Goryacheva & I. Y. Tsukanov, Front. Mech. Eng. 6:45, 2020, doi 10.3389/fmech.2020.00045,
     eq. (13).)

@@ -34,7 +34,7 @@ class PressureRange:
 
     @property
     def has_tension(self) -> bool:
-        """Whether the surfaces may pull on each other."""
+        """Whether the surfaces may attract each other."""
         return self.lowest < 0.0
 
 
@@ -52,13 +52,14 @@ class Equilibria:
 
     @property
     def several(self) -> bool:
-        """Whether a branch of equilibria has to be followed."""
+        """Whether there are several equilibria, so that a branch of equilibria has to be followed."""
         return self.start is not None
 
 
 @dataclass(frozen=True)
 class Routes:
-    """Which ways of solving hold under a law.
+    """The formulations that are valid under a law, and the module that solves scenes under this
+    law.
 
     gaps: nothing acts where the bodies do not touch, so that the gaps may be the unknowns.
     full_contact: full contact begins where the least pressure is zero. module: dotted name of a
@@ -77,7 +78,7 @@ class Routes:
 
 
 class Law(Named, sie.Kept):
-    """Base of the laws. A law is a frozen dataclass in a file of its own.
+    """Base of the laws of the interface. A law is a frozen dataclass in a file of its own.
 
     The attributes below are what most laws declare; the package reads them through
     `pressure_range`, `equilibria` and `routes`, which a law may override. An attribute that a law
@@ -138,21 +139,26 @@ class Law(Named, sie.Kept):
 
     @cached_property
     def pressure_range(self) -> PressureRange:
-        """Bounds of the pressure in a zone; the certificate checks them."""
+        """Bounds of the pressure in a zone. The certificate checks that the pressure lies within
+        them.
+        """
         return PressureRange(-inf if self.pulls else 0.0)
 
     @cached_property
     def equilibria(self) -> Equilibria:
-        """Whether a contact is the only one, and where a branch of several begins."""
+        """Whether the equilibrium contact is unique, and the law from which a branch of several
+        starts.
+        """
         return Equilibria(bool(self.convex), self.bare)
 
     @cached_property
     def routes(self) -> Routes:
-        """Which ways of solving hold."""
+        """The formulations that are valid under this law."""
         return Routes(bool(self.by_gaps), bool(self.full_contact))
 
     def intensity(self, E_star: float) -> float:
-        """K [Pa m^(1/2)] at free ends of zones, and at those of a given half width.
+        """The edge intensity K [Pa m^(1/2)] of the pressure, K / sqrt(distance), at free ends of
+        zones and at the ends of a given half width.
 
         It is negative where the surfaces pull.
         """
@@ -172,7 +178,7 @@ class Law(Named, sie.Kept):
         return 0.0
 
     def without_range(self, share: float) -> "Law | None":
-        """A law of attraction without range, with this share of the work of adhesion.
+        """A law of adhesion without range that has this share of this law's work of adhesion.
 
         Contacts under the law approach those under the returned one where its strips of tension
         are narrow. None if there is no such law.
@@ -180,7 +186,7 @@ class Law(Named, sie.Kept):
         return None
 
     def work_of_adhesion(self, E_star: float) -> float:
-        """Work that separates a unit of length [J/m^2], against an edge intensity and a tension."""
+        """Work that separates a unit of length [J/m^2] against the edge intensity and the tension."""
         return pi / E_star * self.intensity(E_star) ** 2 + self.tension * self.reach
 
     def surface_energy(self, fields: Any, width: float) -> float:
@@ -193,14 +199,15 @@ class Law(Named, sie.Kept):
         return -pi / E_star * self.intensity(E_star) ** 2 * width
 
     def refuses(self, scene: Any) -> str | None:
-        """Why the law does not go with a scene, as the end of a sentence; None if it does.
+        """Reason why the law does not go with a scene, as the end of a sentence; None if it does.
 
         The scene (`contact.Scene`) has a control that the law allows.
         """
         return None
 
     def fault(self, fields: Any, load: float | None) -> str:
-        """Why a solution violates the law although signs, balance and gap are right; empty if not.
+        """Reason why a solution violates the law although the signs, the load balance and the gap
+        are right. Empty if the solution does not violate the law.
 
         fields: `contact.formulation.protocol.Fields`. load: the given load in the units of
         `fields.problem.units`; None if the scene gives another control.

@@ -76,7 +76,9 @@ class Dugdale(Law):
         return JKR(share * self.work)
 
     def surface_energy(self, fields: Any, width: float) -> float:
-        """-w for each width in which the gap is below the reach, plus the work that opens it."""
+        """Minus the work of adhesion, times the width in which the gap is below the reach, plus
+        the work that the constant stress has done in the gap.
+        """
         cohesive = fields.cohesive
         if len(cohesive) == 0:  # full contact, or surfaces apart
             return -self.work * width

@@ -9,7 +9,7 @@ from contact.model.registry import register_law
 @register_law("frictionless")
 @dataclass(frozen=True)
 class Frictionless(Law):
-    """The bodies push and never pull: p >= 0 where they touch.
+    """Contact without friction or adhesion: p >= 0 where the bodies touch.
 
     The pressure vanishes at the ends of zones as the root of the distance: K = 0.
 

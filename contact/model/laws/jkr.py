@@ -21,7 +21,7 @@ from contact.model.registry import register_law
 @register_law("jkr")
 @dataclass(frozen=True)
 class JKR(Law):
-    """Adhesion without range by a work of adhesion.
+    """Adhesion without range (Johnson, Kendall & Roberts), given by the work of adhesion.
 
     The contact has several equilibria; `contact.solve(scene, branch="advancing" | "receding")` says
     which one is meant (docs/adhesion.md).
@@ -58,7 +58,9 @@ class JKR(Law):
         keep(self, positive, "work")
 
     def intensity(self, E_star: float) -> float:
-        """-sqrt(E* w/pi) [Pa m^(1/2)]: opening releases the energy (pi/E*) K^2 = w per width."""
+        """The edge intensity K = -sqrt(E* w/pi) [Pa m^(1/2)]: opening a unit of width then
+        releases the elastic energy (pi/E*) K^2, equal to the work of adhesion w.
+        """
         return -sqrt(E_star * self.work / pi)
 
     def refuses(self, scene: Any) -> str | None:

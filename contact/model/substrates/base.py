@@ -51,10 +51,14 @@ class Substrate(Named, sie.Kept):
     compression: float | None = None
 
     def symbol(self, q: Array) -> Array:
-        """L(q) for q [1/m] > 0 of any shape; L > 0, and 1 to the last digit for short waves."""
+        """The symbol L(q), for wavenumbers q > 0 [1/m] in an array of any shape. L > 0, and L is 1
+        to the last digit for large q.
+        """
         raise NotImplementedError(f"{type(self).__name__} must define symbol(q)")
 
     @cached_property
     def smooth_part(self) -> SmoothPart:
-        """The kernel of a line load less the half-plane's 1/r, with its primitives."""
+        """The smooth part of a line load's kernel, which is the kernel minus the half-plane's 1/r,
+        with its primitives.
+        """
         return SmoothPart.of(self.symbol, grounded=self.compression is not None)

@@ -27,7 +27,7 @@ BASES = ("bonded", "smooth")
 @register_substrate("layer")
 @dataclass(frozen=True)
 class Layer(Substrate):
-    """An elastic layer on a rigid base, "bonded" or "smooth"; E_star is that of the layer.
+    """An elastic layer on a rigid base, to which it is bonded or on which it slides ("smooth").
 
     Displacements and the approach count from the base (K. L. Johnson, Contact Mechanics, 1985, doi
     10.1017/CBO9781139171731, section 5.8).
@@ -71,7 +71,9 @@ class Layer(Substrate):
 
     @property
     def compression(self) -> float:  # type: ignore[override]
-        """The limit of L(q)/q for long waves: h (1 - 2 nu) / (2 (1 - nu)^2) if bonded, else h/2."""
+        """The limit of L(q)/q for small wavenumbers q, with L the symbol and h the thickness: h (1
+        - 2 nu) / (2 (1 - nu)^2) if the layer is bonded, and h/2 if not.
+        """
         if self.base == "smooth":
             return 0.5 * self.thickness
         return 0.5 * self.thickness * (1 - 2 * self.nu) / (1 - self.nu) ** 2
@@ -88,8 +90,9 @@ class Layer(Substrate):
 
 
 def _sinh_less(x: Array, e: Array) -> Array:
-    """(sinh x - x) e, e = exp(-x)."""
-    # Below x = 1 the difference would lose digits. It is the sum of x^3/3! + x^5/5! + ...
+    """(sinh x - x) e, for e = exp(-x)."""
+    # Below x = 1 the difference sinh x - x would lose digits: there it is summed as x^3/3! + x^5/5!
+    # + ...
     small = np.minimum(x, 1.0)
     term, series, power = small**3 / 6, np.zeros_like(x), 3
     while np.any(term > EPS * series):
