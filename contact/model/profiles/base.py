@@ -21,13 +21,13 @@ from contact.model.profiles.derive import DETAIL, DIFFERENCES, DerivedSlope, det
 from contact.model.registry import Named, anew, construct, parameters
 from sie import Array
 
-# Summits of shapes whose only tip is at x = 0.
+# The summits of shapes whose only tip is at x = 0.
 AT_ORIGIN = np.zeros(1)
 AT_ORIGIN.setflags(write=False)
 
 
 def onto(ends: tuple[float, float], at: Array, slack: Array | float) -> Array:
-    """Places moved onto the ends of an interval where round-off has put them just outside.
+    """Move places that round-off has put just outside an interval onto its ends.
 
     A corner that is reached by arithmetic still belongs to the body.
     """
@@ -38,19 +38,19 @@ def onto(ends: tuple[float, float], at: Array, slack: Array | float) -> Array:
 
 
 def _midpoints(lo: float, hi: float, count: int) -> Array:
-    """Midpoints of equal parts of an interval."""
+    """Midpoints of `count` equal parts of an interval."""
     return np.asarray(lo + (hi - lo) * (np.arange(count) + 0.5) / count)
 
 
 def is_of_package(profile: "Profile") -> bool:
-    """Whether the classes of a profile and of its bodies are the package's own."""
+    """Whether the class of a profile, and those of the bodies in it, belong to this package."""
     inner = getattr(profile, "profile", None)
     parts = [*profile.bodies.values(), *([inner] if isinstance(inner, Profile) else [])]
     return all(type(part).__module__.startswith("contact.") for part in (profile, *parts))
 
 
 def read_from(name: str) -> Any:
-    """A property that returns an attribute of the profile or of a part of it.
+    """A property that returns an attribute of the profile, or of a part of the profile.
 
     An example is `read_from("profile.support")`.
     """
@@ -80,26 +80,26 @@ class Profile(Named, sie.Kept):
     (1, True)
     """
 
-    # Units of the parameters, by name, for tables and axes.
+    # Units of the parameters by name, used in tables and as labels of axes.
     units: ClassVar[Mapping[str, str]] = {}
     period: float | None = None
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        # A field `period: float` is meant to be required: the None above must not become its
-        # default.
+        # In a subclass, a field `period: float` is meant to be required: the None above must not
+        # become its default.
         if "period" in inspect.get_annotations(cls) and "period" not in cls.__dict__:
             cls.period = dataclasses.field()
 
     def height(self, x: ArrayLike) -> Array:
-        """f(x), the gap at zero load up to a constant [m], in the shape of x.
+        """f(x), the gap at zero load [m] up to a constant, in the shape of x.
 
         It is periodic if the profile is.
         """
         raise NotImplementedError(f"{type(self).__name__} must define height(x)")
 
     def slope(self, x: ArrayLike) -> Array:
-        """f'(x), derived numerically from the height unless a subclass gives it."""
+        """f'(x), the slope; computed numerically from the height unless a subclass defines it."""
         return self._derived(np.asarray(x, dtype=np.float64))
 
     @cached_property
@@ -109,7 +109,9 @@ class Profile(Named, sie.Kept):
 
     @cached_property
     def slope_rounding(self) -> float:
-        """Noise of a slope that is derived from heights of a cell or a known part; else 0."""
+        """Round-off error of a slope computed from heights; 0 if the profile defines its slope, or
+        has no cell and no ends.
+        """
         known = self.support or self.known
         if not self.slope_is_derived or known is None:
             return 0.0
@@ -117,7 +119,9 @@ class Profile(Named, sie.Kept):
 
     @property
     def slope_is_derived(self) -> bool:
-        """Whether f' is the numerical derivative of f rather than the author's own."""
+        """Whether the slope f' is computed numerically from the height f, not defined by the
+        profile's author.
+        """
         return type(self).slope is Profile.slope
 
     @property
@@ -127,12 +131,15 @@ class Profile(Named, sie.Kept):
 
     @property
     def kinks(self) -> Array:
-        """Jumps of the slope in the cell, one a row: position, f'(s+) - f'(s-)."""
+        """Jumps of the slope f' in the cell. Each row is the position s and the jump f'(s+) -
+        f'(s-).
+        """
         return np.empty((0, 2))
 
     @property
     def jumps(self) -> Array:
-        """Jumps of f^(n), n = 2 or 3, in the cell, one a row: position, n, f^(n)(s+) - f^(n)(s-).
+        """Jumps of the second and third derivatives in the cell. Each row is the position s, the
+        order n = 2 or 3, and the jump f^(n)(s+) - f^(n)(s-).
 
         They need not be declared; those that are cost no accuracy and few modes.
         """
@@ -140,7 +147,8 @@ class Profile(Named, sie.Kept):
 
     @property
     def algebraic_points(self) -> Array:
-        """Places in the cell next to which f is smooth but for a power n > 1 of the distance.
+        """Places in the cell at which f is smooth except for a power n > 1 of the distance from
+        the place.
 
         One a row: position s, exponent n, and the coefficients of (s - x)^n for x < s and of (x -
         s)^n for x > s [m^(1-n)]. A power that is a whole number can also be declared as a jump.
@@ -149,17 +157,23 @@ class Profile(Named, sie.Kept):
 
     @property
     def support(self) -> tuple[float, float] | None:
-        """The interval outside which f = +inf, of a punch with sharp corners; else None."""
+        """The interval outside which f = +inf, for a punch with sharp corners; None for other
+        shapes.
+        """
         return None
 
     @property
     def extent(self) -> tuple[float, float] | None:
-        """The interval in which f is known, of a measured trace that just ends; else None."""
+        """The interval in which f is known, for a measured trace without a period; None for other
+        shapes.
+        """
         return None
 
     @property
     def known(self) -> tuple[float, float] | None:
-        """One cell, or the extent if there is no period; None: the whole line."""
+        """The interval of one cell, or the extent if there is no period; None if f is known
+        everywhere.
+        """
         return self.extent if self.period is None else (self.x0, self.x0 + self.period)
 
     @property
@@ -169,7 +183,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def summits(self) -> Array | None:
-        """The tips in the cell (local minima of f); None if they must be searched for."""
+        """The tips in the cell (local minima of f); None if the solver must search for them."""
         return None
 
     @property
@@ -190,12 +204,14 @@ class Profile(Named, sie.Kept):
 
     @property
     def feature(self) -> float | None:
-        """Length over which most of the shape varies: first guesses are sampled this closely."""
+        """Length over which most of the shape varies: the grid of a first guess has about this
+        step.
+        """
         return self.resolution
 
     @property
     def exact_places(self) -> bool:
-        """Whether `slope` is that at the very number x.
+        """Whether `slope` is accurate at the exact number x, not only at x rounded in periods.
 
         Then products of a wave number and x, for example, lose no digit.
         """
@@ -203,18 +219,22 @@ class Profile(Named, sie.Kept):
 
     @property
     def breakpoints(self) -> Array:
-        """Positions in the cell where f or one of its derivatives jumps."""
+        """Positions in the cell at which f or one of its derivatives jumps."""
         return np.unique(
             np.concatenate((self.kinks[:, 0], self.jumps[:, 0], self.algebraic_points[:, 0]))
         )
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
-        """H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi over a period; None if not known."""
+        """The Hilbert transform H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi over a period L;
+        None if there is no formula for it.
+        """
         return None
 
     @cached_property
     def slopes_seen(self) -> Array:
-        """Finite slopes at even places of the period or the known part, or none."""
+        """Finite slopes at equally spaced places of the period or of the known interval; empty if
+        neither exists.
+        """
         if self.known is None:
             return np.zeros(0)
         lo, hi = self.known
@@ -224,7 +244,7 @@ class Profile(Named, sie.Kept):
 
     @cached_property
     def slope_sizes(self) -> tuple[float, float]:
-        """The largest and the root mean square of `slopes_seen`."""
+        """The largest absolute value and the root mean square of the slopes `slopes_seen`."""
         seen = self.slopes_seen
         return (
             (float(np.abs(seen).max()), float(np.sqrt(np.mean(seen**2))))
@@ -234,16 +254,18 @@ class Profile(Named, sie.Kept):
 
     @cached_property
     def claims_seen(self) -> dict[tuple[float, float], Any]:
-        """Cache of contact.formulation.claims: results by interval."""
+        """Cache of contact.formulation.claims: its results by interval."""
         return {}
 
     def wrap(self, x: ArrayLike) -> Any:
-        """x moved by whole periods into [x0, x0 + L); unchanged to the last bit if it is there."""
+        """x moved by whole periods into the cell [x0, x0 + L); an x inside the cell stays exactly
+        the same.
+        """
         given = np.asarray(x)
         if self.period is None:
             return given
         lo = self.x0
-        # The places of the extremes are found faster than the extremes themselves.
+        # Positions of the extremes (argmin, argmax) are found faster than the extremes themselves.
         if (
             given.dtype == np.float64
             and given.size
@@ -251,32 +273,33 @@ class Profile(Named, sie.Kept):
             and given.item(given.argmax()) < lo + self.period
         ):
             return given
-        # The real part decides: complex arguments come from the complex step.
+        # The real part of x decides, since the complex-step derivative passes complex x.
         turns = np.floor((given.real - lo) / self.period)
         moved = given - self.period * turns
-        # Round-off can leave the result just outside on either side.
+        # Round-off can leave the result just outside the cell on either side.
         moved = np.where(moved.real < lo, lo + (moved - moved.real), moved)
         return np.where(moved.real >= lo + self.period, lo + (moved - moved.real), moved)
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
-        """The profile of a scene file's table without its `shape`.
+        """The profile that a scene file's table describes; the table comes without its key
+        `shape`.
 
         File names are relative to `directory`.
         """
         return construct(cls, f"profile {cls.name!r}", table)
 
     def parameters(self) -> dict[str, Any]:
-        """Arguments by name with which the class makes this profile again."""
+        """Arguments by name from which the class can make an equal profile."""
         return parameters(self)
 
     @property
     def bodies(self) -> "dict[str, Profile]":
-        """The profiles of the bodies, by the table of a scene file that describes each."""
+        """The profiles of the bodies, each under the name of its table in a scene file."""
         return {"profile": self}
 
     def facing(self, x: Array) -> dict[str, Array]:
-        """The places of the bodies that face x, in each body's own positions."""
+        """The places of the bodies that face x, each in the coordinate of its own body."""
         return {"profile": x}
 
     @property
@@ -290,7 +313,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def preparation(self) -> dict[str, Any]:
-        """Keys by which measured points were prepared, with values; empty for other shapes."""
+        """Arguments with which measured points were prepared, by name; empty for other shapes."""
         return {}
 
     def unprepared(self) -> dict[str, Any]:
@@ -299,16 +322,18 @@ class Profile(Named, sie.Kept):
 
     @property
     def unmeasured(self) -> tuple[Any, ...]:
-        """Intervals (left, right, kind) [m] of a prepared trace whose heights were not measured."""
+        """Intervals (left, right, kind) [m] of a prepared trace in which heights were not
+        measured.
+        """
         return ()
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> "Profile":
-        """The profile with other values of parameters, by table and name."""
+        """The profile with other values of parameters, given by table and name."""
         return anew(type(self), {**self.parameters(), **changes.get("profile", {})})
 
     @property
     def no_period(self) -> str:
-        """Message where a period is needed and there is none."""
+        """End of the error message if a period is needed and the profile has none."""
         return f"the {self.name} profile has none"
 
     def counter_height(self, x: ArrayLike) -> Array:
@@ -323,7 +348,7 @@ class Profile(Named, sie.Kept):
         return None
 
     def _length(self) -> float | None:
-        """A typical length of the shape, for the steps of numerical differences."""
+        """A typical length of the shape, from which the steps of numerical differences are chosen."""
         if self.resolution is not None:
             return self.resolution
         if self.support is not None:
@@ -334,7 +359,7 @@ class Profile(Named, sie.Kept):
         fields = dataclasses.fields(self)  # type: ignore[arg-type]
         return tuple(getattr(self, field.name) for field in fields if field.compare)
 
-    # Equality and hash for dataclasses made with eq=False because a field is an array.
+    # Equality and hash are for dataclasses made with eq=False because a field is an array.
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self) or not dataclasses.is_dataclass(self):
             return self is other if type(other) is type(self) else NotImplemented

@@ -18,7 +18,8 @@ from contact.model.registry import register_profile
 @register_profile("biquadratic")
 @dataclass(frozen=True)
 class Biquadratic(Profile):
-    """f = (x^2 - c^2)^2/(8 radius c^2), spacing = 2c: two tips of that radius, `spacing` apart.
+    """f = (x^2 - c^2)^2/(8 radius c^2): two tips of this radius at x = c and -c, with spacing =
+    2c.
 
     (I. G. Goryacheva & I. Y. Tsukanov, Front. Mech. Eng. 6:45, 2020, doi 10.3389/fmech.2020.00045,
     eq. (31).)
@@ -84,7 +85,8 @@ class Biquadratic(Profile):
 
     @property
     def jumps(self) -> Array:
-        """The jump of the third derivative, 3x/(R c^2), where the cells meet.
+        """The jump of the third derivative of f, 3x/(R c^2) with R the radius, where the cells
+        meet.
 
         The second derivative has none.
         """

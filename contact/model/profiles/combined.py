@@ -22,13 +22,13 @@ from contact.model.profiles.base import Array, Profile
 from contact.model.profiles.noise import EPS
 from contact.model.profiles.placement import Overlap, PlacedBody, common_period, same_place
 
-# Keys of a counter body's table that say how it stands, and not what it is.
+# Keys of a counter body's table that place the body and do not describe its shape.
 STANDS = ("shift", "mirrored")
 
 
 @dataclass(frozen=True)
 class Combined(Profile):
-    """Two bodies that face each other, as one: f(x) = profile.f(x) + counter.f(x - shift).
+    """Two bodies that face each other, as one profile: f(x) = profile.f(x) + counter.f(x - shift).
 
     The period is that after which both repeat; if only one has a period, there is none.
 
@@ -85,7 +85,7 @@ class Combined(Profile):
         if not isinstance(self.mirrored, (bool, np.bool_)):
             raise SceneError.of("mirrored", self.mirrored, "True or False")
         object.__setattr__(self, "period", common_period(self.profile.period, self.counter.period))
-        # Bodies that do not face each other are refused now.
+        # This refuses bodies that do not face each other.
         assert self._overlap is not None
 
     @cached_property
@@ -99,7 +99,7 @@ class Combined(Profile):
     def _overlap(self) -> Overlap:
         return Overlap.of(tuple(self._placed.values()), self.period)
 
-    # The two bodies.
+    # The properties and methods below describe the two bodies.
 
     @property
     def bodies(self) -> dict[str, Profile]:
@@ -151,10 +151,10 @@ class Combined(Profile):
     def counter_height(self, x: ArrayLike) -> Array:
         return np.asarray(-np.asarray(self.counter.height(self.facing(x)["counter"])))
 
-    # The sum of both
+    # The properties and methods below are sums over the two bodies.
 
     def _both(self, function: Callable[[Profile, Array], Any], x: ArrayLike) -> Iterator[Any]:
-        """Values of a function of each body where they face x."""
+        """Values of a function of each body, at the place of the body that faces x."""
         return (function(self.bodies[place], at) for place, at in self.facing(x).items())
 
     def height(self, x: ArrayLike) -> Array:
@@ -166,11 +166,14 @@ class Combined(Profile):
         return np.asarray(one - other if self.mirrored else one + other)
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
-        """The sum of both: a conjugate is the same under any multiple of its period."""
+        """The sum of the Hilbert transforms H f' of the bodies. A transform is the same for any
+        multiple of the period.
+        """
         if self.period is None:
             return None
         one, other = self._both(lambda body, at: body.slope_conjugate(at), x)
-        # A mirror changes the signs of the slope and of the kernel.
+        # A mirror changes the sign of the slope and that of the kernel, so that the transform keeps
+        # its sign.
         return None if one is None or other is None else np.asarray(one + other)
 
     @property
@@ -206,7 +209,7 @@ class Combined(Profile):
 
     @property
     def summits(self) -> Array | None:
-        """The tip, where both bodies have their only tip at one place."""
+        """The only tip of each body, if both tips are at one place; None otherwise."""
         one, other = self.profile.summits, self.counter.summits
         unknown = one is None or other is None or len(one) != 1 or len(other) != 1
         if unknown or self.support is not None or self.profile.period != self.counter.period:
@@ -225,7 +228,7 @@ class Combined(Profile):
     def feature(self) -> float | None:
         return _least(self.profile.feature, self.counter.feature)
 
-    # Kinks, jumps and algebraic points of both
+    # The properties and methods below collect kinks, jumps and algebraic points of the two bodies.
 
     @property
     def kinks(self) -> Array:
@@ -239,7 +242,7 @@ class Combined(Profile):
     def algebraic_points(self) -> Array:
         rows = self._in_cells(PlacedBody.algebraic_rows)
         rows = rows[np.argsort(rows[:, 0], kind="stable")]
-        # Points of both bodies at one place get the same number.
+        # Algebraic points of the two bodies that agree to round-off get exactly the same position.
         apart = np.diff(rows[:, 0], prepend=-np.inf) > self._same(rows[:, 0])
         rows[:, 0] = rows[apart, 0][np.cumsum(apart) - 1]
         return rows
@@ -251,16 +254,20 @@ class Combined(Profile):
 
     @cached_property
     def _jump_rows(self) -> Array:
-        """Place, order and jump of both bodies in the cell; order 0 is a mere breakpoint."""
+        """Jumps of both bodies in the cell, as rows of place, order and jump; order 0 marks a
+        breakpoint without a known jump.
+        """
         return self._added(self._in_cells(PlacedBody.jump_rows))
 
     def _in_cells(self, rows_of: Callable[[PlacedBody], Array]) -> Array:
-        """Rows of both bodies that begin with a place, repeated for each of their cells."""
+        """Rows of both bodies, each beginning with a place; a body's rows are repeated in each of
+        its cells.
+        """
         parts = [self._repeated(rows_of(one), one.body.period) for one in self._placed.values()]
         return np.concatenate(parts)
 
     def _repeated(self, rows: Array, period: float | None) -> Array:
-        """Rows of a body that begin with a place, repeated for each of its cells."""
+        """Rows of one body, each beginning with a place, repeated in each of the body's cells."""
         ends = self._overlap.ends
         if period is not None and len(rows):
             if self.period is not None:
@@ -282,7 +289,8 @@ class Combined(Profile):
         return rows
 
     def _added(self, rows: Array) -> Array:
-        """Rows of place, order and jump, ascending; jumps of one place and order are added.
+        """Rows of place, order and jump, sorted. Jumps that have the same place and order are
+        added.
 
         Rows whose jumps cancel are left out.
         """

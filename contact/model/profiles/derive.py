@@ -22,7 +22,8 @@ from contact.model.profiles.noise import EPS
 from contact.model.profiles.trigonometric import BLOCK
 from sie import Array, record
 
-# The complex step. Its square vanishes against any length, so there is no truncation error.
+# Step of the complex-step derivative. Its square is negligible against any length, so there is no
+# truncation error.
 _TINY = 1e-100
 
 Function = Callable[[Any], Any]
@@ -30,7 +31,7 @@ Function = Callable[[Any], Any]
 
 @dataclass(frozen=True)
 class VerdictOptions:
-    """Numbers of the comparison of rises of a height with integrals of its slope.
+    """Options for comparing differences of heights with integrals of the slope.
 
     nodes: Chebyshev points of an interval; insensitive, 7 to 13 decide the same.
     ratio: an interval over the next smaller one; a checked interval covers sets of places that
@@ -48,7 +49,8 @@ class VerdictOptions:
 
 @dataclass(frozen=True)
 class DifferenceOptions:
-    """Steps of the central differences, each twice the one before, and the round-off of heights.
+    """Options for central differences: their steps, each twice the one before, and the round-off
+    of heights.
 
     wider: number of steps above the scale of a place; heights with a large constant need wide ones.
     sure: steps that agree before a run is sure; the last one has 2^-8 of the first's round-off.
@@ -66,13 +68,13 @@ class DifferenceOptions:
 
 VERDICTS = VerdictOptions()
 DIFFERENCES = DifferenceOptions()
-# Steps below the scale of a place. A quotient at the least one has some digits: of still shorter
-# steps, many may not change a height at all, and agree.
+# Number of steps below the scale of a place. With the smallest one, a difference quotient still has
+# some digits. Still shorter steps may not change a height at all, and would falsely agree.
 _FINER = int(-np.log2(EPS)) - 2 * DIFFERENCES.sure
 
 
 class DerivedSlope:
-    """f' from f alone.
+    """The slope f' computed from the height f alone.
 
     length: over which f varies, if known.
     ends: outside which there is no f.
@@ -88,8 +90,8 @@ class DerivedSlope:
     ) -> None:
         self._options = DIFFERENCES
         if period is not None and length is not None:
-            # Differences over whole periods are all zero, and all agree. Places on the two sides
-            # are at most half a period apart.
+            # Differences over whole periods are all zero, and would falsely agree. The two places
+            # of a difference are at most half a period apart.
             wider = int(np.floor(np.log2(0.25 * period / length)))
             self._options = replace(DIFFERENCES, wider=min(DIFFERENCES.wider, wider))
         self._height, self._length, self._ends = height, length, ends
@@ -109,7 +111,9 @@ class DerivedSlope:
         return by_step
 
     def rounding(self, x: Array) -> float:
-        """Median round-off of f' at some places; 0 where complex steps are taken."""
+        """Median round-off error of the slope f' at the places x; 0 if it is a complex-step
+        derivative.
+        """
         if self._by_step(x) is not None:
             return 0.0
         scale = scale_of(x, self._length)
@@ -120,7 +124,9 @@ class DerivedSlope:
         return differences(self._height, x, scale, self._ends, self._options)[0]
 
     def _by_step(self, x: Array) -> Array | None:
-        """Complex steps; None where they cannot be taken or were contradicted."""
+        """Complex-step derivatives at x. None if the height takes no complex numbers, or
+        contradicts them.
+        """
         by_step = complex_step(self._height, x) if self._complex else None
         if by_step is None:
             return None
@@ -144,7 +150,7 @@ class DerivedSlope:
 def scale_of(
     x: Array, length: float | None = None, ends: tuple[float, float] | None = None
 ) -> Array:
-    """For each place, the length about which steps are tried.
+    """The typical length of the shape at each place, about which steps of differences are tried.
 
     It is the known length, else the distance of the place from 0 or from the next place. With ends,
     no interval of `verdicts` reaches outside them.
@@ -164,15 +170,19 @@ def scale_of(
 
 
 def complex_step(height: Function, x: Array) -> Array | None:
-    """Im f(x + ih)/h, not finite where f is not; None where the height takes no complex numbers."""
+    """The complex-step derivative Im f(x + ih)/h, not finite where f is not; None if the height
+    takes no complex numbers.
+    """
     value = complex_value(height, x + 1j * _TINY)
     return None if value is None else value.imag / _TINY
 
 
 def complex_value(function: Function, z: NDArray[Any]) -> NDArray[Any] | None:
-    """Value of an author's function of complex numbers; None where it takes none."""
+    """Value of an author's function at complex numbers; None if the function takes no complex
+    numbers.
+    """
     with warnings.catch_warnings(), np.errstate(all="ignore"):
-        # Numpy warns of a cast that discards the imaginary part.
+        # Numpy warns if a cast discards the imaginary part: the warning becomes an exception here.
         warnings.simplefilter("error")
         try:
             value = np.asarray(function(z))
@@ -199,7 +209,8 @@ class Verdicts:
 def verdicts(
     height: Function, slope: Function, x: Array, scale: Array, options: VerdictOptions = VERDICTS
 ) -> Verdicts:
-    """Compare rises of the height with integrals of its slope on intervals about the places x.
+    """Compare differences of the height with integrals of the slope on intervals about the places
+    x.
 
     An interval counts only if a polynomial through its nodes resolves both, and heights have digits
     left.
@@ -231,7 +242,8 @@ def verdicts(
 def _compared(
     heights: Array, slopes: Array, h: Array, x: Array, options: VerdictOptions
 ) -> tuple[Array, NDArray[np.bool_], Array]:
-    """Compare both on intervals of half width h about x, one a row.
+    """Compare heights with integrals of slopes on intervals of half width h about x, one interval
+    in each row.
 
     Returns the discrepancy over the rise where it is a contradiction, else 0; whether both agree;
     and the integral of the slope at the nodes.
@@ -247,7 +259,7 @@ def _compared(
     last = fit[-options.nodes // 2 :].T
     of_heights, of_slopes = (np.abs(part @ last).max(axis=1) for part in (heights, slopes))
     rounded = EPS * (np.abs(heights).max(axis=1) + np.abs(x) * steepest)
-    # Heights that do not change may hide a change below their round-off.
+    # If the heights of an interval are all equal, a change may be hidden below their round-off.
     digits = np.sqrt(options.counts)
     tells = (total > 0) & (of_heights <= digits * total) & np.isfinite(discrepancy)
     tells &= rounded <= digits * size
@@ -267,7 +279,8 @@ def differences(
     ends: tuple[float, float] | None = None,
     options: DifferenceOptions = DIFFERENCES,
 ) -> tuple[Array, Array]:
-    """f' at places (n,) by central differences at the best step of each, and its round-off.
+    """The slope f' at places (n,) by central differences, each with its best step, and the
+    round-off error of f'.
 
     Places side by side share their estimate of round-off: a height near its tip does not show it.
     """
@@ -275,7 +288,7 @@ def differences(
     best, doubt = np.empty(x.shape), np.empty(x.shape)
     with np.errstate(all="ignore"):
         for some in np.array_split(order, max(1, -(-len(x) // BLOCK))):
-            # The last block is filled up with its last place.
+            # The last block is filled up by repeating its last place.
             whole = np.append(
                 some, np.full(-len(some) % min(options.together, len(some)), some[-1])
             )
@@ -291,7 +304,9 @@ def _quotients(
     ends: tuple[float, float] | None,
     options: DifferenceOptions,
 ) -> tuple[Array, Array]:
-    """Extrapolated quotients of ascending places, one step a row, and their round-off."""
+    """Extrapolated difference quotients at ascending places, one step in each row, and their
+    round-off errors.
+    """
     steps = scale * 2.0 ** np.arange(-_FINER, options.wider + 1)[:, None]
     if ends is not None:
         steps = np.where((x - steps >= ends[0]) & (x + steps <= ends[1]), steps, 0.0)
@@ -305,7 +320,7 @@ def _quotients(
         np.maximum(np.maximum(np.abs(right), np.abs(left)), highest) + np.abs(x * quotients)
     )
     hidden = np.repeat(_hidden(right - 2 * here + left, rounding, blocks, options), blocks)
-    # The combination has no terms of h^2, h^4 and h^6.
+    # In this combination the error terms in h^2, h^4 and h^6 cancel.
     values = (
         4096 * quotients[:-3] - 1344 * quotients[1:-2] + 84 * quotients[2:-1] - quotients[3:]
     ) / 2835
@@ -313,7 +328,8 @@ def _quotients(
 
 
 def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple[Array, Array]:
-    """For each column the best value of a run of rows that agree to within noise, and its noise.
+    """The best value of each column, from a run of rows that agree to within noise, and the
+    value's noise.
 
     It is the first run that is long enough, else the longest: agreement at wide steps only is an
     alias. The best value is the last but one before noise grows or the run ends, as the last one
@@ -354,7 +370,8 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
 
 
 def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptions) -> Array:
-    """Round-off of heights in each block that their size hides, as of cosh(x) - 1; else 0.
+    """Round-off of heights in each block that is larger than the size of the heights shows, as of
+    cosh(x) - 1; otherwise 0.
 
     evens: second differences by growing steps. rounding: of the heights by their size. A
     combination of second differences of sixth order is level while it is round-off, and grows with
@@ -367,21 +384,23 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
         np.median(rough, axis=2), options.sure, axis=0
     )
     before, after = (np.median(half, axis=2) for half in np.split(windows, 2, axis=2))
-    # Steps too short to change a height show no round-off; at a kink roughness grows by eight.
+    # Steps too short to change a height show no round-off. At a kink, the difference grows by a
+    # factor of eight over these steps.
     level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
     found = np.where(level, np.max(windows, axis=2), np.inf)
-    # The first steps that change a height show this part of the round-off.
+    # The shortest steps that change a height at all show this part of the round-off.
     found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)
-    # A steep step looks like more round-off; what is hidden takes at most half of the digits.
+    # A steep step in the height looks like more round-off. At most half of the digits may count as
+    # hidden round-off.
     most = np.max(sizes, axis=(0, 2)) / np.sqrt(EPS)
     return np.asarray(np.minimum(options.margin * largest, most))
 
 
 @dataclass(frozen=True)
 class DetailOptions:
-    """Samples of a shape, and the search for its smallest length by Chebyshev series.
+    """Options for the search for a shape's smallest length, by a Chebyshev series of samples.
 
     samples, max_samples: heights at first and at most; insensitive.
     counts_of_sharp: terms of the slope that count, over the largest one, of a series that has not
@@ -402,13 +421,13 @@ DETAIL = DetailOptions()
 def detail_of(
     height: Callable[[Array], Any], lo: float, hi: float, options: DetailOptions = DETAIL
 ) -> float:
-    """Smallest length over which heights vary between two places.
+    """Smallest length over which the height varies between the places lo and hi.
 
     It is that of the last term of the slope's Chebyshev series that counts.
     """
     length, n, counts = hi - lo, options.samples, VERDICTS.counts
     while True:
-        # The ends may be corners, outside which there is no body.
+        # The samples leave out the ends: an end may be a corner, outside which there is no body.
         x = lo + length * np.sin(0.25 * np.pi * (2 * np.arange(n) + 1) / n) ** 2
         with np.errstate(all="ignore"):
             heights = np.asarray(height(x), dtype=np.float64)

@@ -15,7 +15,7 @@ from contact.model.registry import register_profile
 @register_profile("flat")
 @dataclass(frozen=True)
 class Flat(Profile):
-    """A flat punch with sharp corners; with a period, one in each cell.
+    """A flat punch with sharp corners; with a period, there is one punch in each cell.
 
     f = 0 for |x| <= width/2 and +inf outside: the pressure is infinite as 1/sqrt(d) at the corners
     (M. Sadowsky, ZAMM 8, 1928, 107, doi 10.1002/zamm.19280080203).
@@ -54,13 +54,13 @@ class Flat(Profile):
 
     def height(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=np.float64)
-        # A corner that is reached by arithmetic (middle + half width, a whole period) still belongs
-        # to the punch.
+        # A place computed as a corner (middle + half width, plus whole periods) may be wrong by
+        # round-off: it still belongs to the punch.
         slack = 4 * EPS * (self.width + np.abs(x))
         return np.where(np.abs(self.wrap(x)) <= self.width / 2 + slack, 0.0, np.inf)
 
     def slope(self, x: ArrayLike) -> Array:
-        """0 on the punch; outside there is no surface, and the value is 0, too."""
+        """The slope 0 on the punch; outside, where there is no surface, the value is 0, too."""
         return np.zeros(np.shape(x))
 
     @property

@@ -18,7 +18,8 @@ from sie import Complex, record
 @register_profile("fourier")
 @dataclass(frozen=True, eq=False, repr=False)
 class Fourier(Profile):
-    """Harmonics 1, 2, ... of the period; the shorter list is filled up with zeros.
+    """A sum of harmonics 1, 2, ... of the period, from lists of cosine and sine amplitudes. Zeros
+    are appended to the shorter list.
 
     f(x) = sum_k cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2 pi k x/L).
 
@@ -75,7 +76,9 @@ class Fourier(Profile):
         return self._waves[1](self.wrap(np.asarray(x, dtype=np.float64)))
 
     def slope_conjugate(self, x: ArrayLike) -> Array:
-        """H takes cos to sin and sin to -cos: a factor -i for every k > 0."""
+        """The Hilbert transform of f'. It maps cos to sin and sin to -cos: a factor -i for each
+        harmonic k > 0.
+        """
         return self._waves[2](self.wrap(np.asarray(x, dtype=np.float64)))
 
     @property
@@ -88,19 +91,21 @@ class Fourier(Profile):
 
     @property
     def exact_places(self) -> bool:
-        """Whether sums use places in two words, which keep all digits over the period."""
+        """Whether sums use places as two floats, a number and its round-off, and so keep all
+        digits.
+        """
         return _is_long(np.size(self.cosine))
 
     @cached_property
     def _waves(self) -> "tuple[_Waves, ...]":
-        """f, f' and H f'."""
+        """Sums for the height f, the slope f' and its Hilbert transform H f'."""
         c = np.asarray(self.cosine) - 1j * np.asarray(self.sine)
         rate = 2 * pi / self.period * np.arange(1, c.size + 1) * c
         return tuple(_Waves(amplitudes, self.period) for amplitudes in (c, 1j * rate, rate))
 
 
 def _is_long(harmonics: int) -> bool:
-    """Whether a sum goes through a grid.
+    """Whether a sum of so many harmonics is computed on a grid and interpolated.
 
     The grid takes `WIDTH` exponentials a point, a direct sum takes the root of the number of
     harmonics.
@@ -110,7 +115,7 @@ def _is_long(harmonics: int) -> bool:
 
 @record
 class _Waves:
-    """Re sum_k c_k exp(2 pi i k x/L) at x [m] in the cell."""
+    """The sum Re sum_k c_k exp(2 pi i k x/L) of harmonics c_k, at x [m] in the cell of length L."""
 
     amplitudes: Complex
     period: float
@@ -120,7 +125,8 @@ class _Waves:
         return Sum.of(self.amplitudes)
 
     def __call__(self, x: Array) -> Array:
-        """The sum at x: few harmonics by k = r + s q, a matrix product and sqrt(N) terms.
+        """The sum at x. If harmonics k are few, k = r + s q splits the sum into a matrix product
+        and a sum of about sqrt(N) terms, with N the number of harmonics.
 
         Each power is an exponential of its own, so no round-off accumulates as in a recurrence.
         """

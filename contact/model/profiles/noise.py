@@ -13,40 +13,42 @@ import numpy as np
 from sie import Array
 
 EPS = float(np.finfo(np.float64).eps)
-# Numbers that differ by less than this part of them are equal but for round-off.
+# Numbers whose relative difference is below this are equal but for round-off.
 ROUND_OFF = 4096 * EPS
-# Difference of sixth order of seven values.
+# Weights of the sixth difference of seven values at equally spaced places.
 WEIGHTS = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
 PLACES = np.arange(len(WEIGHTS), dtype=np.float64)
-# Part of the shortest wave between two values: (2 pi step)^6 is below round-off. Places are
-# rounded to less than a step up to 1e12 waves from x = 0.
+# Step between two values, relative to the shortest wavelength: (2 pi step)^6 is below round-off.
+# Places are rounded to less than a step up to 1e12 wavelengths from x = 0.
 STEP = 3e-4
 _SPREAD = math.sqrt(WEIGHTS @ WEIGHTS)
 
 
 def deviations(values: Array) -> Array:
-    """Deviation of each group of values (7, n) at even places from a smooth function (n,)."""
+    """Deviations (n,) of values from a smooth function; each group of seven values, (7, n), is at
+    equally spaced places.
+    """
     return np.asarray(np.abs(np.tensordot(WEIGHTS, values, axes=1)) / _SPREAD)
 
 
 def noise(values: Array) -> float:
-    """Standard deviation of the noise of values (7, n) at even places.
+    """Standard deviation of the noise of values (7, n), in groups of seven equally spaced places.
 
     It is a median, so that a few groups may contain corners.
     """
-    # The median size of a normal variable is 0.6745 standard deviations.
+    # The median of the absolute value of a normal variable is 0.6745 standard deviations.
     return float(np.median(deviations(values))) / 0.6745
 
 
 def rounding(values: Array) -> float:
-    """Round-off of the largest of values (7, n) at even places, with their noise."""
+    """Round-off of the largest of the values (7, n) plus four times the noise of the values."""
     finite = np.isfinite(values)
     largest = float(np.abs(values).max(initial=0.0, where=finite))
     return EPS * largest + 4.0 * noise(values)
 
 
 def noise_at(function: Callable[[Array], Array], x: Array, length: float) -> float:
-    """Round-off and noise of a function near places x.
+    """Round-off and noise of the values of a function near the places x.
 
     length: of the function's shortest wave.
     """

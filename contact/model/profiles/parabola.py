@@ -14,7 +14,8 @@ from contact.model.registry import register_profile
 @register_profile("parabola")
 @dataclass(frozen=True)
 class Parabola(Profile):
-    """f = x^2/(2 radius) on the cell; with a period the cells meet in a corner at the border.
+    """f = x^2/(2 radius) on the cell; if there is a period, there is a corner where two cells
+    meet.
 
     The line contact of H. Hertz (J. reine angew. Math. 92, 1882, 156, doi
     10.1515/9783112342404-004): a = sqrt(4 P R / (pi E*)).
@@ -59,7 +60,9 @@ class Parabola(Profile):
         return np.asarray(self.wrap(x) / self.radius, dtype=np.float64)
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
-        """-(L/(pi R)) ln(2 |cos(pi x/L)|), the conjugate of a saw-tooth: +inf at the border."""
+        """The Hilbert transform of f', a saw-tooth: -(L/(pi R)) ln(2 |cos(pi x/L)|) with L the
+        period and R the radius. It is +inf at the border of the cell.
+        """
         if self.period is None:
             return None
         turn = pi * np.asarray(self.wrap(x)) / self.period

@@ -20,7 +20,7 @@ Window = tuple[float, float]
 
 @dataclass(frozen=True)
 class CombinedLimits:
-    """Cells that are counted one by one.
+    """Largest numbers of cells of two bodies that are examined one by one.
 
     cells_in_period: of either body in the common period.
     repeats: of a body with corners under one that goes on for ever, on either side; they hold at
@@ -36,18 +36,18 @@ _LIMITS = CombinedLimits()
 
 @record
 class PlacedBody:
-    """A body whose x = 0 is at `shift`; where it is mirrored, its x runs backwards."""
+    """A body whose x = 0 is at `shift`; if the body is mirrored, its own x increases to the left."""
 
     body: Profile
     shift: float = 0.0
     mirrored: bool = False
 
     def common_x(self, places: Array) -> Array:
-        """Common positions of places of the body."""
+        """Coordinates x common to both bodies, from coordinates `places` of this body itself."""
         return np.asarray(self.shift - places if self.mirrored else self.shift + places)
 
     def own_x(self, x: Array, slack: Array) -> Array:
-        """Places of the body at common positions.
+        """Coordinates of the body itself, from coordinates x common to both bodies.
 
         Those that round-off has put just outside its ends are moved back.
         """
@@ -56,26 +56,31 @@ class PlacedBody:
         return at if ends is None else onto(ends, np.asarray(self.body.wrap(at)), slack)
 
     def window(self, ends: Window) -> Window:
-        """An interval of the body in common positions."""
+        """An interval of the body, in the coordinate x common to both bodies."""
         lo, hi = np.sort(self.common_x(np.array(ends))).tolist()
         return lo, hi
 
     def algebraic_rows(self) -> Array:
-        """Algebraic points at common positions; a mirror exchanges left and right coefficients."""
+        """Algebraic points of the body in the coordinate x common to both bodies. A mirror
+        exchanges their left and right coefficients.
+        """
         columns = [0, 1, 3, 2] if self.mirrored else slice(None)
         rows = np.array(self.body.algebraic_points, dtype=np.float64)[:, columns]
         rows[:, 0] = self.common_x(rows[:, 0])
         return rows
 
     def jump_rows(self) -> Array:
-        """Common position, order and jump of kinks (order 1), jumps and breakpoints (order 0)."""
+        """Rows of place (in the coordinate common to both bodies), order and jump: kinks have
+        order 1, jumps order 2 or 3, breakpoints order 0.
+        """
         body = self.body
         places = np.asarray(body.breakpoints)
         others = np.column_stack((places, np.zeros(len(places)), np.ones(len(places))))
         rows = np.concatenate((np.insert(body.kinks, 1, 1, axis=1), body.jumps, others))
         rows[:, 0] = self.common_x(rows[:, 0])
         if self.mirrored:
-            # A mirror changes the sign of odd derivatives and exchanges the sides of a jump.
+            # A mirror changes the sign of odd derivatives and exchanges the sides of a jump, so
+            # that only jumps of even order change their sign.
             rows[rows[:, 1] == 2, 2] *= -1
         return rows
 
@@ -92,7 +97,9 @@ class Overlap:
 
     @classmethod
     def of(cls, placed: Sequence[PlacedBody], period: float | None) -> "Overlap":
-        """The interval of two placed bodies; SceneError where there is not exactly one."""
+        """The interval in which two placed bodies face each other; SceneError if there is not
+        exactly one.
+        """
         shift = placed[1].shift
         extents = [one.window(one.body.extent) for one in placed if one.body.extent is not None]
         known = (max(lo for lo, _ in extents), min(hi for _, hi in extents)) if extents else None
@@ -125,12 +132,13 @@ class Overlap:
 
     @property
     def ends(self) -> Window | None:
-        """Ends of the support, or else of the extent."""
+        """Ends of the support, or of the extent if there is no support."""
         return self.support or self.extent
 
 
 def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
-    """Cells of a periodic body with corners that are listed under the tip of an endless body.
+    """Ends of the cells whose corners are listed, for a periodic body with corners under the tip
+    of an endless body.
 
     None where the bodies are no such pair.
     """
@@ -152,7 +160,8 @@ def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
 def _supports(
     placed: Sequence[PlacedBody], period: float | None, known: Window | None
 ) -> list[Window] | None:
-    """Intervals between sharp corners that the bodies share; None without any corners.
+    """Intervals between sharp corners in which both bodies exist; None if neither body has
+    corners.
 
     They are those of one period, or all.
     """
@@ -178,7 +187,7 @@ def _supports(
 def _copies(
     placed: Sequence[PlacedBody], first: Window, period: float | None, searched: Window | None
 ) -> list[Window]:
-    """Copies of an interval by whole periods that reach into the searched interval."""
+    """Copies of an interval, shifted by whole periods, that overlap the interval `searched`."""
     if period is None:
         return [first]
     if searched is None:
@@ -197,13 +206,15 @@ def _copies(
 
 
 def same_place(places: Array, shift: float, period: float | None) -> float:
-    """Distance up to which two places are one: the round-off of a sum."""
+    """Distance below which two places count as one: the round-off of the sum of a place and the
+    shift.
+    """
     largest = float(np.max(np.abs(places), initial=0.0))
     return 16 * EPS * (largest + abs(shift) + (period or 0.0))
 
 
 def common_period(one: float | None, other: float | None) -> float | None:
-    """The shortest length that is a whole number of both periods; None without one of them."""
+    """The shortest length that is a whole multiple of both periods; None if a period is None."""
     if one is None or other is None:
         return None
     most = _LIMITS.cells_in_period

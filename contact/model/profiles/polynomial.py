@@ -16,7 +16,8 @@ from contact.model.registry import register_profile
 @register_profile("polynomial")
 @dataclass(frozen=True, eq=False)
 class Polynomial(Profile):
-    """f = c0 + c1 x + c2 x^2 + ...; the heights at both borders of a period must agree.
+    """f = c0 + c1 x + c2 x^2 + ...; if there is a period, f must be equal at the two borders of
+    the cell.
 
     Parameters
     ----------
@@ -80,11 +81,11 @@ class Polynomial(Profile):
 
     @property
     def jumps(self) -> Array:
-        """Jumps of the second and third derivative where the cells meet."""
+        """Jumps of the second and third derivatives of f where the cells meet."""
         return self._jumps_at_the_border(2, 3)
 
     def _jumps_at_the_border(self, *orders: int) -> Array:
-        """Place, order and jump of these derivatives, where the jump exceeds round-off."""
+        """Place, order and jump of the derivatives of these orders, if the jump exceeds round-off."""
         found = []
         for order in orders if self.period is not None else ():
             d = polyder(self._c, order)
@@ -95,7 +96,7 @@ class Polynomial(Profile):
 
     @property
     def breakpoints(self) -> Array:
-        # Where slopes are equal some higher derivative jumps at the border of the cell.
+        # If the slopes at the borders are equal, some higher derivative jumps where the cells meet.
         return np.empty(0) if self.period is None else np.array([self.x0])
 
     @property

@@ -18,7 +18,8 @@ from contact.model.registry import register_profile
 @register_profile("power")
 @dataclass(frozen=True)
 class Power(Profile):
-    """f = coefficient |x|^exponent on the cell; with a period the cells meet in a corner.
+    """f = coefficient |x|^exponent on the cell; if there is a period, there is a corner where
+    cells meet.
 
     Exponent 1 is the wedge, 2 the parabola. V. L. Popov, M. Hess & E. Willert, Handbook of Contact
     Mechanics (2019), doi 10.1007/978-3-662-58709-6.
@@ -113,8 +114,9 @@ class Power(Profile):
             if self.exponent > 1.0
             else []
         )
-        # The first and third power are jumps, the fifth and seventh are declared here. The next
-        # one leaves coefficients that fall as n^-9.
+        # Powers 1 and 3 of the distance from the border are kinks and jumps; powers 5 and 7 are
+        # declared here. Power 9 is left out: the Chebyshev coefficients of its slope decrease as
+        # n^-9.
         border = [
             [at, order, jump / (2 * order), jump / (2 * order)]
             for at, order, jump in self._at_border(5, 7)
@@ -122,7 +124,8 @@ class Power(Profile):
         return np.array(tip + border).reshape(-1, 4)
 
     def _at_border(self, *orders: int) -> list[tuple[float, int, float]]:
-        """Place, order k, and k times twice the coefficient of d^k where the cells meet, for odd k.
+        """For odd k: the place where the cells meet, the order k, and 2k times the coefficient of
+        d^k in f, with d the distance from that place.
 
         f goes as (L/2 - d)^n at the distance d on both sides; even powers of d are smooth.
         """

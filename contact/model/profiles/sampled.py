@@ -24,22 +24,22 @@ from contact.model.profiles.base import Array, Profile, onto
 from contact.model.profiles.noise import EPS
 from contact.model.registry import register_profile
 
-# Modules for files, roughness and unmeasured intervals, loaded when they are needed.
+# Modules that are loaded only when a trace file, roughness or unmeasured intervals are needed.
 _READING = "contact.model.traces.prepare"
 _ROUGHNESS = "contact.model.traces.roughness"
 _UNMEASURED = "contact.model.traces.unmeasured"
 
-# Keys of a preparation that may be whole numbers.
+# Arguments of a preparation that may be whole numbers.
 _WHOLE = ("detrend", "regrid")
 
 
-# A not-a-knot cubic has four coefficients.
+# A not-a-knot cubic spline needs four points, as a cubic has four coefficients.
 MIN_POINTS = 4
 
 
 @dataclass(frozen=True)
 class SampledOptions:
-    """Numbers of a measured profile.
+    """Options for a measured profile.
 
     same: relative difference up to which a repeated end point is one point, and positions are even.
     """
@@ -72,7 +72,8 @@ def read_trace(
     along: str | None = None,
     invert: bool | None = None,
 ) -> Sampled:
-    """A measured trace from a text file or an instrument's file, prepared as the arguments say.
+    """Read a measured trace from a text file or an instrument's file, and prepare it as the
+    arguments say.
 
     The arguments are the keys of a scene's [profile] with a `file`. They act in this order: read,
     sort, invert, fill, regrid, lambda_s, detrend, lambda_c, taper, period; the profile's `history`
@@ -163,7 +164,8 @@ def read_trace(
 @register_profile("sampled")
 @dataclass(frozen=True, init=False, repr=False, eq=False)
 class Sampled(Profile):
-    """Points (x, height), heights upwards positive, x increasing; with a period, one period.
+    """Measured points: positions x in ascending order, and heights, positive upwards. If a period
+    is given, the points are those of one period.
 
     A last point one period after the first is dropped if it repeats the first height. Without a
     period the profile is known between its first and last point only (`extent`): outside it is nan.
@@ -203,7 +205,7 @@ class Sampled(Profile):
     history: tuple[str, ...] = field(default=(), compare=False, repr=False)
     warnings: tuple[str, ...] = field(default=(), compare=False, repr=False)
     units = {"period": "m", "lambda_s": "m", "lambda_c": "m", "taper": "1"}
-    # The points of a file and their preparation; None for other points.
+    # The points of the file and their preparation; None for points that come from no file.
     source: ClassVar[tuple[Any, Any] | None] = None
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
@@ -231,8 +233,8 @@ class Sampled(Profile):
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
-        """The profile of a scene's table: points `x` and `height`, or a `file` with keys of
-        `from_file`.
+        """The profile of a scene file's table, which has points `x` and `height`, or a `file` and
+        arguments of `read_trace`.
         """
         if not isinstance(table, Mapping):
             raise SceneError.of("table", table, "a mapping of parameters")
@@ -270,7 +272,9 @@ class Sampled(Profile):
         )
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
-        """The profile with other values; the file's points are prepared again where keys change."""
+        """The profile with other values. If arguments of the preparation change, the points of the
+        file are prepared again.
+        """
         own = changes.get("profile", {})
         if self.source is None or not set(own) - set(self.parameters()):
             return super().varied(changes)
@@ -295,7 +299,7 @@ class Sampled(Profile):
         return np.asarray(-self._spline(self._inside(x), 1))
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
-        """H f' in closed form; None without a period."""
+        """The Hilbert transform H f' of the slope in closed form; None without a period."""
         if self._conjugate is None:
             return None
         return self._conjugate(np.asarray(self.wrap(np.asarray(x, dtype=np.float64))))
@@ -310,14 +314,18 @@ class Sampled(Profile):
 
     @property
     def breakpoints(self) -> Array:
-        """The knots, where the third derivative jumps; not-a-knot: without two at each end."""
+        """The knots of the spline, where its third derivative jumps. A not-a-knot spline has no
+        jumps at the first and last two points.
+        """
         return np.array(self.x if self.period is not None else self.x[2:-2])
 
     @property
     def jumps(self) -> Array:
-        """The jumps of the third derivative of f at the knots: between them f is a cubic."""
+        """The jumps of the third derivative of f at the knots, between which f is a cubic
+        polynomial.
+        """
         third = -6.0 * self._spline.c[0]
-        # With a period the last piece precedes the first knot.
+        # With a period, the last cubic precedes the first knot.
         first, before = (0, third[-1:]) if self.period is not None else (1, third[:0])
         at = self._knots[first:-1]
         return np.column_stack((at, np.full(at.size, 3.0), np.diff(third, prepend=before)))
@@ -336,7 +344,8 @@ class Sampled(Profile):
 
     @cached_property
     def _spline(self) -> Any:
-        # Depths below the highest point: an offset of the instrument's zero costs no digits.
+        # Depths count from the highest point, so that an offset of the instrument's zero costs no
+        # digits.
         depth, repeats = self.heights - self.heights.max(), self.period is not None
         values, kind = (
             (np.append(depth, depth[0]), "periodic") if repeats else (depth, "not-a-knot")
@@ -360,14 +369,14 @@ class Sampled(Profile):
         w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
         if self.period is not None:
             return w
-        # Outside its ends the spline returns nan.
+        # Outside the first and last points the spline returns NaN.
         lo, hi = self.x[0], self.x[-1]
         return onto((lo, hi), w, 8 * EPS * max(abs(lo), abs(hi), hi - lo))
 
 
 @lru_cache(maxsize=8)
 def _prepared_again(reading: Any, preparation: Any) -> Sampled:
-    """Points of one file after another preparation, cached for sweeps."""
+    """Prepare the points of one file in another way; the result is cached for sweeps."""
     return _of_trace(require(_READING).prepared(reading, preparation))
 
 
@@ -383,7 +392,7 @@ def _of_trace(trace: Any) -> Sampled:
 
 
 def _one_period(x: Array, heights: Array, period: float) -> tuple[Array, Array]:
-    """The points of one period, without a repeated last one."""
+    """The points of one period, without a last point that repeats the first one."""
     length = float(x[-1] - x[0])
     if abs(length - period) <= OPTIONS.same * period:
         step = float(heights[-1] - heights[0])

@@ -23,7 +23,8 @@ def self_affine(
     rolloff: float | None = None,
     longest: float | None = None,
 ) -> Fourier:
-    """A random rough profile with amplitudes k^-(H + 1/2), constant beyond the roll-off.
+    """A random rough profile of harmonics k with amplitudes k^-(H + 1/2), H the Hurst exponent. Up
+    to the roll-off the amplitudes are constant.
 
     Phases are uniform and the amplitudes are scaled to an rms slope. The power spectrum of the line
     falls as q^-(1 + 2H). Only phases are random: every seed has the same spectrum, rms height and
@@ -75,7 +76,7 @@ def self_affine(
     most = length if longest is None else _wavelength("longest", longest, least, length)
     knee = length if rolloff is None else _wavelength("rolloff", rolloff, least, length)
     number = integer("seed", seed)
-    # A wave whose length is rounded is within the cut-offs: 1/(1/49) is 49.
+    # A wavelength may be rounded and still be within the cut-offs: in floats, 1/(1/49) is not 49.
     last, first = (
         floor(length / least * (1 + ROUND_OFF)),
         max(1, floor(length / most * (1 - ROUND_OFF)) + (most < length)),
@@ -103,7 +104,7 @@ def self_affine(
 
 
 def _wavelength(field: str, value: Any, least: float, period: float) -> float:
-    """A wavelength between the shortest one and the period, checked."""
+    """Check a wavelength, which must lie between the shortest one and the period."""
     wave = positive(field, value)
     if not least <= wave <= period * (1 + ROUND_OFF):
         raise SceneError.of(

@@ -14,7 +14,8 @@ from contact.model.registry import register_profile
 @register_profile("sinusoid")
 @dataclass(frozen=True)
 class Sinusoid(Profile):
-    """f = amplitude (1 - cos(2 pi x/period)): half the peak-to-valley height is the amplitude.
+    """f = amplitude (1 - cos(2 pi x/period)): the amplitude is half the height from valley to
+    peak.
 
     In full contact above the mean pressure pi E* amplitude / period (H. M. Westergaard, J. Appl.
     Mech. 6, 1939, A49, doi 10.1115/1.4008919).
@@ -49,17 +50,17 @@ class Sinusoid(Profile):
         keep(self, positive, "amplitude", "period")
 
     def _turns(self, x: ArrayLike) -> Array:
-        """x in periods, less the nearest whole number; cheaper than `wrap`."""
+        """x divided by the period, minus the nearest whole number; this is cheaper than `wrap`."""
         turns = np.asarray(x, dtype=np.float64) / self.period
         return np.asarray(turns - np.rint(turns))
 
     def height(self, x: ArrayLike) -> Array:
-        # 1 - cos = 2 sin^2 keeps the digits near the tip.
+        # In this form, 1 - cos(a) = 2 sin(a/2)^2 keeps its digits near the tip.
         return np.asarray(2 * self.amplitude * np.sin(pi * self._turns(x)) ** 2)
 
     def slope(self, x: ArrayLike) -> Array:
         return np.asarray(2 * pi * self.amplitude / self.period * np.sin(2 * pi * self._turns(x)))
 
     def slope_conjugate(self, x: ArrayLike) -> Array:
-        """H sin = -cos."""
+        """The Hilbert transform of the slope f', which maps sin to -cos."""
         return np.asarray(-2 * pi * self.amplitude / self.period * np.cos(2 * pi * self._turns(x)))

@@ -14,7 +14,7 @@ from contact.model.profiles.base import Array, Profile, read_from
 
 @dataclass(frozen=True)
 class Tilted(Profile):
-    """f(x) - tilt x of another profile; of a periodic one its cell alone."""
+    """A tilted profile f(x) - tilt x. If the profile is periodic, one cell alone is used."""
 
     profile: Profile
     tilt: float
@@ -49,7 +49,9 @@ class Tilted(Profile):
         return self._within(np.asarray(self.profile.breakpoints)[:, None])[:, 0]
 
     def _within(self, rows: Array) -> Array:
-        """Rows of places inside the cell; at its border the shape just ends."""
+        """The rows, each beginning with a place, whose place is inside the cell: the shape ends at
+        the border.
+        """
         if self.profile.period is None:
             return rows
         lo, hi = self.profile.x0, self.profile.x0 + self.profile.period

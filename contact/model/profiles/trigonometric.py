@@ -14,18 +14,21 @@ import scipy.fft
 
 from sie import Array, Complex, record
 
-# Half width and width of the kernel, in cells.
+# Half width and width of the spreading kernel, in cells of the grid.
 _HALF = 8
 WIDTH = _HALF + _HALF
-# Steepness b for an oversampling of two (their section 4).
+# Steepness b of the spreading kernel for a grid twice as fine as needed (section 4 of the paper).
 _STEEP = 0.98 * np.pi * WIDTH * 0.75
-# Points handled at once, so that their kernels stay in the cache.
+# Number of points handled at once, so that the values of their kernels stay in the processor's
+# cache.
 BLOCK = 1 << 14
 
 
 @lru_cache(maxsize=4)
 def _transform(harmonics: int, n: int) -> Array:
-    """Transform of psi at k = 1 ... `harmonics` for a grid of n points."""
+    """Fourier transform of the spreading kernel psi (head of this module) at k = 1 ...
+    `harmonics`, on a grid of n points.
+    """
     t, weights = np.polynomial.legendre.leggauss(4 * WIDTH)
     right = t > 0
     values = 2 * _HALF * weights[right] * np.exp(_STEEP * (np.sqrt(1 - t[right] ** 2) - 1))
@@ -39,7 +42,8 @@ def _transform(harmonics: int, n: int) -> Array:
 
 @record
 class Sum:
-    """Re sum_{k >= 1} c_k exp(2 pi i k x) for x in turns, as values on a grid of n points.
+    """The sum Re sum_{k >= 1} c_k exp(2 pi i k x), with x in periods, stored as values on a grid
+    of n points.
 
     The first values are repeated at the end.
     """
@@ -49,7 +53,7 @@ class Sum:
 
     @classmethod
     def of(cls, c: Complex) -> "Sum":
-        # With a power of two the place on the grid is exact.
+        # If n is a power of two, multiplying a place by n causes no round-off.
         n = 1 << int(np.ceil(np.log2(4 * (c.size + 1))))
         spectrum = np.zeros(n // 2 + 1, dtype=np.complex128)
         spectrum[1 : c.size + 1] = 0.5 * n * c / _transform(c.size, n)
@@ -57,7 +61,8 @@ class Sum:
         return cls(values[np.arange(n + WIDTH) % n], n)  # a short grid is repeated more than once
 
     def __call__(self, turns: Array, rest: Array | None = None) -> Array:
-        """Values at x = turns + rest (m,); rest: the round-off of turns, where it is known.
+        """Values (m,) of the sum at x = turns + rest. `rest` is the round-off of `turns`, if it is
+        known.
 
         Sums of many terms need it.
         """
@@ -82,7 +87,8 @@ class Sum:
 
 
 def coefficients(weights: Array, turns: Array, count: int) -> Complex:
-    """sum_j w_j exp(-2 pi i k x_j), k = 1 ... `count`, of weights (m,) at x (m,) in turns.
+    """The sums over j of w_j exp(-2 pi i k x_j), k = 1 ... `count`, with weights w (m,) at places
+    x (m,) in periods.
 
     It is the transpose of `Sum`, accurate to 1e-15 sum |w_j|.
     """
@@ -99,7 +105,7 @@ def coefficients(weights: Array, turns: Array, count: int) -> Complex:
 
 
 def in_turns(x: Array, period: float) -> tuple[Array, Array]:
-    """x / period in two words: the quotient, and its round-off.
+    """x / period as two floats: the quotient, and its round-off error.
 
     (T. J. Dekker's exact product, Numer. Math. 18, 1971, 224.)
     """
@@ -113,7 +119,7 @@ def in_turns(x: Array, period: float) -> tuple[Array, Array]:
 
 
 def _halves(x: Any) -> tuple[Any, Any]:
-    """x as the sum of two numbers of half its digits."""
+    """x as the sum of two numbers, each of which has half the digits."""
     large = 134217729.0 * x
     high = large - (large - x)
     return high, x - high

@@ -15,7 +15,8 @@ from contact.model.registry import register_profile
 @register_profile("wedge")
 @dataclass(frozen=True, init=False, repr=False)
 class Wedge(Profile):
-    """f = slope |x| on the cell; with a period there is a valley with a corner at its border.
+    """f = slope |x| on the cell; if there is a period, there is a sharp valley where two cells
+    meet.
 
     The parameter is called `slope`; it is stored as `tangent` because `slope(x)` is f' for every
     profile.
@@ -65,13 +66,15 @@ class Wedge(Profile):
         return np.asarray(self.tangent * np.abs(self.wrap(x)), dtype=np.float64)
 
     def slope(self, x: ArrayLike) -> Array:
-        # The sign of -0.0 is that of 0.0.
+        # Adding 0.0 turns -0.0 into 0.0, so that the slope at both is the same.
         return np.asarray(
             np.copysign(self.tangent, np.asarray(self.wrap(x), dtype=np.float64) + 0.0)
         )
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
-        """(2 slope/pi) ln|tan(pi x/L)|: -inf at the tip, +inf at the valley."""
+        """The Hilbert transform of f': (2 slope/pi) ln|tan(pi x/L)| with L the period; -inf at the
+        tip, +inf at the valley.
+        """
         if self.period is None:
             return None
         turn = pi * np.asarray(self.wrap(x)) / self.period
