@@ -86,34 +86,37 @@ class AdhesiveZone(SymmetricZone):
         return self.zone._approach()
 
     def _approach_rate(self, load: float, at_load: float) -> float:
-        """Change of the approach: punch compliance times change of the load, plus `at_load`.
+        """Rate of the approach: punch compliance times rate of the load, plus `at_load`.
 
-        `at_load` is the change at constant load. The result is nan without a datum.
+        `at_load` is the rate of the approach at constant load. The result is nan without a datum.
         """
         return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
 
     def rates(self) -> tuple[float, float]:
-        """Derivatives (load, approach) along the curve; the latter is nan without a datum."""
+        """Derivatives of load and approach along the curve of equilibria.
+
+        The derivative of the approach is nan without a datum.
+        """
         raise NotImplementedError
 
     @property
     def elastic_energy(self) -> float:
-        """(1/2) int p u dx [J/m], per period if there is one; u is that of `displacement`."""
+        """Elastic energy (1/2) int p u dx [J/m] with the displacement u, per period if any."""
         return frictionless_energy(self.zone)
 
     @property
     def surface_energy(self) -> float:
-        """Energy of the interface [J/m], per period if there is one; 0 for distant surfaces."""
+        """Energy of the interface [J/m], per period if any; 0 if the surfaces are far apart."""
         raise NotImplementedError
 
     @property
     def energy(self) -> float:
-        """Elastic plus surface energy [J/m]; along a curve d energy = load d approach."""
+        """Elastic plus surface energy [J/m]; d energy = load d approach along the equilibria."""
         return self.elastic_energy + self.surface_energy
 
     @property
     def mean_gap(self) -> float | None:
-        """Mean gap over the period, mean f less approach [m]; None without a period."""
+        """Mean gap [m] over the period: mean profile minus approach; None without a period."""
         if self.period is None:
             return None
         half = 0.5 * self.period
@@ -121,7 +124,7 @@ class AdhesiveZone(SymmetricZone):
 
 
 def frictionless_energy(zone: SymmetricZone) -> float:
-    """Elastic energy (1/2) int p (approach - f) dx of a frictionless zone [J/m]."""
+    """Elastic energy of a frictionless zone [J/m], (1/2) int p (approach - profile) dx."""
     moment = integrated(lambda r, d: zone._pressure(r, d) * zone._height(r), zone.half_width)
     return 0.5 * zone.load * zone._approach() - float(moment)
 
@@ -130,7 +133,7 @@ State = TypeVar("State", bound=AdhesiveZone)
 
 
 class Equilibria(Generic[State]):
-    """The curve of equilibria of one profile, by a parameter that grows with the contact.
+    """The curve of equilibria of one profile; its parameter grows with the contact.
 
     Turning points cut the curve into branches. `stable` is the first stable branch, `narrow` the
     one before it and `wide` the one after it. `last` is the branch at the end of the curve.
@@ -151,24 +154,28 @@ class Equilibria(Generic[State]):
         raise NotImplementedError
 
     def _carrying(self, load: float, parameter: float) -> State:
-        """The equilibrium at this parameter, which was found as the root of this load.
+        """The equilibrium at `parameter`, which was found as the root for a given load.
 
         A subclass may correct the state so that it carries the load to round-off.
         """
         return self.at(parameter)
 
     def _samples(self) -> Array:
-        """Parameters along the whole curve, dense enough to separate its turning points."""
+        """Parameters along the whole curve, at most one turning point between neighbours."""
         raise NotImplementedError
 
     def _rates(self, parameter: float) -> tuple[float, float]:
-        """Derivatives (load, approach) by the parameter; the latter is nan without a datum."""
+        """Derivatives of load and approach by the parameter of the curve.
+
+        The derivative of the approach is nan without a datum.
+        """
         return self.at(parameter).rates()
 
     def _rate(self, parameter: float, machine_compliance: float) -> float:
-        """Derivative of approach + M load, M the machine compliance, by the parameter.
+        """Derivative of approach + machine compliance times load, by the curve's parameter.
 
-        It is positive for a stable equilibrium. For infinite M it is that of the load.
+        It is positive for a stable equilibrium. For an infinite machine compliance it is the
+        derivative of the load.
         """
         load, approach = self._rates(parameter)
         if machine_compliance == inf:
@@ -180,7 +187,10 @@ class Equilibria(Generic[State]):
         return approach + machine_compliance * load
 
     def is_stable(self, parameter: float, machine_compliance: float = inf) -> bool:
-        """Whether an equilibrium is stable: at prescribed load (inf) or approach (0)."""
+        """Whether an equilibrium is stable in a machine of this compliance.
+
+        The compliance is inf at prescribed load and 0 at prescribed approach.
+        """
         return self._rate(parameter, machine_compliance) > 0.0
 
     def turning_points(self, machine_compliance: float = inf) -> list[float]:
@@ -188,18 +198,21 @@ class Equilibria(Generic[State]):
         return roots(lambda s: self._rate(s, machine_compliance), self._samples())
 
     def pull_off(self, machine_compliance: float = inf) -> State:
-        """The state at which the surfaces separate on unloading; OutOfRange if none is stable."""
+        """The state at which the surfaces separate on unloading.
+
+        Raises OutOfRange if no state is stable.
+        """
         return self.at(self._part("stable", machine_compliance)[0])
 
     def _parts(self, machine_compliance: float) -> tuple[list[tuple[float, float]], list[bool]]:
-        """Two lists: the parameters at both ends of each branch, and whether it is stable."""
+        """Two lists: the first and last parameter of each branch; whether the branch is stable."""
         samples = self._samples()
         ends = [float(samples[0]), *self.turning_points(machine_compliance), float(samples[-1])]
         parts = list(zip(ends[:-1], ends[1:], strict=True))
         return parts, [self._rate(0.5 * (lo + hi), machine_compliance) > 0.0 for lo, hi in parts]
 
     def _part(self, branch: str, machine_compliance: float) -> tuple[float, float]:
-        """First and last parameter of a named branch; raises OutOfRange if there is none."""
+        """First and last parameter of a named branch; raises OutOfRange if it does not exist."""
         parts, grows = self._parts(machine_compliance)
         first = grows.index(True) if True in grows else len(parts)
         numbers = {"narrow": first - 1, "stable": first, "wide": first + 1, "last": len(parts) - 1}
@@ -217,7 +230,7 @@ class Equilibria(Generic[State]):
         return self.at(self._solve("approach", finite("approach", approach), branch, 0.0))
 
     def _solve(self, control: str, value: float, branch: str, machine_compliance: float) -> float:
-        """Parameter on a branch at which the load or the approach (`control`) has a value."""
+        """Parameter on a branch at which the load or the approach (`control`) equals `value`."""
         lo, hi = self._part(branch, machine_compliance)
 
         def residual(s: float) -> float:
@@ -233,7 +246,10 @@ class Equilibria(Generic[State]):
         return root(residual, lo, hi)
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
-        """Ends of the branches stable at prescribed load: (parameter, parameter, load, load)."""
+        """Ends of the branches that are stable at prescribed load.
+
+        Each row is (first parameter, last parameter, load at the first, load at the last).
+        """
         return [
             (lo, hi, self.at(lo).load, self.at(hi).load)
             for (lo, hi), grows in zip(*self._parts(inf), strict=True)
@@ -261,11 +277,11 @@ class Equilibria(Generic[State]):
             return None
         return self._lowered(parts, load)
 
-    # This says whether full contact never opens again, at any load.
+    # True means that full contact does not open at any load.
     stays_closed = False
 
     def _lowered(self, parts: list[tuple[float, float, float, float]], load: float) -> State:
-        """The state at a load on the last of the `parts` whose loads include it."""
+        """The state at `load` on the last of the branches `parts` that reaches this load."""
         for lo, hi, least, most in reversed(parts):
             if least <= load <= most:
                 return self._carrying(load, root(lambda s: self.at(s).load - load, lo, hi))
@@ -285,7 +301,7 @@ class Equilibria(Generic[State]):
 
 @dataclass(frozen=True)
 class Cylinder:
-    """Fields of the curves of an isolated parabola f = x^2/2R."""
+    """Parameters of the curves of equilibria of an isolated parabola f = x^2/2R."""
 
     radius: float
     E_star: float
@@ -299,7 +315,7 @@ class Cylinder:
 
 @dataclass(frozen=True)
 class Wave:
-    """Fields of the curves of a periodic wave f = Delta (1 - cos(2 pi x/L))."""
+    """Parameters of the curves of equilibria of a periodic wave Delta (1 - cos(2 pi x/L))."""
 
     amplitude: float
     period: float

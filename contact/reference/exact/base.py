@@ -48,7 +48,7 @@ def refuse_load(load: float, most: float, why: str) -> None:
 
 
 def with_datum(what: str, value: float | None) -> float:
-    """Return the value; raise SceneError if it is None, as in an isolated body without a datum."""
+    """Return the value; raise SceneError if it is None: an isolated body without a datum."""
     if value is None:
         raise SceneError.of(
             "datum", None, f"a length > 0 where {what} of an isolated zone is asked for"
@@ -57,7 +57,7 @@ def with_datum(what: str, value: float | None) -> float:
 
 
 class ExactContact:
-    """Base of all exact contacts: numbers that follow from zones, load and period."""
+    """Base class of all exact contacts: numbers that follow from zones, load and period."""
 
     if TYPE_CHECKING:
 
@@ -75,7 +75,7 @@ class ExactContact:
 
     @property
     def zone_loads(self) -> Array:
-        """Load of every zone [N/m], (n,); equal, unless a subclass says otherwise."""
+        """Load of every zone [N/m], (n,); equal loads unless a subclass overrides this."""
         return np.full(len(self.zones), self.load / len(self.zones))
 
     @property
@@ -97,7 +97,8 @@ class PressedBody(ExactContact):
     gives approach = C P + int P d(-C).
     """
 
-    # Annotations only: a value here would become the default of a dataclass field of that name.
+    # These are annotations only: a value here would become the default of a dataclass field of
+    # the same name.
     half_width: float
     E_star: float
     datum: float | None
@@ -109,27 +110,34 @@ class PressedBody(ExactContact):
         def gap(self, x: ArrayLike) -> Array: ...
 
     def _check(self, *positives: str) -> None:
-        """Raise SceneError, by name, for values that are not positive and finite."""
+        """Raise SceneError if one of the attributes named is not positive and finite."""
         for name in positives:
             positive(name, getattr(self, name))
         positive_or_none("datum", self.datum)
 
     @property
     def punch_compliance(self) -> float | None:
-        """d approach/d load at fixed zones [m^2/N]; None for an isolated body without a datum."""
+        """Compliance d approach/d load at fixed zones [m^2/N].
+
+        None for an isolated body without a datum.
+        """
         if self.period is None and self.datum is None:
             return None
         return float(self._compliance_of(self.half_width))
 
     def _compliance_of(self, half_width: ArrayLike) -> Array:
-        """Flat punches' compliance: -(2/pi E*) ln sin(pi a/L); isolated (2/pi E*) ln(2d/a)."""
+        """Compliance of a flat punch of the given half width a [m^2/N].
+
+        It is -(2/pi E*) ln sin(pi a/L) with a period L, and (2/pi E*) ln(2d/a) for an isolated
+        punch with the datum d.
+        """
         unit = 2.0 / (pi * self.E_star)
         if self.datum is not None:
             return unit * np.log(2.0 * self.datum / np.asarray(half_width))
         return -unit * log_of(sine(half_width, self.period), cosine(half_width, self.period))
 
     def _approach_by_parts(self) -> float:
-        """The integral int P d(-C): the approach less load times punch compliance."""
+        """Approach minus load times punch compliance: int P d(-C), load P, compliance C."""
         raise NotImplementedError
 
     def _approach(self) -> float:
@@ -139,7 +147,7 @@ class PressedBody(ExactContact):
 
     @property
     def approach(self) -> float | None:
-        """Approach [m], with min f = 0; None for an isolated body without a datum.
+        """Approach [m] for a profile whose minimum is 0; None for an isolated body without datum.
 
         The displacement u has zero mean over a period. Without a period its far field is zero at
         the distance `datum`.
@@ -148,14 +156,18 @@ class PressedBody(ExactContact):
 
     @property
     def stiffness(self) -> float | None:
-        """d load/d approach [Pa], that of the flat punch on the same zones; None without datum."""
+        """Stiffness d load/d approach [Pa], equal to that of a flat punch on the same zones.
+
+        None for an isolated body without a datum.
+        """
         compliance = self.punch_compliance
         return None if compliance is None else (inf if compliance == 0.0 else 1.0 / compliance)
 
     def displacement(self, x: ArrayLike) -> Array:
         """Displacement u(x) [m] into the body.
 
-        It has zero mean over a period, or without one the far field ln|x/d| with the datum d.
+        It has zero mean over a period. Without a period it has the far field ln|x/d| with the
+        datum d.
         """
         return with_datum("u", self.approach) - self.height(x) + self.gap(x)
 
@@ -214,7 +226,8 @@ class SymmetricZone(PressedBody):
     """
 
     # Every solution defines the next four formulas. Their arguments are r = |x|, the distance
-    # d = a - r of a point in the zone from its end, and the distance e = r - a of a point outside.
+    # d = a - r of a point in the zone from the zone's end, and the distance e = r - a of a point
+    # outside the zone.
     def _height(self, r: Array) -> Array:
         raise NotImplementedError
 
@@ -258,7 +271,7 @@ class SymmetricZone(PressedBody):
         return np.sign(x) * self._slope(np.abs(x))
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at normalised positions t in [-1, 1], accurate up to the ends."""
+        """Pressure [Pa] at normalised positions t in [-1, 1] of the zone, accurate at its ends."""
         check_number(zone)
         r: Array = np.abs(np.asarray(t, dtype=np.float64))
         return self._pressure(self.half_width * r, self.half_width * (1.0 - r))
@@ -271,7 +284,7 @@ class SymmetricZone(PressedBody):
         return np.where(inside, self._pressure(r, self.half_width - r), 0.0)
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap u + f - approach [m], 0 in the zone."""
+        """Gap [m], displacement + profile - approach; 0 in the zone."""
         e = np.abs(self._reduced(x)) - self.half_width
         return np.where(e > 0.0, self._gap(np.maximum(e, 0.0)), 0.0)
 
@@ -285,11 +298,14 @@ class SymmetricZone(PressedBody):
 
     @property
     def _sine_unit(self) -> float:
-        """Unit of length L/pi of `_sine`: their product tends to a for small a; isolated: 1."""
+        """Length L/pi by which `_sine` is multiplied to tend to a for small half widths a.
+
+        It is 1 for an isolated zone.
+        """
         return 1.0 if self.period is None else self.period / pi
 
     def _length(self) -> float:
-        """The period [m]; raises SceneError without one."""
+        """The period [m]; raises SceneError if there is no period."""
         if self.period is None:
             raise SceneError.of("period", None, "a length > 0")
         return self.period
@@ -350,7 +366,7 @@ class _FromLoad(SymmetricZone):
 
     @classmethod
     def from_load(cls, load: float, **shape: Any) -> Self:
-        """The solution at a given load (per period); the other parameters by name."""
+        """The solution at a given load (per period); the other parameters are given by name."""
         numbers = {k: positive(k, v) for k, v in shape.items() if k != "datum"}
         half_width = cls._half_width_for(positive("load", load), **numbers)
         return cls(half_width=half_width, **shape)  # type: ignore[call-arg]
@@ -358,7 +374,7 @@ class _FromLoad(SymmetricZone):
 
 @dataclass(frozen=True)
 class IsolatedZone(_FromLoad):
-    """Base of the solutions of one isolated zone, with a datum for the approach."""
+    """Base class of the solutions of one isolated zone, with a datum for the approach."""
 
     E_star: float
     half_width: float
@@ -368,7 +384,7 @@ class IsolatedZone(_FromLoad):
 
 @dataclass(frozen=True)
 class PeriodicZone(_FromLoad):
-    """Base of the solutions of one zone in every period."""
+    """Base class of the solutions with one zone in every period."""
 
     period: float
     E_star: float
@@ -377,13 +393,16 @@ class PeriodicZone(_FromLoad):
 
     @classmethod
     def from_mean_pressure(cls, mean_pressure: float, *, period: float, **shape: Any) -> Self:
-        """The solution at a given mean pressure; the other parameters by name."""
+        """The solution at a given mean pressure; the other parameters are given by name."""
         load = positive("mean_pressure", mean_pressure) * positive("period", period)
         return cls.from_load(load, period=period, **shape)
 
     @classmethod
     def from_contact_fraction(cls, contact_fraction: float, *, period: float, **shape: Any) -> Self:
-        """The solution at a given 2a/L; the other parameters by name."""
+        """The solution in which a given part of the period is in contact.
+
+        The other parameters are given by name.
+        """
         fraction = between("contact_fraction", contact_fraction, 0.0, 1.0)
         a = 0.5 * fraction * positive("period", period)
         return cls(half_width=a, period=period, **shape)  # type: ignore[call-arg]

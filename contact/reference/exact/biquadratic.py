@@ -18,7 +18,7 @@ from contact.reference.exact.numerics import Array, arcosh1p, sinh_minus, zone_p
 
 @dataclass(frozen=True)
 class IsolatedBiquadratic(PressedBody):
-    """Two parabolic tips a distance 2c apart on one punch, f = (x^2 - c^2)^2/8Rc^2.
+    """The contact of one punch with two tips at x = -c and c, f = (x^2 - c^2)^2/8Rc^2.
 
     While the total load is P < pi E* c^2/8R there are two zones a <= |x| <= b, a^2 + b^2 = 2c^2,
     h = (b^2 - a^2)/2:
@@ -95,7 +95,7 @@ class IsolatedBiquadratic(PressedBody):
 
     @classmethod
     def from_inner_end(cls, inner_end: float, **shape: float) -> "IsolatedBiquadratic":
-        """The two-zone solution whose zones begin at |x| = a."""
+        """The solution with two zones that begin at |x| = `inner_end`."""
         c = 0.5 * shape["spacing"]
         h = (c - inner_end) * (c + inner_end)
         if not (h > 0.0 and inner_end > 0.0):
@@ -108,12 +108,12 @@ class IsolatedBiquadratic(PressedBody):
 
     @property
     def _unit(self) -> float:
-        """The factor 1/8Rc^2 of the profile."""
+        """The factor 1/8Rc^2 of the profile, with the radius R and half the spacing, c."""
         return 1.0 / (8.0 * self.radius * self._c**2)
 
     @property
     def merging_load(self) -> float:
-        """The load pi E* c^2/8R at which the two zones become one [N/m]."""
+        """The load at which the two zones become one [N/m]."""
         return pi * self.E_star * self._c**2 / (8.0 * self.radius)
 
     @property
@@ -130,17 +130,18 @@ class IsolatedBiquadratic(PressedBody):
         """Outer end b of the zones [m]."""
         if not self.merged:
             return sqrt(self._c**2 + self._h)
-        # The load of one zone gives 3b^4 - 4b^2c^2 = 4c^4 P/P_merging.
+        # The formula for the load P of one zone gives 3b^4 - 4b^2c^2 = 4c^4 P/P_merging for the
+        # outer end b.
         return self._c * sqrt((2.0 + sqrt(4.0 + 12.0 * self.load / self.merging_load)) / 3.0)
 
     @property
     def inner_end(self) -> float:
-        """Inner end a of the zones [m]; 0 once they have merged."""
+        """Inner end a of the zones [m]; 0 once the zones have merged."""
         return 0.0 if self.merged else sqrt(self._c**2 - self._h)
 
     @property
     def zones(self) -> Array:
-        """Ends of the zones [m], (2, 2), or (1, 2) once they have merged."""
+        """Ends of the zones [m], (2, 2), or (1, 2) once the zones have merged."""
         a, b = self.inner_end, self.outer_end
         return np.array([[-b, b]]) if self.merged else np.array([[-b, -a], [a, b]])
 
@@ -148,7 +149,7 @@ class IsolatedBiquadratic(PressedBody):
     def max_pressure(self) -> float:
         """Peak pressure [Pa].
 
-        Its place is x^2 = (3b^2 + 2c^2)/6 if there is one zone. For two zones it is
+        It is at x^2 = (3b^2 + 2c^2)/6 if there is one zone. For two zones it is at
         x^2 - c^2 = h^2/(c^2 + sqrt(c^4 + 3h^2)), h = (b^2 - a^2)/2.
         """
         c2, h = self._c**2, self._h
@@ -175,14 +176,15 @@ class IsolatedBiquadratic(PressedBody):
         return 2.0 * self.E_star * self._unit * r * np.sqrt(product)
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at normalised positions t in [-1, 1], accurate up to the ends."""
+        """Pressure [Pa] at normalised positions t in [-1, 1] of a zone, accurate up to its ends."""
         check_number(zone, len(self.zones))
         t = np.asarray(t, dtype=float)
         b = self.outer_end
         if self.merged:
             return self._pressure(b * np.abs(t), t, b * (1.0 - np.abs(t)))
         outward = t if zone == 1 else -t
-        # The half width is (b - a)/2 = h/(b + a): the difference b - a cancels in narrow zones.
+        # The half width (b - a)/2 is computed as h/(b + a), because the difference b - a of the
+        # ends cancels in narrow zones.
         half = self._h / (b + self.inner_end)
         inner = half * (1.0 + outward)
         return self._pressure(self.inner_end + inner, inner, half * (1.0 - outward))
@@ -196,7 +198,7 @@ class IsolatedBiquadratic(PressedBody):
         return np.where(inside, self._pressure(r, r - a, b - r), 0.0)
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap u + f - approach [m], 0 in the zones."""
+        """Gap [m], displacement + profile - approach; 0 in the zones."""
         r = np.abs(np.asarray(x, dtype=float))
         a, b, h = self.inner_end, self.outer_end, self._h
         e = np.maximum(r - b, 0.0)
@@ -210,7 +212,7 @@ class IsolatedBiquadratic(PressedBody):
 
     @property
     def punch_compliance(self) -> float | None:
-        """d approach/d load at fixed zones [m^2/N]; None without a datum.
+        """Compliance d approach/d load at fixed zones [m^2/N]; None without a datum.
 
         It is (1/pi E*) ln(2d^2/h) for two zones, with h = (b^2 - a^2)/2, and (2/pi E*) ln(2d/b) for
         one.
@@ -222,7 +224,7 @@ class IsolatedBiquadratic(PressedBody):
     def _approach_by_parts(self) -> float:
         if not self.merged:
             return 0.5 * self._unit * self._h**2
-        # This is (2/pi E*) int_0^b P(s) ds/s + f(0). The formula of one zone for the load P(s) is
-        # continued down to s = 0.
+        # The result is (2/pi E*) int_0^b P(s) ds/s + f(0). Here the formula for the load P(s) of
+        # one zone of half width s is continued down to s = 0.
         b, c = self.outer_end, self._c
         return self._unit * (b * b * (3.0 * b * b - 8.0 * c * c) / 8.0 + c**4)

@@ -50,7 +50,7 @@ from contact.reference.exact.numerics import (
 
 
 class _DugdaleState(AdhesiveZone):
-    """Base of the equilibria of one zone with a uniform tension next to it."""
+    """Base class of the equilibria of one zone with a uniform tension next to the zone."""
 
     stress: float
     cohesive_end: float
@@ -120,24 +120,28 @@ class DugdaleZone(_DugdaleState):
         widest = 1e300 if self.period is None else 0.5 * self.period
         between("cohesive_end", self.cohesive_end, self.half_width, widest)
 
-    # The next formulas are the closed forms at the head of this file.
+    # The formulas of the next methods are the closed forms at the head of this file.
     @property
     def root(self) -> float:
-        """The root sqrt(c^2 - a^2), or with a period sqrt(sin^2(pi c/L) - sin^2(pi a/L))."""
+        """The root sqrt(c^2 - a^2) of the half width a and the end c of the tension.
+
+        With a period it is sqrt(sin^2(pi c/L) - sin^2(pi a/L)).
+        """
         a, c = self.half_width, self.cohesive_end
         return sqrt(float(sine(c - a, self.period) * sine(c + a, self.period)))
 
     @property
     def share(self) -> float:
-        """The length B: the total load of the tension's flat punches is -2 s B."""
+        """The length B: the tension s contributes -2 s B to the load (head of this module)."""
         if self.period is None:
             return self.root
         return self._sine_unit * atan2(self.root, float(cosine(self.cohesive_end, self.period)))
 
     def opening_rate(self, e: Array, f: Array) -> Array:
-        """artanh of X or 1/X at x = a + e, from the distances e and f = c - x.
+        """Slope of the gap that the tension s adds, divided by 4s/(pi E*), at x = a + e.
 
-        X is sqrt((x^2 - a^2)/(c^2 - a^2)) for an isolated zone. X^2 and |1 - X^2| are formed from
+        It is artanh(X), or artanh(1/X) if X > 1. X is sqrt((x^2 - a^2)/(c^2 - a^2)) for an isolated zone, with the zone's end a, the end c of
+        the tension and the point x. The arguments are the distances e = x - a and f = c - x. X^2 and |1 - X^2| are formed from
         the distances, so that nothing cancels near a or c.
         """
         a, c, length = self.half_width, self.cohesive_end, self.period
@@ -177,7 +181,7 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def _unit(self) -> float:
-        """The factor 4s/(pi E*) of the gap that the tension adds."""
+        """The factor 4s/(pi E*) of the gap that the tension s adds."""
         return 4.0 * self.stress / (pi * self.E_star)
 
     @property
@@ -195,9 +199,10 @@ class DugdaleZone(_DugdaleState):
         return float(self.zone.load_rate(np.array(a))) + 2.0 * self.stress * share_rate
 
     def _compliance_at(self, q: Array) -> Array:
-        """Compliance of the flat punch whose half width makes the length B equal to q, at fixed c.
+        """Compliance of the flat punch of that half width at which `share` is q, at fixed c.
 
-        This is isolated sqrt(c^2 - q^2), and with a period S L/pi with cos S = cos C/cos(pi q/L).
+        The end of the tension is c. The half width is sqrt(c^2 - q^2) for an isolated zone, and
+        S L/pi with cos S = cos(pi c/L)/cos(pi q/L) with a period.
         """
         c = self.cohesive_end
         root = np.sqrt(sine(c - q, self.period) * sine(c + q, self.period))
@@ -219,28 +224,34 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def surface_energy(self) -> float:
-        """Energy -2 c w + 2 stress int_a^c gap dx of the interface [J/m], w the work."""
+        """Energy of the interface [J/m]: -2 c work + 2 stress int_a^c gap dx.
+
+        The tension acts from the zone's end a to c.
+        """
 
         def gap(e: Array, f: Array) -> Array:
-            # The gap is itself an integral from a to x of some F(y). The order of the integrals is
-            # exchanged: int_a^c int_a^x F(y) dy dx = int_a^c (c - y) F(y) dy.
+            # The gap that the tension adds is an integral of its slope F(y) from a to x. The order
+            # of the integrals is exchanged: int_a^c int_a^x F(y) dy dx = int_a^c (c - y) F(y) dy.
             return self.zone._gap(e) + self._unit * f * self.opening_rate(e, f)
 
         area = float(integrated(gap, self.cohesive_end - self.half_width))
         return 2.0 * (self.stress * area - self.cohesive_end * self.work)
 
     def rates(self) -> tuple[float, float]:
-        """(d load/dc, d approach/dc) along the curve; the latter is nan without a datum."""
-        # These are l (arcosh), r (log_ratio) and dB/dc (share_rate) of the head of this file, with
-        # tan C/tan A - 1 = sin(C - A)/(cos C sin A).
+        """(d load/dc, d approach/dc) along the curve of equilibria, c: the end of the tension.
+
+        The rate of the approach is nan without a datum.
+        """
+        # The variables arcosh, log_ratio and share_rate are l, r and dB/dc of the head of this
+        # file, where tan C/tan A - 1 = sin(C - A)/(cos C sin A).
         a, c, length = self.half_width, self.cohesive_end, self.period
         arcosh = float(arcosh1p(sine_excess(a, c - a, length)))
         log_ratio = float(np.log1p(sine(c - a, length) / (cosine(c, length) * sine(a, length))))
         share_rate = float(sine(c, length)) / self.root
         opening = self._unit * (arcosh * share_rate - log_ratio)
         gap_rate = float(self.zone._gap_slope(np.array(c - a))) + opening
-        # The gap g at c stays w/s, so dg/dc + (dg/da)(da/dc) = 0. With dg/da = -(2/pi E*) l dP/da
-        # this gives the change of the load by the change of a.
+        # The gap g at c stays equal to work/stress, so dg/dc + (dg/da)(da/dc) = 0. With
+        # dg/da = -(2/pi E*) arcosh dP/da this gives the change (dP/da)(da/dc) of the load P.
         load = 0.5 * pi * self.E_star * gap_rate / arcosh - 2.0 * self.stress * share_rate
         return load, self._approach_rate(load, self._unit * arcosh)
 
@@ -332,7 +343,7 @@ class MetDugdaleZone(_DugdaleState):
         return (self.stress * mean_gap - self.work) * self._length()
 
     def rates(self) -> tuple[float, float]:
-        """(d load/da, d approach/da) along the curve."""
+        """(d load/da, d approach/da) along the curve of equilibria, a: the half width."""
         load = float(self.zone.load_rate(np.array(self.half_width)))
         return load, self._approach_rate(load, 0.0)
 
@@ -340,7 +351,8 @@ class MetDugdaleZone(_DugdaleState):
 class _DugdaleEquilibria(Equilibria[_DugdaleState]):
     """The curve of equilibria, with the end c of the cohesive intervals as parameter.
 
-    Once the intervals meet at L/2, the parameter is L/2 plus the growth of a since then.
+    Once the intervals meet at L/2, the parameter is L/2 plus the growth of the half width since
+    then.
     """
 
     stress: float
@@ -351,9 +363,9 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
         return self.work / self.stress
 
     def _half_width(self, c: float) -> float:
-        """Half width a at which the gap at c is w/s.
+        """Half width a at which the gap at the end c of the tension is work/stress.
 
-        It is unique: the gap at c falls as a grows, and is 0 at a = c.
+        This half width is unique: the gap at c falls as a grows, and is 0 at a = c.
         """
 
         def excess(a: float) -> float:
@@ -362,12 +374,12 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
         return _root_below(c, excess)
 
     def at(self, parameter: float) -> _DugdaleState:
-        """The equilibrium with this end c of the cohesive intervals."""
+        """The equilibrium whose cohesive intervals end at c = `parameter`."""
         return DugdaleZone(self._frictionless(self._half_width(parameter)), self.stress, parameter)
 
     def _carrying(self, load: float, parameter: float) -> _DugdaleState:
-        # If the intervals are wide, the gap at c hardly depends on a, so that a is inaccurate.
-        # One Newton step makes the load right.
+        # If the cohesive intervals are wide, the gap at their end hardly depends on the half width
+        # a, so that a is inaccurate. One Newton step makes the load right.
         found = self.at(parameter)
         if not isinstance(found, DugdaleZone):
             return found
@@ -444,13 +456,13 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
 
     @property
     def tabor(self) -> float:
-        """Maugis's parameter lambda = 4s/(pi^2 E*^2 w/R)^(1/3); if it is large, JKR's law holds."""
+        """Maugis's parameter lambda = 4s/(pi^2 E*^2 w/R)^(1/3); large lambda: JKR's law."""
         cube = pi**2 * self.E_star**2 * self.work / self.radius
         return 4.0 * self.stress / float(cube ** (1.0 / 3.0))
 
     @property
     def least_cohesive_end(self) -> float:
-        """End c at a = 0, where contact begins: c^2/2R + (4s/pi E*) c ln 2 = w/s."""
+        """End c of the tension when contact begins: c^2/2R + (4s/pi E*) c ln 2 = w/s."""
         half = 4.0 * self.stress * log(2.0) / (pi * self.E_star)
         height = 2.0 * self.end_gap / self.radius
         return self.radius * height / (half + sqrt(half * half + height))
@@ -534,14 +546,15 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
     @property
     def opening_mean_pressure(self) -> float:
-        """p* - s, the smallest mean pressure of full contact [Pa]."""
+        """Smallest mean pressure of full contact [Pa]: pi E* amplitude/period - stress."""
         return pi * self.E_star * self.amplitude / self.period - self.stress
 
     @cached_property
     def meeting_half_width(self) -> float:
-        """Half width at which the intervals meet: there the frictionless gap at L/2 is w/s.
+        """Half width at which the cohesive intervals meet at half the period.
 
-        It is 0 if that gap is less than w/s for all half widths.
+        The frictionless gap is work/stress there. The result is 0 if this gap is less than
+        work/stress for all half widths.
         """
         if self.end_gap >= 2.0 * self.amplitude:
             return 0.0
@@ -551,14 +564,20 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         )
 
     def touching_gap(self, c: float) -> float:
-        """Gap at c for a zone of no width: f(c) + (4s/pi E*) int_0^c ln(2 cos(pi x/L)) dx."""
+        """Gap at the end c of the tension when contact begins, at a zone of no width.
+
+        The gap is f(c) + (4s/pi E*) int_0^c ln(2 cos(pi x/L)) dx with the profile f.
+        """
         integral = float(integrated(lambda _, rest: np.log(2.0 * cosine(c, self.period, rest)), c))
         height = float(self._frictionless(0.25 * self.period).height(c))
         return height + 4.0 * self.stress / (pi * self.E_star) * integral
 
     @cached_property
     def least_cohesive_end(self) -> float:
-        """End c of the cohesive intervals when contact begins; L/2 if they meet in all states."""
+        """End of the cohesive intervals when contact begins.
+
+        It is half the period if the intervals meet in all states.
+        """
         half = 0.5 * self.period
         if self.meeting_half_width == 0.0:
             return half
@@ -568,7 +587,10 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         return root(lambda c: self.touching_gap(c) - self.end_gap, shares[i], shares[i - 1])
 
     def at(self, parameter: float) -> _DugdaleState:
-        """The equilibrium at c = `parameter`; above L/2 the excess is added to a."""
+        """The equilibrium whose cohesive intervals end at `parameter`.
+
+        Above half the period, the excess of `parameter` is the growth of the half width.
+        """
         half = 0.5 * self.period
         if parameter < half:
             return super().at(parameter)
@@ -583,7 +605,7 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
 
 def _root_below(most: float, function: Callable[[float], float]) -> float:
-    """Root a between 0 and `most` of a falling function, accurate near both bounds.
+    """Root a, 0 < a < `most`, of a decreasing function; accurate near 0 and near `most`.
 
     The unknown of the search is ln(a/(most - a)). Its range -34 to 32 reaches from
     a = 1e-15 most to most - a = 1e-14 most.

@@ -15,7 +15,7 @@ from contact.reference.exact.numerics import Array, arcosh1p, cosine, sine, sine
 
 
 class _Punch(SymmetricZone):
-    """Profile and formulas of both punches; load and half width are independent."""
+    """Formulas of isolated and periodic flat punches; load and half width are independent."""
 
     def __post_init__(self) -> None:
         self._check("load", "E_star", "half_width")
@@ -38,7 +38,7 @@ class _Punch(SymmetricZone):
             return unit * cosine(self.half_width, self.period, d) / root
 
     def _depth(self, e: Array) -> Array:
-        """Approach less displacement, at the distance e outside the punch [m]."""
+        """Approach minus displacement [m], at the distance e outside the punch."""
         unit = 2.0 * self.load / (pi * self.E_star)
         return unit * arcosh1p(sine_excess(self.half_width, e, self.period))
 

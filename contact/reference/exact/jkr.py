@@ -25,7 +25,7 @@ from contact.reference.exact.numerics import Array
 
 @dataclass(frozen=True)
 class JKRZone(AdhesiveZone):
-    """JKR adhesion of one zone: the frictionless zone less a flat punch.
+    """JKR adhesion of one zone: a flat punch is subtracted from the frictionless zone.
 
     The index 0 is that of the frictionless zone. Q, q and C are the load, pressure and compliance
     of the punch, and p ~ -sqrt(E* w/pi)/sqrt(d) at the distance d from an end:
@@ -76,7 +76,10 @@ class JKRZone(AdhesiveZone):
 
     @property
     def intensity(self) -> float:
-        """sqrt(E* w/pi): p ~ -intensity/sqrt(d) at the distance d from an end [Pa m^(1/2)]."""
+        """Intensity of the tension at the distance d from an end: p ~ -intensity/sqrt(d).
+
+        It is sqrt(E* work/pi) [Pa m^(1/2)].
+        """
         return sqrt(self.E_star * self.work / pi)
 
     @cached_property
@@ -89,7 +92,7 @@ class JKRZone(AdhesiveZone):
 
     @property
     def tangent(self) -> float:
-        """The length (L/pi) tan(pi a/L) of the half width a [m]; isolated: a."""
+        """The length (L/pi) tan(pi a/L) [m] for the half width a and the period L; isolated: a."""
         return self._sine_unit * self._sine() / self._cosine()
 
     def _pressure(self, r: Array, d: Array) -> Array:
@@ -116,12 +119,16 @@ class JKRZone(AdhesiveZone):
         return -2.0 * self.half_width * self.work
 
     def rates(self) -> tuple[float, float]:
-        """(d load/da, d approach/da) by the half width a; the latter is nan without a datum."""
+        """Derivatives of load and approach by the half width along the curve of equilibria.
+
+        The derivative of the approach is nan without a datum.
+        """
         punch = self.punch.load
         load = float(self.zone.load_rate(np.array(self.half_width)))
         load -= 0.5 * punch / (self.tangent * self._cosine() ** 2)
-        # The approach at constant load changes by -Q dC/da, where dC/da is -2/(pi E* a) isolated
-        # and -(2/E* L) cot(pi a/L) with a period.
+        # At constant load the approach changes at the rate -Q dC/da, with the load Q and the
+        # compliance C of the punch. The derivative dC/da is -2/(pi E* a) isolated, and
+        # -(2/E* L) cot(pi a/L) with a period.
         return load, self._approach_rate(load, 2.0 * punch / (pi * self.E_star * self.tangent))
 
 
@@ -202,7 +209,8 @@ class JKRCylinder(Cylinder, _JKREquilibria):
 
     def _samples(self) -> Array:
         unit = (2.0 * self.radius**2 * self.work / (pi * self.E_star)) ** (1.0 / 3.0)
-        # With a datum d the approach has a meaning only for a < d; it is greatest near a = 2d.
+        # With a datum d the approach has a meaning only for half widths a < d. The approach is
+        # greatest near a = 2d.
         widest = 1e6 * unit if self.datum is None else self.datum
         return np.geomspace(min(1e-12 * unit, 1e-6 * widest), widest, 200)
 
@@ -273,12 +281,12 @@ class JKRWave(Wave, _JKREquilibria):
     True
     """
 
-    # Full contact has no end with an intensity from which it could open: it needs a flaw.
+    # Full contact has no zone end, from which it could open: an opening needs a flaw.
     stays_closed = True
 
     @property
     def alpha(self) -> float:
-        """Johnson's parameter of adhesion, sqrt(2 w L/(pi^2 E* Delta^2))."""
+        """Johnson's parameter sqrt(2 w L/(pi^2 E* Delta^2)) with the work w and amplitude Delta."""
         return sqrt(2.0 * self.work * self.period / self.E_star) / (pi * self.amplitude)
 
     def _work_of(self, alpha: float) -> float:
@@ -288,7 +296,7 @@ class JKRWave(Wave, _JKREquilibria):
     def self_closing_work(self) -> float:
         """Work above which the surfaces jump into full contact at zero load [J/m^2].
 
-        There the largest load of partial contact is 0, at sin^2(pi a/L) = 3/4.
+        At this work the largest load of partial contact is 0, at sin^2(pi a/L) = 3/4.
         """
         return self._work_of(27.0**0.25 / 4.0)
 
@@ -296,18 +304,21 @@ class JKRWave(Wave, _JKREquilibria):
     def last_partial_work(self) -> float:
         """Work above which no partial contact is stable at any prescribed load [J/m^2].
 
-        There the two turning points of the load meet, at tan^2(pi a/L) = 3/5.
+        At this work the two turning points of the load meet, at tan^2(pi a/L) = 3/5.
         """
         return self._work_of(4.0 * 0.375**0.75 * 0.625**1.25)
 
     @property
     def jump_into_full_contact(self) -> JKRZone:
-        """The partial contact with the largest load; above that load contact is full."""
+        """The partial contact with the largest load; above this load the contact is full."""
         return self.at(self._part("stable", float("inf"))[1])
 
     @property
     def full_contact_energy(self) -> float:
-        """Elastic plus surface energy of full contact per period, pi E* Delta^2/4 - w L."""
+        """Elastic plus surface energy of full contact per period [J/m].
+
+        It is pi E* Delta^2/4 - w L, with the amplitude Delta, the work w and the period L.
+        """
         return 0.25 * pi * self.E_star * self.amplitude**2 - self.work * self.period
 
     def _samples(self) -> Array:

@@ -31,9 +31,9 @@ SELF_CONSISTENT = "self-consistent"
 def correction_pressure(
     x: ArrayLike, half_width: float, period: float, nominal_load: float
 ) -> Array:
-    """Pressure that the neighbouring zones add: the second term of (17).
+    """Pressure that the neighbouring zones add: the second term of (17) (head of this module).
 
-    It is (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)), |x| <= a. I. G. Goryacheva & I.
+    The pressure is (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)), |x| <= a. I. G. Goryacheva & I.
     Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
 
     Parameters
@@ -67,7 +67,9 @@ def correction_pressure(
 
 
 def correction_load(half_width: float, period: float, nominal_load: float) -> float:
-    """Load that the neighbours add, second term of (16): P_s (L - sqrt(L^2 - 4a^2))/L.
+    """Load P_s (L - sqrt(L^2 - 4a^2))/L that the neighbouring zones add.
+
+    This is the second term of (16) with the nominal load P_s, the period L and the half width a.
 
     I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
 
@@ -109,7 +111,7 @@ def _correction(r: Array, d: Array, a: float, period: float, nominal_load: float
 
 @dataclass(frozen=True)
 class LocalizedZone(SymmetricZone):
-    """An isolated solution in a period L, corrected by (17) for the nominal load P_s outside.
+    """An isolated solution in a period, corrected for the nominal load outside by (17).
 
     P0 is the load of the isolated solution. With the closure `first-order` (the paper's examples
     (23), (27), (30)) P_s = P0 and P = P0 (2 - sqrt(L^2 - 4a^2)/L). With `self-consistent` (equation
@@ -176,13 +178,13 @@ class LocalizedZone(SymmetricZone):
 
     half_width = property(lambda self: self.isolated.half_width)  # type: ignore[assignment]
     E_star = property(lambda self: self.isolated.E_star)  # type: ignore[assignment]
-    # The closures do not fix the constant of the displacement u, so there is no approach.
+    # The closures do not fix the constant of the displacement, so there is no approach.
     approach = property(lambda self: None)
     stiffness = property(lambda self: None)
 
     @property
     def nominal_load(self) -> float:
-        """Load P_s per period that acts outside the strip of one period [N/m]."""
+        """Load per period of the nominal pressure outside the strip of width L [N/m]."""
         return self.isolated.load if self.closure == FIRST_ORDER else self.load
 
     @property
@@ -190,10 +192,10 @@ class LocalizedZone(SymmetricZone):
         return _load(self.isolated, self.period, self.closure)
 
     def load_rate(self, s: Array) -> Array:
-        """Derivative of the load by the half width a at a = s, for a fixed nominal load."""
+        """Derivative of the load by the half width a, at a = s, for a fixed nominal load."""
         s = np.asarray(s)
         z = 2.0 * s / self.period
-        # s may round to L/2, where the rate is infinite but its integral is not.
+        # The half width s may round to L/2, where the rate is infinite but its integral is not.
         root = np.sqrt(np.maximum(1.0 - z, 1e-16) * (1.0 + z))
         return self.isolated.load_rate(s) + 2.0 * self.nominal_load / self.period * z / root
 
@@ -273,7 +275,8 @@ def localized_at_load(
     def at(a: float) -> float:
         return _load(family(half_width=a, **shape), period, closure)
 
-    # The load falls for the first time just after its maximum: these samples bracket it.
+    # The load as a function of the half width falls for the first time just after its maximum.
+    # These samples bracket the maximum.
     widths = 0.5 * period * np.linspace(0.0, 1.0, 258)[1:-1]
     falling = np.flatnonzero(np.diff([at(a) for a in widths]) < 0.0)
     last = 0.5 * period * (1.0 - 1e-12)

@@ -29,7 +29,7 @@ FROM_LEFT, FROM_RIGHT, WEIGHT = _tanh_sinh()
 
 
 def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
-    """Integral from 0 to `length` of a function of the distances from both ends.
+    """Integral from 0 to `length` of a function of the distances from 0 and from `length`.
 
     `length` may be an array; the integral has its shape.
     """
@@ -42,7 +42,7 @@ def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> 
 def root(
     function: Callable[[float], float], low: float, high: float, xtol: float = 1e-300
 ) -> float:
-    """The root between two arguments at which the function has opposite signs, to round-off."""
+    """The root, to round-off, between two arguments at which the function has opposite signs."""
     return float(brentq(function, low, high, xtol=xtol, rtol=1e-15))
 
 
@@ -54,7 +54,7 @@ def roots(function: Callable[[float], float], samples: Array) -> list[float]:
 
 
 def least_value(function: Callable[[Array], Array], low: float, high: float, samples: int) -> float:
-    """The smallest value of a smooth function, by samples refined around the smallest one."""
+    """The smallest value of a smooth function, by finer and finer samples around the minimum."""
     x = np.linspace(low, high, samples)
     y = function(x)
     best, half = float(x[np.argmin(y)]), float(x[1] - x[0])
@@ -82,36 +82,39 @@ def sinh_minus(y: ArrayLike) -> Array:
 
 
 def zone_potential(z_minus_1: ArrayLike) -> Array:
-    """z sqrt(z^2 - 1) - arcosh z: the shape of a gap that opens from a bounded end at z = 1."""
+    """z sqrt(z^2 - 1) - arcosh z: the shape of the gap next to a Hertz zone with end z = 1."""
     return np.asarray(0.5 * sinh_minus(2.0 * arcosh1p(z_minus_1)))
 
 
-# The functions below have one form for a periodic zone and, with period None, for an isolated one,
-# where sin(pi x/L) becomes x and cos(pi x/L) becomes 1.
+# The functions below are those of a periodic zone. If the period is None, the zone is isolated:
+# then sin(pi x/L) becomes x, and cos(pi x/L) becomes 1.
 
 
 def sine(x: ArrayLike, period: float | None) -> Array:
-    """sin(pi x/L); isolated: x."""
+    """sin(pi x/L) with the period L; x if the period is None."""
     x = np.asarray(x, dtype=np.float64)
     return x if period is None else np.asarray(np.sin(pi / period * x))
 
 
 def cosine(x: ArrayLike, period: float | None, inward: Array | float = 0.0) -> Array:
-    """cos(pi (x - inward)/L), accurate near L/2; isolated: 1."""
+    """cos(pi (x - inward)/L) with the period L, accurate near L/2; 1 if the period is None."""
     if period is None:
         return np.ones(np.shape(inward))
     return sine(0.5 * period - np.asarray(x) + inward, period)
 
 
 def sine_excess(x: ArrayLike, e: ArrayLike, period: float | None) -> Array:
-    """sin(pi (x + e)/L)/sin(pi x/L) - 1 for e >= 0 and x + e <= L/2; isolated: e/x."""
+    """sin(pi (x + e)/L)/sin(pi x/L) - 1, accurate for small e; e/x if the period L is None.
+
+    The arguments satisfy e >= 0 and x + e <= L/2.
+    """
     half = 0.5 * np.asarray(e)
     cosine_middle = np.maximum(cosine(x, period, -half), 0.0)
     return np.asarray(2.0 * cosine_middle * sine(half, period) / sine(x, period))
 
 
 def log_of(s: ArrayLike, c: ArrayLike) -> Array:
-    """ln s of a sine s > 0 whose cosine is c >= 0, accurate for s near 1."""
+    """Logarithm ln(s) of a sine s > 0 whose cosine is c >= 0, accurate for s near 1."""
     s, c = np.asarray(s), np.asarray(c)
     return np.asarray(np.where(s < c, np.log(s), 0.5 * np.log1p(-(np.minimum(s, c) ** 2))))
 

@@ -27,12 +27,13 @@ from contact.model.checks import keep, positive
 from contact.reference.exact.base import check_number
 from contact.reference.exact.numerics import Array, least_value, root
 
-# A function G(y, m, h) = f'/v; a zone in y has the middle m and the half width h.
+# A function G(y, m, h) = f'/v of y = v^2 (head of this module), on one zone in y with middle m and
+# half width h.
 Ratio = Callable[[Array, float, float], Array]
 
 
 class Pair:
-    """Two zones a <= |x| <= b, given by their ends."""
+    """Two zones a <= |x| <= b, given by the inner end a and the outer end b."""
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -41,14 +42,14 @@ class Pair:
 
     @property
     def zones(self) -> Array:
-        """Ends of both zones [m], (2, 2)."""
+        """Ends of the two zones [m], (2, 2)."""
         a, b = self.ends
         return np.array([[-b, -a], [a, b]])
 
 
 @dataclass(frozen=True, eq=False)
 class EvenPair(Pair):
-    """Two zones a <= |x| <= b under an even pressure, as one zone in y = v^2.
+    """Two zones a <= |x| <= b under an even pressure, as one zone in y = v^2 (v = x isolated).
 
     With y = m + h cos(theta), the pressure is p = (E*/2)|v| sum g_n sin(n theta). Isolated, v = x
     and P = pi E* h g_1/4; with a period v = tan(pi x/L): see the head of this module. Derived here;
@@ -115,7 +116,7 @@ class EvenPair(Pair):
         limit: float,
         period: float | None = None,
     ) -> "EvenPair":
-        """The pair for a function ratio(y, m, h) = f'/v, by its values at Chebyshev nodes.
+        """The pair of zones for a function `ratio` (see `Ratio`), sampled at Chebyshev nodes.
 
         The function is singular at y = `limit`, which sets the number of nodes.
         """
@@ -134,7 +135,7 @@ class EvenPair(Pair):
 
     @cached_property
     def load(self) -> float:
-        """P of both zones together [N/m]."""
+        """Load of the two zones together [N/m]."""
         if self.period is None:
             return float(0.25 * pi * self.E_star * self.half * self.ratio[1])
         z = (1.0 + self.middle) / self.half
@@ -143,14 +144,17 @@ class EvenPair(Pair):
         return float(0.5 * self.E_star * self.period * series)
 
     def at_angle(self, theta: ArrayLike) -> Array:
-        """Pressure at v^2 = m + h cos(theta) [Pa]."""
+        """Pressure [Pa] at angles theta: points of v^2 = middle + half cos(theta) (module head)."""
         theta = np.asarray(theta, dtype=float)
         v = np.sqrt((self.middle - self.half) + 2.0 * self.half * np.cos(0.5 * theta) ** 2)
         series = np.sin(theta[..., None] * np.arange(len(self.ratio))) @ self.ratio
         return np.asarray(0.5 * self.E_star * v * series)
 
     def angle(self, x: ArrayLike) -> Array:
-        """Angle theta of positions x in a zone; outside it is 0 or pi, where p = 0."""
+        """Angle theta of positions x in a zone, defined by v^2 = middle + half cos(theta).
+
+        Outside the zones it is 0 or pi, where the pressure is 0.
+        """
         v = np.abs(np.asarray(x, dtype=float))
         if self.period is not None:
             v = np.abs(np.tan(pi / self.period * (v - self.period * np.round(v / self.period))))
@@ -179,26 +183,27 @@ class EvenPair(Pair):
 def _values(
     ratio: Ratio, middle: float, half: float, limit: float, least: int = 32, most: int = 8192
 ) -> Array:
-    """Values of G = f'/v at Chebyshev nodes, between `least` and `most` of them.
+    """Values of the function `ratio` at Chebyshev nodes, as many as its series needs.
 
-    The terms of the series of G fall as rho^n. The rate rho depends on the nearer singularity:
+    The number n of nodes is between `least` and `most`. The terms of the series of G fall as rho^n. The rate rho depends on the nearer singularity:
     y = -1, where arctan v branches, or `limit`. At -ln(rho) n = 38 round-off is reached. `most`
     bounds n if the zone nearly reaches a singularity.
     """
     nearest = min(1.0 + middle, limit - middle) / half
     rate = float(np.arccosh(max(nearest, 1.0)))
     n = most if rate * most < 38.0 else max(least, ceil(38.0 / rate))
-    # The sum begins with m - h, which is small and must be exact if the zones nearly merge.
+    # The sum begins with middle - half, which is small and must be exact if the zones nearly merge.
     y = (middle - half) + 2.0 * half * np.cos(0.5 * pi * (np.arange(n) + 0.5) / n) ** 2
     return ratio(y, middle, half)
 
 
 def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
-    """Middle m at which g_0 = 0 for a given half width h; None if there is none.
+    """Middle of the zone in y for a pressure that is bounded at all ends; None if there is none.
 
-    g_0 is the mean of G over the angle. There is no such m if the zones have met at x = 0, or if
-    y reaches `limit`. g_0 grows with m: it is negative if the tip lies further out than the zone,
-    positive if it lies further in.
+    The condition is g_0 = 0 for the mean g_0 of G = f'/v over the angle (head of this module).
+    There is no such middle if the zones have met at x = 0, or if y reaches `limit`. g_0 grows with
+    the middle: it is negative if the tip lies further out than the zone, and positive if the tip
+    lies further in.
     """
 
     def g_0(middle: float) -> float:
@@ -220,9 +225,9 @@ def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
 def pair_at_load(
     ratio: Ratio, load: float, E_star: float, limit: float, period: float | None = None
 ) -> EvenPair:
-    """The pair that carries a load, with y below `limit`; OutOfRange once the zones have met.
+    """The pair of zones that carries a load; raises OutOfRange if the zones have merged.
 
-    The load grows with the half width h of the zone in y, so h is found as a root. The middle m
+    The zone in y lies below `limit`. The load grows with the half width h of the zone in y, so h is found as a root. The middle m
     follows from h by `bounded_middle`.
     """
 
@@ -259,7 +264,7 @@ def tips_slope(x: Array, radius: float, spacing: float) -> Array:
 
 @dataclass(frozen=True)
 class PairRow(Pair):
-    """Two tips a distance 2c = `spacing` apart, once in every period, each with its own zone.
+    """Two tips at the distance `spacing`, once in every period, each tip with its own zone.
 
     The mean pressure is the load of both tips, divided by the period. A subclass defines `pair`, or
     else the ends of the zones and the pressure.
@@ -278,7 +283,7 @@ class PairRow(Pair):
 
     @property
     def load(self) -> float:
-        """P of both zones [N/m]."""
+        """Load of the two zones [N/m]."""
         return self.mean_pressure * self.period
 
     @cached_property
@@ -303,9 +308,9 @@ class PairRow(Pair):
 
 @dataclass(frozen=True)
 class PeriodicBiquadratic(PairRow):
-    """Two tips f = (x^2 - c^2)^2/8Rc^2 once in every period L, each with its own zone.
+    """Two tips f = (x^2 - c^2)^2/8Rc^2 once in every period, each tip with its own zone.
 
-    It is the exact solution (34) in v = tan(pi x/L). Only the series of G = f'(x(v))/v is not
+    This is the exact solution (34) in v = tan(pi x/L). Only the series of G = f'(x(v))/v is not
     elementary. Derived
     here, after (34) of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 
@@ -358,7 +363,7 @@ class PeriodicBiquadratic(PairRow):
 
     @cached_property
     def pair(self) -> EvenPair:
-        """The solution in v = tan(pi x/L)."""
+        """The solution as one zone in y = v^2, with v = tan(pi x/L)."""
 
         def ratio(y: Array, middle: float, half: float) -> Array:
             v = np.sqrt(y)

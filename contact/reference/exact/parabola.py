@@ -23,7 +23,7 @@ from contact.reference.exact.numerics import (
 
 @dataclass(frozen=True)
 class _Parabola(SymmetricZone):
-    """The profile f = x^2/2R of both parabolas."""
+    """The profile f = x^2/2R of the isolated and of the periodic parabola."""
 
     radius: float
 
@@ -36,7 +36,7 @@ class _Parabola(SymmetricZone):
 
 @dataclass(frozen=True)
 class HertzLine(IsolatedZone, _Parabola):
-    """An isolated parabola (Hertz 1882).
+    """The contact of an isolated parabola f = x^2/2R (Hertz 1882).
 
     p = (E*/2R) sqrt(a^2 - x^2), P = pi E* a^2/4R, gap = (1/2R)(x sqrt(x^2 - a^2) - a^2
     arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2), which is greatest at a = 2d. The class method
@@ -88,8 +88,9 @@ class HertzLine(IsolatedZone, _Parabola):
 
 @dataclass(frozen=True)
 class PeriodicParabola(PeriodicZone, _Parabola):
-    """A periodic parabola: Kuznetsov's load (28), the rest derived from the flat punches.
+    """The contact of a periodic parabola f = x^2/2R, |x| <= L/2 (Kuznetsov 1978).
 
+    Kuznetsov gives the load (28); the other formulas are derived from flat punches:
     P = -(L^2 E*/2 pi R) ln cos A, p = (L E*/2 pi R) arcosh(cos u/cos A), gap slope = (L/pi R)
     arccos(cos u/cos A), u = pi x/L, A = pi a/L; approach = (L^2/4 pi^2 R)(Li_2(sin^2 A) + ln sin^2
     A ln cos^2 A), which tends to the mean height L^2/24R. The class methods `from_load`,
@@ -130,7 +131,8 @@ class PeriodicParabola(PeriodicZone, _Parabola):
         return half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # This is cos u/cos A - 1 without cancellation.
+        # The pressure is proportional to arcosh(cos u/cos A), with u = pi x/L and A = pi a/L. The
+        # difference cos u/cos A - 1 is computed without cancellation.
         half = sine(0.5 * (self.half_width + r), self.period) * sine(0.5 * d, self.period)
         unit = self.period * self.E_star / (2.0 * pi * self.radius)
         return unit * arcosh1p(2.0 * half / self._cosine())
@@ -143,5 +145,5 @@ class PeriodicParabola(PeriodicZone, _Parabola):
     def load_rate(self, s: Array) -> Array:
         """Derivative dP/da of the load by the half width a, at a = s."""
         unit = self.period * self.E_star / (2.0 * self.radius)
-        # s may round to L/2, where the rate is infinite but integrals of it are not.
+        # The half width s may round to L/2, where the rate is infinite but its integrals are not.
         return unit * sine(s, self.period) / np.maximum(cosine(s, self.period), 1e-100)

@@ -40,7 +40,7 @@ class _Power(SymmetricZone):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]: in the middle for n <= 2, on both sides of it for n > 2."""
+        """Peak pressure [Pa]: in the middle for exponents up to 2, else on both sides of it."""
         middle = float(self.pressure_at(0.0))
         if self.exponent <= 2.0:
             return middle
@@ -55,7 +55,7 @@ class _Power(SymmetricZone):
 
 @dataclass(frozen=True)
 class IsolatedPower(IsolatedZone, _Power):
-    """An isolated power law f = C |x|^n.
+    """The contact of an isolated power law f = C |x|^n.
 
     With g = sqrt(pi) Gamma((n + 1)/2)/Gamma(n/2 + 1) and q^2 = 1 - x^2/a^2,
 
@@ -117,7 +117,7 @@ class IsolatedPower(IsolatedZone, _Power):
 
 @dataclass(frozen=True)
 class PeriodicPower(PeriodicZone, _Power):
-    """A periodic power law f = C |x|^n, |x| <= L/2.
+    """The contact of a periodic power law f = C |x|^n, |x| <= L/2.
 
     With sin(pi s/L) = t sin A, A = pi a/L, and sinh w = tan A sqrt(1 - t^2),
 
@@ -167,21 +167,21 @@ class PeriodicPower(PeriodicZone, _Power):
         return half * root(log_ratio, 1e-12, 1.0 - 1e-12)
 
     def _position(self, a: Array, w: Array, rest: Array) -> tuple[Array, Array, Array]:
-        """The half width s at the integration variable w: (s, cos(pi s/L), sin(pi s/L)).
+        """(s, cos(pi s/L), sin(pi s/L)) of the half width s at the integration variable w.
 
-        It solves sinh w = sqrt(sin^2 A - sin^2(pi s/L))/cos A, A = pi a/L. `rest` is the distance
+        The half width s solves sinh w = sqrt(sin^2 A - sin^2(pi s/L))/cos A, A = pi a/L. `rest` is the distance
         artanh(sin A) - w from the upper limit, where s = 0.
         """
         length = self._length()
         sin_a, cos_a = sine(a, length), cosine(a, length)
-        # This is 1 - sinh(w)/tan A without cancellation.
+        # The variable `difference` is 1 - sinh(w)/tan(pi a/L), computed without cancellation.
         difference = 2.0 * np.cosh(w + 0.5 * rest) * np.sinh(0.5 * rest) * cos_a / sin_a
         sin_s = sin_a * np.sqrt(difference * (1.0 + np.sinh(w) * cos_a / sin_a))
         cos_s = cos_a * np.cosh(w)
         return length / pi * np.arctan2(sin_s, cos_s), cos_s, sin_s
 
     def _integral(self, a: Array, integrand: Callable[[Array, Array], Array]) -> Array:
-        """Integral of `integrand` over w from 0 to artanh(sin(pi a/L)), for half widths a."""
+        """Integral of `integrand` from 0 to artanh(sin(pi a/L)), for half widths a."""
         length = self._length()
         return integrated(integrand, np.arcsinh(sine(a, length) / cosine(a, length)))
 
@@ -198,8 +198,9 @@ class PeriodicPower(PeriodicZone, _Power):
 
         def integrand(w: Array, rest: Array) -> Array:
             at, cos_s, sin_s = self._position(column, w, rest)
-            # Logarithmic derivative of f'(s) sin A/cos(pi s/L) by A = pi a/L, divided by cot A.
-            # The ratio sin(pi s/L)/sin A is fixed, so that ds/dA = (L/pi) tan(pi s/L) cot A.
+            # The factor tan(pi s/L) growth + 1 is the logarithmic derivative of
+            # f'(s) sin A/cos(pi s/L) by A = pi a/L, divided by cot A. The ratio sin(pi s/L)/sin A
+            # is fixed, so that ds/dA = (L/pi) tan(pi s/L) cot A.
             by_slope = (self.exponent - 1.0) * length / (pi * np.maximum(at, 1e-300))
             growth = by_slope + sin_s / cos_s
             return np.asarray(self._slope(at) * (sin_s / cos_s * growth + 1.0))
@@ -232,14 +233,14 @@ class PeriodicPower(PeriodicZone, _Power):
 
 
 def _chebyshev_moment(n: float) -> float:
-    """The integral int_-1^1 |t|^n / sqrt(1 - t^2) dt."""
+    """Integral of |t|^n / sqrt(1 - t^2) over t from -1 to 1."""
     return sqrt(pi) * gamma(0.5 * (n + 1.0)) / gamma(0.5 * n + 1.0)
 
 
 def _abel_of_power(
     n: float, r: Array, d: Array, expand_below: float = 2.5, radius: float = 0.5
 ) -> Array:
-    """The integral int_r^1 s^(n-1) / sqrt(s^2 - r^2) ds, from r and d = 1 - r.
+    """Integral of s^(n-1) / sqrt(s^2 - r^2) over s from r to 1, from r and d = 1 - r.
 
     For exponents n below `expand_below` the hypergeometric function of 1 - r^2 loses the digits of
     r^(n-1) near the tip r = 0. For r < `radius` an expansion in r^2 and r^(n-1) replaces it. That

@@ -21,7 +21,7 @@ from contact.reference.exact.numerics import Array, cosine, half_width_from_sine
 
 @dataclass(frozen=True)
 class _Wave:
-    """Fields of a periodic wave f = Delta (1 - cos(2 pi x/L)), in partial or full contact."""
+    """Parameters of a periodic wave Delta (1 - cos(2 pi x/L)), in partial or full contact."""
 
     amplitude: float
     period: float
@@ -29,7 +29,7 @@ class _Wave:
 
     @property
     def full_contact_pressure(self) -> float:
-        """p* = pi E* Delta/L [Pa], the smallest mean pressure of full contact."""
+        """Smallest mean pressure of full contact [Pa]: p* = pi E* amplitude/period."""
         return pi * self.E_star * self.amplitude / self.period
 
 
@@ -93,7 +93,8 @@ class Westergaard(PeriodicZone, _Wave):
         return 2.0 * pi * self.amplitude / self.period * sine(2.0 * r, self.period)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # With u = pi x/L and A = pi a/L, cos 2u - cos 2A = 2 sin(A - u) sin(A + u).
+        # The formula (18) contains sqrt(cos 2u - cos 2A) with u = pi x/L and A = pi a/L. Here
+        # cos 2u - cos 2A is written as 2 sin(A - u) sin(A + u), so that nothing cancels.
         root = np.sqrt(sine(d, self.period) * sine(self.half_width + r, self.period))
         return 2.0 * self.full_contact_pressure * cosine(self.half_width, self.period, d) * root
 
@@ -108,7 +109,7 @@ class Westergaard(PeriodicZone, _Wave):
 
 @dataclass(frozen=True)
 class FullContactSinusoid(_Wave):
-    """Full contact of a wave f = Delta (1 - cos(2 pi x/L)): p = mean + p* cos(2 pi x/L).
+    """Full contact of a wave Delta (1 - cos(2 pi x/L)): pressure mean + p* cos(2 pi x/L).
 
     The mean pressure is at least p* = pi E* Delta/L. H. M. Westergaard, J. Appl. Mech. 6
     (1939) A49-A53, doi 10.1115/1.4008919.
@@ -172,13 +173,13 @@ class FullContactSinusoid(_Wave):
     stiffness = property(lambda self: inf)
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure p(x) = mean - p* + 2 p* cos^2(pi x/L) [Pa]."""
+        """Pressure p(x) [Pa]: mean - p* + 2 p* cos^2(pi x/L), p* = `full_contact_pressure`."""
         full = self.full_contact_pressure
         cos = np.cos(pi / self.period * np.asarray(x))
         return self.mean_pressure - full + 2.0 * full * cos**2
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement u = Delta cos(2 pi x/L) [m]."""
+        """Displacement u(x) [m] into the body: amplitude times cos(2 pi x/L)."""
         return self.amplitude * np.cos(2.0 * pi / self.period * np.asarray(x, dtype=float))
 
     def gap(self, x: ArrayLike) -> Array:
@@ -188,7 +189,7 @@ class FullContactSinusoid(_Wave):
 
 @dataclass(frozen=True)
 class _OneWave:
-    """Fields of one wave f = Delta (1 - cos(2 pi x/L)) that does not repeat."""
+    """Parameters of one wave Delta (1 - cos(2 pi x/L)) that does not repeat."""
 
     amplitude: float
     wavelength: float
@@ -196,7 +197,9 @@ class _OneWave:
 
 @dataclass(frozen=True)
 class IsolatedSinusoid(IsolatedZone, _OneWave):
-    """One isolated wave, Tsukanov (2018a), with k = 2 pi/L and t = x/a.
+    """The contact of one isolated wave Delta (1 - cos(2 pi x/L)) (Tsukanov 2018a).
+
+    With k = 2 pi/L and t = x/a,
 
     (20) p = (2 pi Delta E*/L) sqrt(1 - t^2) sum_j (-1)^j J_{2j+1}(ka) U_{2j}(t),
     (21) P = (pi^2 Delta E*/L) a J_1(ka),   (22) p(0) = (pi Delta E*/L) int_0^{ka} J_0.
@@ -275,8 +278,8 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
         return self.amplitude * self._k * np.sin(self._k * r)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # With t = cos phi, sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi). The angle phi is formed from
-        # the distance to the end, so that it is accurate there.
+        # With t = cos phi, sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi). The angle phi is computed
+        # from the distance d to the zone's end, so that phi is accurate near this end.
         phi = 2.0 * np.arcsin(np.sqrt(0.5 * d / self.half_width))
         j = np.arange(20)  # J_41(pi) is below 1e-40
         weight = (-1.0) ** j * jv(2 * j + 1, self._k * self.half_width)
@@ -295,7 +298,7 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
 
 
 def sinusoid(mean_pressure: float, **shape: Any) -> Westergaard | FullContactSinusoid:
-    """The solution of the wave f = Delta (1 - cos(2 pi x/L)) at any mean pressure.
+    """The contact of a wave Delta (1 - cos(2 pi x/L)) at any mean pressure: partial or full.
 
     Parameters
     ----------

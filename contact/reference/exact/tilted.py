@@ -24,7 +24,7 @@ from contact.reference.exact.numerics import Array, arcosh1p, integrated, zone_p
 class TiltedZone(PressedBody):
     """One isolated zone under a tilted punch, whose gap at zero load is f(x) - tilt x.
 
-    It is the base of the tilted solutions. M = int p x dx is the moment about x = 0, e = M/P the
+    This is the base class of the tilted solutions. M = int p x dx is the moment about x = 0, e = M/P the
     centre of the load. Derived here, see the head of this module.
 
     Attributes
@@ -71,7 +71,7 @@ class TiltedZone(PressedBody):
     (True, True)
     """
 
-    # Annotations only, as in `PressedBody`.
+    # These are annotations without values, as in `PressedBody`.
     tilt: float
     moment: float
     period = None
@@ -87,11 +87,17 @@ class TiltedZone(PressedBody):
         return inf
 
     def _pressure(self, left: Array, right: Array) -> Array:
-        """Pressure at the distances `left` and `right` from the ends, in half widths."""
+        """Pressure [Pa] of a point in the zone, given its distances from the ends.
+
+        The distances `left` and `right` are divided by the half width.
+        """
         raise NotImplementedError
 
     def _gap(self, e: Array, side: int) -> Array:
-        """Gap at a distance e, in half widths, outside the right (side 1) or left (-1) end."""
+        """Gap [m] at a point outside the right (`side` 1) or left (-1) end of the zone.
+
+        The distance e from this end is divided by the half width.
+        """
         raise NotImplementedError
 
     @property
@@ -113,7 +119,7 @@ class TiltedZone(PressedBody):
         return np.where(inside, self.pressure_at(np.where(inside, t, 0.5)), 0.0)
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap u + f - tilt x - approach [m], 0 in the zone."""
+        """Gap [m], displacement + profile - tilt x - approach; 0 in the zone."""
         z = (np.asarray(x, dtype=float) - self.middle) / self.half_width
         e = np.maximum(np.abs(z) - 1.0, 0.0)
         return np.where(e > 0.0, np.where(z > 0.0, self._gap(e, 1), self._gap(e, -1)), 0.0)
@@ -208,9 +214,10 @@ class TiltedParabola(TiltedZone):
 
 @dataclass(frozen=True)
 class TiltedWedge(TiltedZone):
-    """A tilted wedge f = slope |x|: a zone of half width w with its middle at w sin alpha.
+    """The contact of a tilted wedge f = slope |x|, whose gap at zero load is f(x) - tilt x.
 
-    With alpha = pi tilt/2 slope and x = w (t + sin alpha), so that the tip is at t = -sin alpha,
+    The zone has the half width w and its middle at w sin alpha, with alpha = (pi/2) tilt/slope.
+    With x = w (t + sin alpha), so that the tip is at t = -sin alpha,
 
     P = E* slope w cos alpha,   M = P w sin alpha / 2 = (P^2 / 2 E* slope) tan alpha,
     p = (E* slope/pi) arcosh((1 + t sin alpha)/|t + sin alpha|),
@@ -289,7 +296,10 @@ class TiltedWedge(TiltedZone):
 
     @property
     def _tip(self) -> tuple[float, float]:
-        """Distances of the tip from the left and right end, in half widths: 1 -+ sin alpha."""
+        """Distances of the wedge's tip from the left and right end, divided by the half width.
+
+        They are 1 -+ sin alpha with alpha = (pi/2) tilt/slope.
+        """
         unit = pi / (4.0 * self.wedge_slope)
         left = 2.0 * sin(unit * (self.wedge_slope - self.tilt)) ** 2
         return left, 2.0 * sin(unit * (self.wedge_slope + self.tilt)) ** 2
@@ -327,8 +337,8 @@ class TiltedWedge(TiltedZone):
         return np.asarray(self.wedge_slope * np.sign(x) - self.tilt)
 
     def _pressure(self, left: Array, right: Array) -> Array:
-        # This is (1 + t sin alpha)/|t + sin alpha| - 1 without cancellation: from the distances to
-        # the end on the same side of the tip as the point.
+        # The variable `excess` is (1 + t sin alpha)/|t + sin alpha| - 1. It is computed without
+        # cancellation, from distances to the ends of the zone and to the tip.
         tip_left, tip_right = self._tip
         excess = np.where(
             left > tip_left,
@@ -338,9 +348,9 @@ class TiltedWedge(TiltedZone):
         return self.E_star * self.wedge_slope / pi * arcosh1p(np.abs(excess))
 
     def _gap(self, e: Array, side: int) -> Array:
-        # The slope of the gap is (4 slope/pi) arctan((1 - rho)/((1 + rho) tan(phi/2))). Here s is
-        # the distance from the end in half widths, z = 1 + s and rho = z - sqrt(z^2 - 1). The tip
-        # is at the distance 1 - cos phi from this end, in half widths.
+        # The slope of the gap is (4 slope/pi) arctan((1 - rho)/((1 + rho) tan(phi/2))). Here
+        # rho = z - sqrt(z^2 - 1) with z = 1 + s. All distances are divided by the half width: s is
+        # the distance from the end of the zone, and 1 - cos phi that of the tip from this end.
         tangent = tan(0.25 * pi + 0.5 * side * self._alpha)
 
         def gap_slope(s: Array, _: Array) -> Array:
@@ -355,9 +365,9 @@ class TiltedWedge(TiltedZone):
 
 @dataclass(frozen=True)
 class TiltedPunch(TiltedZone):
-    """A flat punch |x| <= a with sharp corners under a load P and a moment M, e = M/P.
+    """The contact of a flat punch |x| <= a with sharp corners under a load P and a moment M.
 
-    Up to |e| = a/2 the whole punch is in contact,
+    The centre of the load is e = M/P. Up to |e| = a/2 the whole punch is in contact,
 
     p = (P + 2 M x/a^2) / (pi sqrt(a^2 - x^2)),   tilt = 4 M/(pi E* a^2),
     approach = (2P/pi E*) ln(2d/a).
@@ -447,9 +457,9 @@ class TiltedPunch(TiltedZone):
 
     @property
     def rotational_stiffness(self) -> float:
-        """Derivative pi E* w^2/4 of the moment by the tilt at a given load [N].
+        """Derivative of the moment by the tilt at a given load [N].
 
-        w is the half width of the zone, which is a in full contact.
+        It is pi E* w^2/4 with the half width w of the zone.
         """
         return 0.25 * pi * self.E_star * self.half_width**2
 
@@ -471,7 +481,7 @@ class TiltedPunch(TiltedZone):
         if not self.lifted or side * self.moment > 0:
             return np.full_like(e, inf)
         # The gap is |tilt| int sqrt(s/(s + 2w)) ds up to the lifted corner. Here s is the distance
-        # from the end of the zone, and w its half width.
+        # from the end of the zone, and w is the half width of the zone.
         y = 0.5 * e
         unit = 2.0 * self.half_width * abs(self.tilt)
         gap = unit * (np.sqrt(y * (y + 1.0)) - np.arcsinh(np.sqrt(y)))

@@ -16,7 +16,7 @@ from contact.reference.exact.numerics import Array, arcosh1p, cosine, half_width
 
 @dataclass(frozen=True)
 class _Wedge(SymmetricZone):
-    """Profile f = slope |x|, and the formulas that both wedges share."""
+    """Profile f = slope |x|, and the formulas common to isolated and periodic wedges."""
 
     wedge_slope: float
 
@@ -27,7 +27,8 @@ class _Wedge(SymmetricZone):
         return np.full_like(r, self.wedge_slope)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # With u = pi |x|/L and A = pi a/L, tan A/tan u - 1 = sin(A - u)/(cos A sin u).
+        # With u = pi |x|/L and A = pi a/L, y = tan A/tan u - 1 = sin(A - u)/(cos A sin u) is
+        # computed without cancellation.
         with np.errstate(divide="ignore"):
             y = sine(d, self.period) / (self._cosine() * sine(r, self.period))
         return self.E_star * self.wedge_slope / pi * arcosh1p(y)
@@ -35,7 +36,7 @@ class _Wedge(SymmetricZone):
 
 @dataclass(frozen=True)
 class IsolatedWedge(IsolatedZone, _Wedge):
-    """An isolated wedge f = slope |x|.
+    """The contact of an isolated wedge f = slope |x|.
 
     p = (E* slope/pi) arcosh(a/|x|), P = E* slope a, gap = (2 slope/pi)(x arccos(a/x) - a
     arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1). The pressure is the first term of (26)
@@ -83,7 +84,9 @@ class IsolatedWedge(IsolatedZone, _Wedge):
 
 @dataclass(frozen=True)
 class PeriodicWedge(PeriodicZone, _Wedge):
-    """A periodic wedge (Block & Keer 2008), with u = pi x/L, A = pi a/L and s = sin A:
+    """The contact of a periodic wedge f = slope |x|, |x| <= L/2 (Block & Keer 2008).
+
+    With u = pi x/L, A = pi a/L and s = sin A,
 
     (25) p = (E* slope/pi) arcosh(tan A/tan|u|),   mean pressure = (E* slope/pi) artanh s,
     gap slope = (2 slope/pi) arccos(tan A/tan u),
@@ -125,11 +128,12 @@ class PeriodicWedge(PeriodicZone, _Wedge):
 
     def load_at(self, s: Array) -> Array:
         """Load P [N/m] at a half width a = s."""
-        # artanh(sin A) = arsinh(tan A), which is accurate near full contact.
+        # The load is proportional to artanh(sin A) = arsinh(tan A) with A = pi s/L. The second
+        # form is accurate near full contact.
         unit = self.period * self.E_star * self.wedge_slope / pi
         return unit * np.arcsinh(sine(s, self.period) / cosine(s, self.period))
 
     def load_rate(self, s: Array) -> Array:
         """Derivative dP/da of the load by the half width a, at a = s."""
-        # s may round to L/2, where the rate is infinite but integrals of it are not.
+        # The half width s may round to L/2, where the rate is infinite but its integrals are not.
         return self.E_star * self.wedge_slope / np.maximum(cosine(s, self.period), 1e-100)

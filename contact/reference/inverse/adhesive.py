@@ -122,31 +122,38 @@ class AdhesiveDesign(GivenZones):
 
     @property
     def intensity(self) -> float:
-        """sqrt(E* w/pi) [Pa m^(1/2)]."""
+        """Intensity sqrt(E* w/pi) of the pressure at every end, w = `work` [Pa m^(1/2)]."""
         return sqrt(self.E_star * self.work / pi)
 
     def _side(self, i: int) -> float:
-        """Sign of X on gap i, or of p relative to |X| R on zone i; it is 1 on the last zone."""
+        """Factor +-1 that turns |X| R (head of this module) into the slope of the gap in gap i.
+
+        On zone i it turns (E*/2)|X| R into the pressure. It is 1 on the last zone.
+        """
         return -1.0 if (len(self.zones) - (i // 2 + 1)) % 2 else 1.0
 
     @property
     def _signs(self) -> Array:
-        """Sign of X in the gap next to every end."""
+        """Sign of the square root X (head of this module) in the gap next to every end."""
         return np.array([self._side(e if e % 2 else e - 1) for e in range(2 * len(self.zones))])
 
     @cached_property
     def _poles(self) -> NDArray[np.floating]:
-        """Coefficients q_e of the poles of R = M + sum_e q_e/(x - e), for every end e."""
+        """Coefficients q_e of the poles in R = M + sum_e q_e/(x - e), with a smooth function M."""
         product = self._extended
         per_length = 1.0 / product._unit if self.period is None else 2.0 * product._turn
         size = 2.0 * np.sqrt(np.longdouble(self.work) / (product.pi * self.E_star))
         return np.asarray(self._signs * size * np.sqrt(per_length / product.end_factors()))
 
     def _modes(self, product: CutProduct, i: int, dl: Any, dr: Any) -> Any:
-        """Basis functions of M at points of interval i, (..., number of functions)."""
+        """Basis functions of M, the part of R = M + poles without poles, at points of interval i.
+
+        The array is (..., number of functions).
+        """
         n, ends = len(self.zones), product.zones.ravel()
         if self.period is None:
-            # Here x is rounded, unlike distances; that is harmless, as M is smooth.
+            # The coordinate x has a rounding error, unlike the distances. This is harmless, as the
+            # polynomial M is smooth.
             half = 2.0 * product._unit
             x = ends[0] - dr if i < 0 else ends[i] + dl
             return chebyshev.chebvander(((x - ends[0]) - (ends[-1] - x)) / (2.0 * half), n - 1)
@@ -155,7 +162,10 @@ class AdhesiveDesign(GivenZones):
         return np.stack(modes if n % 2 else [*modes, np.ones_like(x)], axis=-1)
 
     def _integrals(self, i: int) -> tuple[Any, Any]:
-        """Integrals of |X| times R over interval i: per coefficient of M, and of the poles."""
+        """Integral of |X| R over interval i, where R = M + poles (head of this module).
+
+        It has two parts: a row for the coefficients of M, and a number for the poles.
+        """
         dl, dr, weight = self._extended.nodes(i)
         weight = weight * self._extended.root(i, dl, dr)
         return weight @ self._modes(self._extended, i, dl, dr), weight @ (
@@ -164,7 +174,10 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _zone_integrals(self) -> tuple[Any, Any]:
-        """Loads of all zones: per coefficient of M (n, count), and of the poles of R (n,)."""
+        """Loads of all zones in two parts, of M and of the poles in R = M + poles.
+
+        The first part, (n, count), has one column for each coefficient of M; the second is (n,).
+        """
         half = np.longdouble(self.E_star) / 2
         each = [
             (self._side(i) * half, *self._integrals(i)) for i in range(0, 2 * len(self.zones), 2)
@@ -173,7 +186,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _smooth(self) -> Any:
-        """Coefficients of M in its basis, which solve the linear equations at the head."""
+        """Coefficients of the smooth function M: all zones have one approach and carry the load."""
         modes, poles = self._zone_integrals
         gaps = [self._integrals(g) for g in self._extended.gaps]
         matrix = np.array([*(m for m, _ in gaps), np.sum(modes, axis=0)])
@@ -187,24 +200,28 @@ class AdhesiveDesign(GivenZones):
         return solution
 
     def _ratio(self, i: int, dl: Any, dr: Any) -> Any:
-        """R = M + sum_e q_e/(x - e) at points of interval i, in double precision."""
+        """The function R = M + sum_e q_e/(x - e) at points of interval i, in double precision."""
         smooth = self._modes(self._product, i, dl, dr) @ self._smooth.astype(float)
         return smooth + self._product.poles(i, dl, dr) @ self._poles.astype(float)
 
     @cached_property
     def profile(self) -> DesignedProfile | Fourier:
-        """The profile that has this contact: the polynomial part of X R is its slope."""
+        """The profile that has this contact.
+
+        Its slope is the polynomial part of the function X R (head of this module).
+        """
         n, ends = len(self.zones), self._extended.zones.ravel()
         hull = (float(ends[0]), float(ends[-1]))
         if self.period is None:
-            # With x = middle + half (v + 1/v)/2 and e = middle + half cos(phi),
-            # (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
+            # A point is x = middle + half (v + 1/v)/2, and an end is e = middle + half cos(phi).
+            # Thus the factor of this end is (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
             phi = 2.0 * np.arctan2(np.sqrt(ends[-1] - ends), np.sqrt(ends - ends[0]))
             root = exp_of_power_sums(np.array([np.sum(np.cos(k * phi)) for k in range(2 * n)])).real
             ratio = np.zeros(2 * n, dtype=np.longdouble)  # coefficients of v^(n-1), .., v^-n
             ratio[n - 1 :: -1] += 0.5 * self._smooth
             ratio[n - 1 : -1] += 0.5 * self._smooth
-            # The pole unit/(x - e) is the series sum U_k(cos phi) v^(-k-1).
+            # The pole unit/(x - e) is the series sum_k U_k(cos phi) v^(-k-1) with the Chebyshev
+            # polynomials U_k of the second kind.
             second, older = np.ones_like(phi), np.zeros_like(phi)
             for k in range(n):
                 ratio[n + k] += np.sum(self._poles * second)
@@ -212,8 +229,8 @@ class AdhesiveDesign(GivenZones):
             series = 2.0 * np.convolve(root, ratio)[: 2 * n][::-1]
             series[0] *= 0.5
             return DesignedProfile(series.astype(float), hull)
-        # For complex z above the axis, with w = e^{2 pi i z/L},
-        # 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
+        # At a complex point z above the real axis, with w = e^{2 pi i z/L}, the factor of an end e
+        # is 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
         angle = self._extended._turn * ends
         power_sums = np.array([0.5 * np.sum(np.exp(-2j * k * angle)) for k in range(n + 1)])
         root = np.exp(0.5j * (np.sum(angle) + n * self._extended.pi)) * exp_of_power_sums(
@@ -242,11 +259,11 @@ class AdhesiveDesign(GivenZones):
         return np.asarray(np.where(np.isnan(p), -np.inf, p), dtype=float)
 
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
-        """Slope of the gap on gap i (-1: left of all zones), or p divided by E*/2 on zone i."""
+        """Slope of the gap in gap i (-1: left of all zones), or pressure times 2/E* on zone i."""
         return np.asarray(self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr))
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
-        """Mask of the points that are nearer to the left end of gap i: they integrate from it."""
+        """Mask of the points nearer to the left end of gap i, where their integration starts."""
         return np.asarray((dl <= dr) | np.isnan(dr)) if i >= 0 else np.zeros(dl.shape, dtype=bool)
 
     @cached_property
@@ -279,7 +296,7 @@ class AdhesiveDesign(GivenZones):
 
 
 def second_variation(design: AdhesiveDesign) -> Array:
-    """Second derivatives of the energy of a designed JKR contact by its ends, at a load.
+    """Second derivatives of a designed JKR contact's energy by the zone ends, at fixed load.
 
     The contact is locally stable if the matrix d^2 energy/ds_i ds_j is positive definite. Derived
     here, see the head of this module.
@@ -317,18 +334,19 @@ def second_variation(design: AdhesiveDesign) -> Array:
     root = np.sqrt(others)
     k = outward * sigma * root * q  # X R ~ k/sqrt|factor| next to the end
     at_ends = [product.at_end(e) for e in range(m)]
-    # [i, j]: the pole of end j at end i
+    # The entry poles[i, j] is the function with a pole at end j, evaluated at end i.
     poles = np.array([product.poles(*at)[0] for at in at_ends])
     np.fill_diagonal(poles, 0.0)
     modes = np.array([design._modes(product, *at)[0] for at in at_ends])
     strength = outward * others * q / (2.0 * unit)  # the coefficient A of every end
-    # [i, j]: T at end i as end j moves
+    # The entry smooth[i, j] is the polynomial T (head of this module) of moving end j, evaluated
+    # at end i.
     smooth = _low_modes(design, modes) @ _low_coefficients(design, strength, unit).T
     regular = modes @ design._smooth.astype(float) + poles @ q
     change = (sigma / root)[:, None] * (strength * poles + smooth)  # change of k at end i by end j
-    # At the end that moves, the change of k comes from the next power of X R, sqrt|factor|. The
-    # moved end contributes half of its coefficient, and the derivatives of the other factors
-    # cancel.
+    # At the end that moves, the change of the coefficient k comes from the next term of X R, which
+    # is proportional to sqrt|factor|. The moved end contributes half of the coefficient of this
+    # term. The derivatives of the other factors cancel.
     own = outward * root * regular / (2.0 * unit) + np.diagonal(smooth) / root
     np.fill_diagonal(change, sigma * own)
     return np.asarray(2.0 * design.work * change / k[:, None] * outward, dtype=float)
@@ -337,7 +355,8 @@ def second_variation(design: AdhesiveDesign) -> Array:
 def is_stable(design: AdhesiveDesign) -> bool:
     """Whether a designed JKR contact is locally stable at prescribed load.
 
-    It is if the second variation is positive definite. Derived here, see the head of this module.
+    It is stable if the second variation is positive definite. Derived here, see the head of this
+    module.
 
     Parameters
     ----------
@@ -365,16 +384,18 @@ def is_stable(design: AdhesiveDesign) -> bool:
 
 
 def _low_modes(design: AdhesiveDesign, modes: Array) -> Array:
-    """Basis functions of the field T of a moving end, (..., n - 1).
+    """Basis functions of the polynomial T in the field of a moving end (head of this module).
 
-    They are those of M without the highest polynomial, or with a period without the highest cosine
-    and sine.
+    The array is (..., n - 1). They are the basis functions of M without the highest polynomial, or
+    with a period without the highest cosine and sine.
     """
     return modes[..., :-1] if design.period is None else modes[..., 2:]
 
 
 def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> Array:
-    """Coefficients of the field T for the motion of every end, (2n, n - 1).
+    """Coefficients, (2n, n - 1), of the polynomial T (head of this module).
+
+    They have one row for a unit motion of each end.
 
     T makes the integral of the field (head of this module) vanish over every gap.
     """
@@ -390,8 +411,8 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
         for j in range(m):
             field = strength[j] * poles[:, j] / x_root
             if j in (g, (g + 1) % m):
-                # A multiple of d/dx (X pole) is subtracted, so that the field becomes integrable.
-                # The integral of that derivative has no finite part.
+                # A multiple of the derivative of X times the pole is subtracted, so that the field
+                # becomes integrable. The integral of this derivative has no finite part.
                 share = (-2.0 if j == g else 2.0) * unit * strength[j] / others[j]
                 field = field - share * _pole_slope(design, g, (dl, dr), j, poles[:, j]) * x_root
             given[row, j] = -np.sum(weight * field)
@@ -401,7 +422,7 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
 def _pole_slope(
     design: AdhesiveDesign, g: int, at: tuple[Array, Array], j: int, pole: Any
 ) -> Array:
-    """Derivative of |X| times the pole of end j, divided by |X|, in gap g.
+    """Derivative of the product of |X| and the pole of end j, divided by |X|, in gap g.
 
     The points are given by their distances `at` from the ends of the gap.
     """

@@ -42,7 +42,8 @@ from sie import Array, Mask
 class CohesiveOptions:
     """Numbers of quadrature nodes and of points at which signs are checked."""
 
-    # Gauss nodes on a strip, and from a zone's end to a point of the gap: exact to 1e-10
+    # Number of Gauss nodes on a strip, and from a zone's end to a point of the gap. The integrals
+    # are accurate to 1e-10.
     nodes: int = 90
     sign_points: int = 200  # points in every zone, gap and strip
 
@@ -52,7 +53,7 @@ _OPTIONS = CohesiveOptions()
 
 @dataclass(frozen=True)
 class _Strip:
-    """A strip of tension in scaled coordinates.
+    """A strip of tension, in the coordinate that maps the hull of the zones to [-1, 1].
 
     It goes from a zone's end outward (direction +-1), or fills a gap between two zones (0). `gap`
     is the number of its gap (0: left of all zones), and `ends` are the zone ends next to it.
@@ -70,7 +71,10 @@ class _Strip:
     h: Array
 
     def far(self, t: Array) -> Array:
-        """Integral of 1/(X(xi) (t - xi)) by xi over the strip, at points t away from it."""
+        """Integral of 1/(X(xi) (t - xi)) over xi in the strip, at points t away from the strip.
+
+        X is the square root of the product of t - e over all zone ends e.
+        """
         return np.asarray((1.0 / (t[..., None] - self.nodes)) @ self.weights)
 
 
@@ -213,16 +217,20 @@ class CohesiveDesign:
         return _Strip(ends[0], width, direction, gap, ends, nodes, weights * h, h)
 
     def _root(self, t: Array, without: tuple[float, ...] = ()) -> Array:
-        """X at points t outside the zones, without the factors of the ends `without`."""
+        """Signed square root X of the product of t - e over all zone ends e except `without`.
+
+        The points t lie outside the zones.
+        """
         ends_right = np.sum(t[..., None] < self._ends, axis=-1)
         factors = [np.ones(t.shape), *(np.abs(t - end) for end in self._ends if end not in without)]
         sign = np.where((ends_right + 1) // 2 % 2, -1.0, 1.0)
         return np.sqrt(np.prod(factors, axis=0)) * sign
 
     def _smooth_in_own_gap(self, strip: _Strip, t: Array) -> Array:
-        """X times the integral of 1/(X (t - xi)) over a strip, at points t of its own gap.
+        """X(t) times the integral of 1/(X(xi) (t - xi)) over xi in a strip, t in the same gap.
 
-        The closed part 2 direction artanh(zeta or 1/zeta) is left out: see the head of this module.
+        X is the square root of the product of t - e over all zone ends e. The closed part
+        2 direction artanh(zeta or 1/zeta) is left out: see the head of this module.
         """
         difference = 1.0 - 1.0 / (self._root(t, strip.ends)[..., None] * strip.h)
         integral = (difference / (t[..., None] - strip.nodes)) @ strip.weights
@@ -230,13 +238,15 @@ class CohesiveDesign:
 
     @cached_property
     def _count(self) -> int:
-        """Number of conditions on M besides `rise` and a given load."""
+        """Number of conditions on the polynomial M other than `rise` and a given load."""
         return 3 * len(self.cohesive) - 1 + sum(strip.direction == 0 for strip in self._strips)
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
-        """Slope of the gap at points t of a gap: (per coefficient of M, by the tension).
+        """Slope of the gap at points t of one gap, in two parts.
 
-        The artanh of the strips in this gap is left out; `_gap_parts` integrates it.
+        The first part has one column for each coefficient of the polynomial M. The second part is
+        caused by the tension. The artanh of the strips in this gap is left out; `_gap_parts`
+        integrates it.
         """
         by_tension = np.zeros(t.shape)
         for strip in self._strips:
@@ -248,9 +258,10 @@ class CohesiveDesign:
         return modes, self._tension * by_tension
 
     def _gap_parts(self, gap: int, start: float, stop: Array) -> tuple[Array, Array]:
-        """The gap at points `stop`, (P,): (per coefficient of M, by the tension).
+        """The gap at points `stop`, (P,), in two parts: integrals of the slope from `start`.
 
-        It is the integral of the slope from the zone's end `start`.
+        The first part has one column for each coefficient of the polynomial M. The second part is
+        caused by the tension. The point `start` is the end of a zone.
         """
         u, weight = _gauss(_OPTIONS.nodes)
         half = 0.5 * (stop - start)[:, None]
@@ -267,7 +278,7 @@ class CohesiveDesign:
 
     @cached_property
     def _conditions(self) -> tuple[Array, Array]:
-        """Matrix and right side of the linear conditions for the coefficients of M."""
+        """Matrix and right side of the linear conditions for the polynomial M."""
         half = self._frame[1]
         conditions = []
         for strip in self._strips:
@@ -282,8 +293,8 @@ class CohesiveDesign:
         units = np.eye(self._degree + 1)
         conditions.append((units[-1], self.rise))
         if self.given_load is not None:
-            # The coefficient of 1/t in the series of X R is the load times `_load_unit`. It is
-            # linear in M.
+            # The load times `_load_unit` is the coefficient of 1/t in the series of X R, the slope
+            # of the gap. This coefficient is linear in the coefficients of the polynomial M.
             per_mode = np.array([self._series_of(unit, 0.0)[-1] for unit in units])
             of_tension = self._series_of(0.0 * units[0], self._tension)[-1]
             conditions.append((per_mode, self._load_unit * self.given_load - of_tension))
@@ -295,12 +306,12 @@ class CohesiveDesign:
 
     @cached_property
     def _smooth(self) -> Array:
-        """Coefficients of M as a Chebyshev series on the hull of the zones."""
+        """Coefficients of the polynomial M as a Chebyshev series on the hull of the zones."""
         return np.asarray(np.linalg.solve(*self._conditions))
 
     @property
     def condition(self) -> float:
-        """Condition number of the linear conditions, each scaled to a largest entry of one."""
+        """Condition number of the matrix of conditions; the largest entry of each row is one."""
         return float(np.linalg.cond(self._conditions[0]))
 
     @property
@@ -319,7 +330,7 @@ class CohesiveDesign:
         return self._series_of(self._smooth, self._tension)
 
     def _series_of(self, smooth: Array, tension: float) -> Array:
-        """Coefficients of X R, the slope of the gap, for the powers t^N, t^(N-1), ..., t^-1.
+        """Coefficients of X R, the slope of the gap, for the powers of t from the highest to t^-1.
 
         `smooth` are the coefficients of M, and `tension` is the factor of the strips' integrals.
         """
@@ -340,7 +351,7 @@ class CohesiveDesign:
 
     @property
     def load(self) -> float:
-        """Load of all zones less that of the tension [N/m]."""
+        """Load that the zones carry, minus the integral of the tension over the strips [N/m]."""
         return float(self._series[-1] / self._load_unit)
 
     def pressure(self, x: ArrayLike) -> Array:
@@ -363,9 +374,10 @@ class CohesiveDesign:
         return np.any((x >= self.cohesive[:, 0]) & (x <= self.cohesive[:, 1]), axis=-1)
 
     def _on_zones(self, strip: _Strip, t: Array) -> Array:
-        """Integral of 1/(X (t - xi)) by xi over a strip, at points t of the zones.
+        """Integral of 1/(X(xi) (t - xi)) over xi in a strip, at points t of the zones.
 
-        It is accurate up to the end of the strip.
+        X is the square root of the product of t - e over all zone ends e. The integral is accurate
+        up to the end of the strip.
         """
         distance = np.min([np.abs(t - end) for end in strip.ends], axis=0)
         low, high = np.sort([strip.end, strip.end + (strip.direction or 1) * strip.width])
@@ -375,13 +387,14 @@ class CohesiveDesign:
         out = strip.far(t)
         if close.any():
             at = t[close]
-            # This is h, continued from the strip into the zone next to it.
+            # The smooth factor h of 1/X on the strip is continued into the zone next to the strip.
             factors = [np.abs(at - end) for end in self._ends if end not in strip.ends]
             h = np.sign(strip.h[0]) / np.sqrt(np.prod(factors, axis=0))
             difference = (1 - h[:, None] / strip.h) / (at[:, None] - strip.nodes)
             out[close] = difference @ strip.weights
             if strip.direction:
-                # On the zone zeta is the root of a negative number, so that artanh becomes arctan.
+                # On the zone the scaled distance zeta^2 (head of this module) is negative, so that
+                # artanh becomes arctan.
                 eta = np.sqrt(distance[close] / strip.width)
                 unit = strip.direction * 2 / np.sqrt(strip.width)
                 out[close] -= unit * h * np.arctan(1 / eta) / eta
@@ -391,7 +404,7 @@ class CohesiveDesign:
         return out
 
     def gap(self, x: ArrayLike) -> Array:
-        """The gap [m]: its slope integrated from the end of the nearest zone."""
+        """The gap [m]: the integral of the slope of the gap from the end of the nearest zone."""
         t = np.atleast_1d(self._scaled(x)).ravel()
         out, interval = np.zeros(t.shape), np.searchsorted(self._ends, t)
         for i in np.unique(interval[interval % 2 == 0]):
@@ -406,7 +419,10 @@ class CohesiveDesign:
 
     @cached_property
     def is_admissible(self) -> bool:
-        """Whether the law holds at points of every zone, gap and strip, and outside all of them."""
+        """Whether Dugdale's law holds at sample points of every zone, gap and strip.
+
+        Points outside all cohesive intervals are checked as well.
+        """
         points = _OPTIONS.sign_points
         u = 0.5 - 0.5 * np.cos(pi * (np.arange(points) + 0.5) / points)
         inner = (self.zones[:, :1] + np.diff(self.zones) * u).ravel()
@@ -436,7 +452,10 @@ def _gauss(count: int) -> tuple[Array, Array]:
 
 
 def _artanh_integral(y: ArrayLike, width: float) -> Array:
-    """Integral int_0^y artanh(sqrt(s/w) or sqrt(w/s)) ds with w = `width`, in closed form."""
+    """Integral over s from 0 to y of artanh(sqrt(s/w)), or of artanh(sqrt(w/s)) where s > w.
+
+    Here w is the width; the integral has a closed form.
+    """
     y = np.asarray(y, dtype=float)
     ratio = np.minimum(y, width) / np.maximum(y, width)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -20,7 +20,7 @@ def design(
     law: Law | None = None,
     cohesive: ArrayLike | None = None,
 ) -> Any:
-    """The exact contact with these zones, this load (per period) and this law.
+    """The exact contact that has the given zones and the given load under the given law.
 
     Parameters
     ----------

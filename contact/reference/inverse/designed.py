@@ -36,7 +36,7 @@ from sie import Array, Mask
 
 @dataclass(frozen=True, eq=False)
 class DesignedProfile(Profile):
-    """The profile of an isolated designed contact: f' is a Chebyshev series on `hull`.
+    """The profile f of an isolated designed contact: f' is a Chebyshev series on `hull`.
 
     `design` makes it, for `contact.Scene`. The profile of a periodic design is a `contact.Fourier`.
 
@@ -98,7 +98,7 @@ class DesignedProfile(Profile):
 
     @property
     def coefficients(self) -> Array:
-        """Coefficients of f as a polynomial in x, lowest power first."""
+        """Coefficients of the profile f as a polynomial in x, lowest power first."""
         return np.asarray(
             np.polynomial.Chebyshev(self._height_series, self.hull)
             .convert(kind=np.polynomial.Polynomial)
@@ -121,7 +121,7 @@ def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
 
 @dataclass(frozen=True, eq=False)
 class GivenZones(ExactContact):
-    """Base of the designed contacts: fields from the products of `CutProduct`.
+    """Base class of the designed contacts; their fields follow from `CutProduct`'s products.
 
     A subclass defines the profile, the zone loads, the pressure and the slope of the gap. Its
     formulas take the distances dl and dr of a point from the left and right end of its interval.
@@ -142,12 +142,12 @@ class GivenZones(ExactContact):
 
     @cached_property
     def _extended(self) -> CutProduct:
-        """The product of the factors in extended precision, for the profile and the loads."""
+        """The products of `CutProduct` in extended precision, for the profile and the loads."""
         return CutProduct(self.zones.astype(np.longdouble), self.period)
 
     @cached_property
     def _product(self) -> CutProduct:
-        """The product of the factors in double precision, for pressure and gap."""
+        """The products of `CutProduct` in double precision, for the pressure and the gap."""
         return CutProduct(self.zones.astype(float), self.period)
 
     @property
@@ -156,7 +156,7 @@ class GivenZones(ExactContact):
         raise NotImplementedError
 
     def _of_slope(self, harmonics: Array) -> Fourier:
-        """The profile whose slope has these coefficients of e^{-2 pi i m x/L}, m = 1, 2, ..."""
+        """The profile whose slope has the coefficients `harmonics` of e^{-2 pi i m x/L}, m >= 1."""
         wave = 2.0 * self._extended._turn * np.arange(1, len(harmonics) + 1)
         cosine, sine = -2.0 * harmonics.imag / wave, 2.0 * harmonics.real / wave
         assert self.period is not None
@@ -175,7 +175,10 @@ class GivenZones(ExactContact):
         raise NotImplementedError
 
     def _on(self, odd: bool, x: ArrayLike, function: Callable[[int, Array, Array], Array]) -> Array:
-        """Values of a function of (i, dl, dr) at the points in gaps (odd) or in zones; else 0."""
+        """Values of `function` at the points in gaps (if `odd`) or in zones; 0 at all others.
+
+        Its arguments are the number of an interval and distances from the ends of this interval.
+        """
         x = np.asarray(x, dtype=float)
         interval, dl, dr = self._product.locate(x)
         values = np.zeros_like(x)
@@ -185,9 +188,9 @@ class GivenZones(ExactContact):
         return values
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap u + f - approach [m], 0 in the zones.
+        """Gap [m], displacement + profile - approach; 0 in the zones.
 
-        It is the integral of its slope from an end of the gap.
+        The gap is the integral of its slope from a zone end.
         """
         return self._on(True, x, self._opened)
 
@@ -196,8 +199,8 @@ class GivenZones(ExactContact):
         rightward = self._from_left(i, left, right)
         length, rest = np.where(rightward, left, right), np.where(rightward, right, left)
         safe = np.where(length == 0.0, 1.0, length)  # the slope may be infinite at an end
-        # The slope may grow like 1/sqrt(distance) at the end. The distance is length s^2 with the
-        # integration variable s, so that the integrand is smooth.
+        # Near an end the slope may grow like 1/sqrt(distance from the end). The integration
+        # variable is s, where distance = length s^2, so that the integrand is smooth.
         start, stop = safe * FROM_LEFT**2, rest + safe * FROM_RIGHT * (1.0 + FROM_LEFT)
         values = self._opening(
             i, np.where(rightward, start, stop), np.where(rightward, stop, start)
@@ -220,7 +223,7 @@ class GivenZones(ExactContact):
         return float(np.min(gaps) / np.max(self.zone_widths)) if gaps.size else np.inf
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at normalised positions t in [-1, 1], accurate up to the ends."""
+        """Pressure [Pa] at normalised positions t in [-1, 1] of a zone, accurate up to its ends."""
         check_number(zone, len(self.zones))
         t = np.asarray(t, dtype=float)
         half = 0.5 * self._product.steps[2 * zone]
@@ -235,7 +238,7 @@ class GivenZones(ExactContact):
         return self._on(True, x, self._opening)
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement u(x) [m] into the body, of zero mean; SceneError without a period."""
+        """Displacement u(x) [m] into the body, of zero mean; raises SceneError without a period."""
         if self.approach is None:
             raise SceneError.of(
                 "period", None, "a length > 0: an isolated displacement needs a datum"
@@ -243,7 +246,10 @@ class GivenZones(ExactContact):
         return self.approach - (self.height(x) - self._least_height) + self.gap(x)
 
     def _greatest(self, margin: float, samples: int) -> float:
-        """Greatest pressure at angles from `margin` to pi - margin of every zone."""
+        """Greatest pressure [Pa] on all zones, at least the angle `margin` from their ends.
+
+        A position in a zone is the cosine of an angle from 0 to pi.
+        """
 
         def peak(zone: int) -> float:
             def minus_pressure(phi: Array) -> Array:
@@ -259,7 +265,10 @@ class GivenZones(ExactContact):
 
     @cached_property
     def mean_gap(self) -> float | None:
-        """Mean gap over the period [m], -(1/L) sum int_gap x g' dx; None without a period."""
+        """Mean gap [m] over the period: -(1/L) times the sum of int x gap'(x) dx over the gaps.
+
+        None without a period.
+        """
         if self.period is None:
             return None
         total = 0.0
@@ -270,13 +279,16 @@ class GivenZones(ExactContact):
 
     @property
     def approach(self) -> float | None:
-        """Approach mean f - min f - mean gap [m], where u has zero mean; None without a period."""
+        """Approach [m], mean f - min f - mean gap with the profile f; None without a period.
+
+        The mean displacement is zero.
+        """
         return None if self.mean_gap is None else -self._least_height - self.mean_gap
 
 
 @dataclass(frozen=True, eq=False)
 class DesignedContact(GivenZones):
-    """An exact frictionless contact of given zones and load; the profile is chosen accordingly.
+    """An exact frictionless contact of given zones and load; the profile follows from them.
 
     p = (E*/2)|X M| on the zones, gap slope = X M between them: see the head of this module.
     Pressures, gaps and loads are exact to round-off. Derived from the general solution (34) of N.
@@ -345,7 +357,7 @@ class DesignedContact(GivenZones):
 
     @cached_property
     def _raw_loads(self) -> Array:
-        """Integral of |X M| over each zone, before the product is scaled to the load."""
+        """Integral of |X M| over each zone, before the product X M is scaled to the load."""
         nodes = [(i, *self._extended.nodes(i)) for i in range(0, 2 * len(self.zones), 2)]
         return np.array(
             [np.sum(weight * self._extended.magnitude(i, dl, dr)) for i, dl, dr, weight in nodes]
@@ -353,7 +365,7 @@ class DesignedContact(GivenZones):
 
     @cached_property
     def _extended_scale(self) -> Any:
-        """The factor by which X M is multiplied to carry the given load."""
+        """The factor that makes the pressure (E*/2)|X M| carry the given load."""
         return self.load / (0.5 * self.E_star * np.sum(self._raw_loads))
 
     @property
@@ -369,7 +381,8 @@ class DesignedContact(GivenZones):
         exponents = np.concatenate([np.full(len(ends), 0.5), np.ones(len(roots))])
         n = len(self.zones)
         if self.period is None:
-            # With x = middle + half (v + 1/v)/2 and e = middle + half cos(phi),
+            # A point is x = middle + half (v + 1/v)/2, and an end or a root of M is
+            # e = middle + half cos(phi). Thus the factor of this end or root is
             # (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
             points = np.concatenate([ends, roots])
             phi = 2.0 * np.arctan2(np.sqrt(hull[1] - points), np.sqrt(points - hull[0]))
@@ -377,13 +390,14 @@ class DesignedContact(GivenZones):
             series = 2.0 * self._extended_scale * exp_of_power_sums(power_sums).real[::-1]
             series[0] *= 0.5
             return DesignedProfile(series.astype(float), hull)
-        # For complex z above the axis, with w = e^{2 pi i z/L},
-        # 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
+        # At a complex point z above the real axis, with w = e^{2 pi i z/L}, the factor of an end or
+        # root e is 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
         angle = 2.0 * self._extended.pi / self.period * np.concatenate([ends, roots])
         power_sums = np.array([np.sum(exponents * np.exp(-1j * k * angle)) for k in range(n + 1)])
         phase = np.exp(0.5j * np.sum(exponents * angle))
         coefficients = phase * exp_of_power_sums(power_sums)
-        # The constant term is 2i/E* times the mean pressure, which fixes the sign of the root X.
+        # The constant coefficient is 2i/E* times the mean pressure. The mean pressure is positive,
+        # which fixes the sign of the square root X.
         coefficients *= np.sign(coefficients[n].imag) * self._extended_scale
         return self._of_slope(coefficients[n - 1 :: -1])
 
@@ -401,7 +415,10 @@ class DesignedContact(GivenZones):
         return self._scale * self._product.side(i, dl, dr) * self._product.magnitude(i, dl, dr)
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
-        """Mask of the points left of the widest point of the gap: they integrate from the left."""
+        """Mask of the points of gap i on the left of its widest point.
+
+        The slope is integrated from the left end of the gap to these points.
+        """
         return self._product.side(i, dl, dr) > 0.0
 
     @cached_property

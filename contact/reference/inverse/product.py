@@ -25,7 +25,9 @@ _PI = "3.14159265358979323846264338327950288"
 
 @dataclass(frozen=True, eq=False)
 class CutProduct:
-    """The product X M for ascending zones, (n, 2), within one period if there is one.
+    """The product X M: X^2 has a root at every zone end, and M has one root in every gap.
+
+    The zones, (n, 2), are ascending, and within one period if there is one.
 
     All numbers have the precision of `zones`. The profile's coefficients lose about one digit per
     zone, so they are computed in extended precision and rounded at the end.
@@ -35,7 +37,7 @@ class CutProduct:
     period: float | None = None
 
     def rounded(self) -> "CutProduct":
-        """Return the same product in double precision; its roots are the rounded roots."""
+        """Return the same product in double precision; the roots of M are rounded as well."""
         other = CutProduct(self.zones.astype(float), self.period)
         other.__dict__["roots"] = self.roots.astype(float)
         return other
@@ -58,19 +60,19 @@ class CutProduct:
 
     @property
     def gaps(self) -> range:
-        """Interval numbers of the gaps that have a root of M."""
+        """Numbers of the intervals that are gaps between zones; each gap has one root of M."""
         return range(1, 2 * len(self.zones) - (self.period is None), 2)
 
     @cached_property
     def _unit(self) -> Any:
-        """A quarter of the hull's length; as unit of the factors it keeps products near one.
+        """Unit of length in the factors, which keeps products of factors near one.
 
-        It is the logarithmic capacity of the hull.
+        This is a quarter of the length of the zones' hull: the logarithmic capacity of the hull.
         """
         return 0.25 * (self.zones[-1, 1] - self.zones[0, 0])
 
     def _sum(self, first: int, last: int) -> Any:
-        """Sum of the lengths of intervals first .. last - 1, past the period if last < first."""
+        """Sum of the lengths of intervals first .. last - 1, wrapped around if last < first."""
         if first <= last:
             return np.sum(self.steps[first:last])
         return np.sum(self.steps[first:]) + np.sum(self.steps[:last])
@@ -101,9 +103,10 @@ class CutProduct:
         return dl[..., None] + self._leftward[i, :m], dr[..., None] + self._leftward[:m, after]
 
     def _factors(self, left: Array, right: Array, positive_side: Mask) -> Array:
-        """Signed factors (x - e)/unit, or 2 sin(pi (x - e)/L), of ends or roots e at points x.
+        """Signed factors (x - e)/unit of ends or roots e at points x.
 
-        e lies at the distance `left` on the left of x, or at the distance `right` on its right.
+        With a period the factors are 2 sin(pi (x - e)/L). The end or root e lies at the distance
+        `left` on the left of x, or at the distance `right` on the right of x.
         """
         if self.period is None:
             return np.where(positive_side, left, -right) / self._unit
@@ -118,7 +121,9 @@ class CutProduct:
     def _root_distances(
         self, i: int, dl: Array, dr: Array, offsets: Array
     ) -> tuple[Array, Array, Mask]:
-        """Distances leftward and rightward to all roots of M, and a mask of the roots on the left.
+        """Distances leftward and rightward from points of interval i to all roots of M.
+
+        A mask of the roots on the left of the interval is returned as well.
 
         `offsets`, (roots, 2), are the distances of the roots from the ends of their gaps. For the
         root r in the point's own gap the leftward distance is x - r with its sign, the rightward
@@ -159,7 +164,8 @@ class CutProduct:
             residual = np.array([r for r, _ in rows], dtype=float)
             jacobian = np.array([j for _, j in rows], dtype=float).reshape(len(gaps), len(gaps))
             step = -np.linalg.solve(jacobian, residual)
-            # A root stays in its gap: it goes at most nine tenths of the distance to the end.
+            # A root of M stays in its gap: a step covers at most nine tenths of the distance from
+            # the root to the end of the gap.
             limit = np.where(step > 0.0, offsets[:, 1], offsets[:, 0])
             step = np.sign(step) * np.minimum(np.abs(step), 0.9 * limit)
             offsets = offsets + np.outer(step, [1.0, -1.0])
@@ -170,15 +176,17 @@ class CutProduct:
     def _gap_row(
         self, row: int, g: int, dl: Array, dr: Array, weight: Array, offsets: Array
     ) -> tuple[Any, Array]:
-        """Residual int_gap |X| M dx of one gap, and its derivatives by all roots.
+        """Integral of |X| M over one gap, and the derivatives of this integral by all roots of M.
 
-        Both are divided by int_gap |X M| dx. `weight` is the quadrature weight times |X|.
+        The integral and its derivatives are divided by the integral of |X M|. `weight` is the
+        quadrature weight times |X|.
         """
         left, right, is_left = self._root_distances(g, dl, dr, offsets)
         factors = self._factors(left, right, is_left)
         others = np.prod(np.delete(factors, row, axis=-1), axis=-1) * weight
         own = factors[:, row]
-        # A node may be on the root of this gap; the derivative by that root is replaced below.
+        # A node may coincide with the root of M in this gap. The derivative by this root is
+        # replaced below.
         with np.errstate(divide="ignore"):
             if self.period is None:
                 logarithmic = 1.0 / np.where(is_left, left, -right)
@@ -194,7 +202,9 @@ class CutProduct:
         return np.sum(others * own) / scale, derivative
 
     def nodes(self, i: int) -> tuple[Any, Any, Any]:
-        """Gauss-Chebyshev rule on interval i: distances dl and dr of the nodes, and weights.
+        """Gauss-Chebyshev rule on interval i: weights, and distances of the nodes from the ends.
+
+        The result is (distances dl from the left end, distances dr from the right end, weights).
 
         The integrand may grow like 1/sqrt at the ends. It is analytic up to the neighbouring ends.
         Their distance, divided by the length of the interval, sets the number of nodes.
@@ -217,11 +227,11 @@ class CutProduct:
         )
 
     def root(self, i: int, dl: Array, dr: Array) -> Array:
-        """|X| at points of interval i."""
+        """|X|, the square root of the product of all end factors, at points of interval i."""
         return np.asarray(np.sqrt(np.prod(self._end_factors(i, dl, dr), axis=-1)))
 
     def poles(self, i: int, dl: Array, dr: Array) -> Array:
-        """Signed inverse factors of every end, with a pole at that end, (..., 2n).
+        """Inverse 1/factor of the signed factor of every end, at points of interval i, (..., 2n).
 
         With a period and an even number of zones they are cos(pi (x - e)/L)/factor, so that X times
         a pole is periodic.
@@ -235,14 +245,14 @@ class CutProduct:
             return np.asarray(np.cos(self._turn * (dl[..., None] + self._leftward[i])) / factors)
 
     def at_end(self, e: int) -> tuple[int, Any, Any]:
-        """End e as a point (interval, dl, dr) of the interval to its right or left."""
+        """End e as a point of an interval next to it: number, distances from the two ends."""
         zero = np.zeros(1, dtype=self.zones.dtype)
         if e + 1 < 2 * len(self.zones) or self.period is not None:
             return e, zero, self.steps[[e]]
         return e - 1, self.steps[[e - 1]], zero
 
     def end_factors(self) -> Array:
-        """The absolute product of the factors of all other ends, at every end."""
+        """Absolute value of the product of the factors of all other ends, at every end."""
         factors = np.array(
             [self._end_factors(*self.at_end(e))[0] for e in range(2 * len(self.zones))]
         )
@@ -250,14 +260,17 @@ class CutProduct:
         return np.asarray(np.prod(factors, axis=1))
 
     def magnitude(self, i: int, dl: Array, dr: Array) -> Array:
-        """|X M| at points of interval i, before it is scaled to the load."""
+        """|X M| at points of interval i, before the product X M is scaled to carry the load."""
         ends = self.root(i, dl, dr)
         return ends * np.abs(
             np.prod(self._factors(*self._root_distances(i, dl, dr, self.roots)), axis=-1)
         )
 
     def side(self, i: int, dl: Array, dr: Array) -> Array:
-        """Sign of the gap's slope: +1 left of the root of M in a gap, and right of all zones."""
+        """Sign of the slope of the gap: +1 left of its widest point (a root of M), -1 right of it.
+
+        The sign is -1 left of all zones and +1 right of all zones.
+        """
         if i < 0:
             return np.full_like(dl, -1.0)
         return (
@@ -267,7 +280,10 @@ class CutProduct:
         )
 
     def locate(self, x: Array) -> tuple[Index, Array, Array]:
-        """Interval of every point (-1: left of all zones), and distances from both its ends."""
+        """Number of the interval of every point, and distances from the ends of this interval.
+
+        The number is -1 left of all zones.
+        """
         ends = self.zones.ravel()
         if self.period is not None:
             x = x - self.period * np.floor((x - ends[0]) / self.period)

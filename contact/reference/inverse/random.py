@@ -59,7 +59,7 @@ def random_problem(
     length: float = 1.0,
     **spacing: float | None,
 ) -> DesignedContact:
-    """A random exact frictionless problem, without symmetry.
+    """A random frictionless contact problem with an exact solution, without symmetry.
 
     With a period the left ends lie in [-L/2, L/2), ascending.
 
@@ -120,7 +120,9 @@ def random_adhesive_problem(
     stable: bool = True,
     **shape: float,
 ) -> AdhesiveDesign:
-    """A random exact problem under JKR adhesion; the zones are those of `random_problem`.
+    """A random problem with an exact solution under JKR adhesion.
+
+    The zones are those of `random_problem`.
 
     The work of adhesion is chosen so that flat punches on the zones, each under its JKR load,
     together carry `pull` times the load. `pull` is halved until the surfaces are separate between
@@ -177,10 +179,10 @@ def random_cohesive_problem(
     strip: float = 0.1,
     **shape: float,
 ) -> CohesiveDesign:
-    """A random isolated problem under Dugdale's law; its zones are those of `random_problem`.
+    """A random isolated problem with an exact solution under Dugdale's law.
 
-    The cohesive intervals are those where the gap of the frictionless contact with these zones is
-    below the reach. The reach is the median of that gap at a distance from the ends: `strip` times
+    The zones are those of `random_problem`. The cohesive intervals are those where the gap of the
+    frictionless contact with these zones is below the reach. The reach is the median of that gap at a distance from the ends: `strip` times
     the width of the narrowest zone or gap. The tension begins at `pull` times the mean pressure,
     and is quartered until the design is admissible. This ends, as the limit of no tension is the
     frictionless contact, which is admissible.
@@ -217,7 +219,8 @@ def random_cohesive_problem(
     """
     count = int(rng.integers(1, 7)) if zones is None else zones
     free = random_problem(rng, count, **shape)  # type: ignore[arg-type]
-    # The profile is a polynomial of x, which is most accurate around the middle of the zones.
+    # The coordinate x is measured from the middle of the zones, since the polynomial profile is
+    # most accurate near x = 0.
     ends = free.zones - 0.5 * (free.zones[0, 0] + free.zones[-1, 1])
     free = DesignedContact(ends, free.E_star, free.load)
     width = strip * float(np.diff(ends.ravel()).min())
@@ -228,7 +231,7 @@ def random_cohesive_problem(
     after = [*ends[1:, 0], ends[-1, 1] + hull]
     left = [_first_at(free, *ab, reach) for ab in zip(ends[:, 0].tolist(), before, strict=True)]
     right = [_first_at(free, *ab, reach) for ab in zip(ends[:, 1].tolist(), after, strict=True)]
-    # Two zones share an interval if the gap between them stays below the reach.
+    # Two zones share a cohesive interval if the gap between the zones stays below the reach.
     rows = [[left[0], 0.0]]
     for k in range(count - 1):
         if left[k + 1] > right[k]:
