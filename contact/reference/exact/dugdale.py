@@ -140,9 +140,10 @@ class DugdaleZone(_DugdaleState):
     def opening_rate(self, e: Array, f: Array) -> Array:
         """Slope of the gap that the tension s adds, divided by 4s/(pi E*), at x = a + e.
 
-        It is artanh(X), or artanh(1/X) if X > 1. X is sqrt((x^2 - a^2)/(c^2 - a^2)) for an isolated zone, with the zone's end a, the end c of
-        the tension and the point x. The arguments are the distances e = x - a and f = c - x. X^2 and |1 - X^2| are formed from
-        the distances, so that nothing cancels near a or c.
+        It is artanh(X), or artanh(1/X) if X > 1. X is sqrt((x^2 - a^2)/(c^2 - a^2)) for an isolated
+        zone, with the zone's end a, the end c of the tension and the point x. The arguments are the
+        distances e = x - a and f = c - x. X^2 and |1 - X^2| are formed from the distances, so that
+        nothing cancels near a or c.
         """
         a, c, length = self.half_width, self.cohesive_end, self.period
         x = a + e

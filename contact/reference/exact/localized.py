@@ -33,8 +33,8 @@ def correction_pressure(
 ) -> Array:
     """Pressure that the neighbouring zones add: the second term of (17) (head of this module).
 
-    The pressure is (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)), |x| <= a. I. G. Goryacheva & I.
-    Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
+    The pressure is (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)), |x| <= a. I. G.
+    Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------

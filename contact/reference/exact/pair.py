@@ -185,9 +185,9 @@ def _values(
 ) -> Array:
     """Values of the function `ratio` at Chebyshev nodes, as many as its series needs.
 
-    The number n of nodes is between `least` and `most`. The terms of the series of G fall as rho^n. The rate rho depends on the nearer singularity:
-    y = -1, where arctan v branches, or `limit`. At -ln(rho) n = 38 round-off is reached. `most`
-    bounds n if the zone nearly reaches a singularity.
+    The number n of nodes is between `least` and `most`. The terms of the series of G fall as rho^n.
+    The rate rho depends on the nearer singularity: y = -1, where arctan v branches, or `limit`. At
+    -ln(rho) n = 38 round-off is reached. `most` bounds n if the zone nearly reaches a singularity.
     """
     nearest = min(1.0 + middle, limit - middle) / half
     rate = float(np.arccosh(max(nearest, 1.0)))
@@ -227,8 +227,8 @@ def pair_at_load(
 ) -> EvenPair:
     """The pair of zones that carries a load; raises OutOfRange if the zones have merged.
 
-    The zone in y lies below `limit`. The load grows with the half width h of the zone in y, so h is found as a root. The middle m
-    follows from h by `bounded_middle`.
+    The zone in y lies below `limit`. The load grows with the half width h of the zone in y, so h is
+    found as a root. The middle m follows from h by `bounded_middle`.
     """
 
     def at(half: float) -> EvenPair | None:

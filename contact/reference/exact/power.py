@@ -169,8 +169,8 @@ class PeriodicPower(PeriodicZone, _Power):
     def _position(self, a: Array, w: Array, rest: Array) -> tuple[Array, Array, Array]:
         """(s, cos(pi s/L), sin(pi s/L)) of the half width s at the integration variable w.
 
-        The half width s solves sinh w = sqrt(sin^2 A - sin^2(pi s/L))/cos A, A = pi a/L. `rest` is the distance
-        artanh(sin A) - w from the upper limit, where s = 0.
+        The half width s solves sinh w = sqrt(sin^2 A - sin^2(pi s/L))/cos A, A = pi a/L. `rest` is
+        the distance artanh(sin A) - w from the upper limit, where s = 0.
         """
         length = self._length()
         sin_a, cos_a = sine(a, length), cosine(a, length)

@@ -24,8 +24,8 @@ from contact.reference.exact.numerics import Array, arcosh1p, integrated, zone_p
 class TiltedZone(PressedBody):
     """One isolated zone under a tilted punch, whose gap at zero load is f(x) - tilt x.
 
-    This is the base class of the tilted solutions. M = int p x dx is the moment about x = 0, e = M/P the
-    centre of the load. Derived here, see the head of this module.
+    This is the base class of the tilted solutions. M = int p x dx is the moment about x = 0, and
+    e = M/P is the centre of the load. Derived here, see the head of this module.
 
     Attributes
     ----------

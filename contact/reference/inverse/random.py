@@ -182,10 +182,10 @@ def random_cohesive_problem(
     """A random isolated problem with an exact solution under Dugdale's law.
 
     The zones are those of `random_problem`. The cohesive intervals are those where the gap of the
-    frictionless contact with these zones is below the reach. The reach is the median of that gap at a distance from the ends: `strip` times
-    the width of the narrowest zone or gap. The tension begins at `pull` times the mean pressure,
-    and is quartered until the design is admissible. This ends, as the limit of no tension is the
-    frictionless contact, which is admissible.
+    frictionless contact with these zones is below the reach. The reach is the median of that gap at
+    a distance from the ends: `strip` times the width of the narrowest zone or gap. The tension
+    begins at `pull` times the mean pressure, and is quartered until the design is admissible. This
+    ends, as the limit of no tension is the frictionless contact, which is admissible.
 
     Parameters
     ----------
