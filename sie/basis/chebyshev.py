@@ -17,7 +17,7 @@ from sie.basis.sums import OPTIONS
 
 @lru_cache(maxsize=64)
 def angles(n: int) -> Array:
-    """Angles theta_k = k pi / (n + 1), k = 0 ... n + 1: both ends and the n zeros of U_n.
+    """Angles k pi/(n + 1), k = 0 ... n + 1: both ends and the n zeros of Chebyshev's U_n.
 
     t = cos(theta) runs from +1 down to -1.
     """
@@ -28,7 +28,7 @@ def angles(n: int) -> Array:
 
 @lru_cache(maxsize=64)
 def lobatto(n: int) -> tuple[Array, Array, Array]:
-    """(t, 1 - t, 1 + t) at `angles(n)`; 1 - t and 1 + t are computed without cancellation."""
+    """(t, 1 - t, 1 + t) for t = cos(`angles(n)`), without cancellation in 1 - t and 1 + t."""
     theta = angles(n)
     right = 2 * np.sin(theta / 2) ** 2
     left = right[::-1].copy()
@@ -40,10 +40,10 @@ def lobatto(n: int) -> tuple[Array, Array, Array]:
 
 @lru_cache(maxsize=64)
 def _sine_matrix(n: int) -> Array:
-    """The matrix of `u_coefficients`, from values at n nodes to n coefficients."""
+    """The matrix from values at the n zeros of U_n to coefficients (see `u_coefficients`)."""
     k = np.arange(1, n + 1)
-    # Whole turns are removed from k theta in integers. With rounded angles, the error would grow
-    # with k.
+    # Whole turns are removed from the angles k theta in integer arithmetic. Otherwise the round-off
+    # of these angles would grow with k.
     sines = np.sin(_turn(2 * (n + 1)))[k[:, None] * k % (2 * (n + 1))]
     return np.ascontiguousarray((2 / (n + 1)) * sines * np.sin(angles(n)[1:-1]))
 
@@ -55,7 +55,7 @@ def _turn(parts: int) -> Array:
 
 
 def u_coefficients(values: Array) -> Array:
-    """Coefficients g_k, k = 1 ... n, of sum g_k U_{k-1} from values at the n zeros of U_n.
+    """Coefficients g_k of sum g_k U_{k-1}, k = 1 ... n, from its values at the zeros of U_n.
 
     The transform acts along the last axis.
     """
@@ -66,7 +66,7 @@ def u_coefficients(values: Array) -> Array:
 
 
 def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
-    """U coefficients, after zones have moved, of functions with the U coefficients g before.
+    """U coefficients of functions on zones that have moved, from the coefficients g before.
 
     The function on a zone is sum g_k U_{k-1}(shift + stretch t), t the coordinate of the moved
     zone; all tables are (zones, n). Outside (-1, 1) the old series grows without bound. Places
@@ -92,16 +92,16 @@ def u_values(g: Array, t: Array) -> Array:
 
 
 def project_rows(values: Array) -> Array:
-    """`u_coefficients` along the first axis: rows of node values become rows of coefficients."""
+    """`u_coefficients` along the first axis of a table: from node values to coefficients."""
     return u_coefficients(values.T).T
 
 
 def slopes(values: Array) -> Array:
-    """Derivative by t of the polynomial through values at the n zeros of U_n, at these zeros."""
+    """Derivative by t, at the n zeros of U_n, of the polynomial through values at these zeros."""
     n = values.shape[-1]
     theta, k_g = angles(n)[1:-1], np.zeros((*values.shape[:-1], n + 2))
     k_g[..., 1:-1] = np.arange(1, n + 1) * u_coefficients(values)
-    # dU_{k-1}/dt = (U_{k-1} t - k T_k) / (1 - t^2)
+    # The derivative of U_{k-1} by t is (t U_{k-1} - k T_k) / (1 - t^2).
     cosines = 0.5 * fft.dct(k_g, type=1, axis=-1)[..., 1:-1]
     return np.asarray((values * np.cos(theta) - cosines) / np.sin(theta) ** 2)
 
@@ -116,19 +116,19 @@ def gauss(n: int) -> Array:
 
 
 def gauss_sides(n: int) -> tuple[Array, Array]:
-    """(1 + t, 1 - t) at the n Gauss nodes, without cancellation."""
+    """(1 + t, 1 - t) at the n Gauss nodes t, computed without cancellation."""
     half = (np.arange(n) + 0.5) * (0.5 * np.pi / n)
     return 2 * np.cos(half) ** 2, 2 * np.sin(half) ** 2
 
 
 def t_matrix(n: int, count: int) -> Array:
-    """Values of T_l, l = 0 ... count - 1, at the n Gauss nodes, shape (n, count)."""
+    """Values of Chebyshev's T_l, l = 0 ... count - 1, at the n Gauss nodes: (n, count)."""
     return (_t_matrix if n * count <= OPTIONS.cache_pairs else _t_matrix.__wrapped__)(n, count)
 
 
 @lru_cache(maxsize=64)
 def _t_matrix(n: int, count: int) -> Array:
-    """`t_matrix`, stored for the last sizes."""
+    """The matrix of `t_matrix`, cached for the 64 sizes used last."""
     return np.asarray(
         np.cos(_turn(4 * n))[np.outer(2 * np.arange(n) + 1, np.arange(count)) % (4 * n)]
     )
@@ -136,14 +136,14 @@ def _t_matrix(n: int, count: int) -> Array:
 
 @lru_cache(maxsize=8)
 def to_series(n: int) -> Array:
-    """Matrix from values at the n Gauss nodes to T coefficients, as values @ matrix."""
+    """Matrix M with values @ M = coefficients of T_l, for values at the n Gauss nodes."""
     out = t_matrix(n, n) * (2 / n)
     out[:, 0] *= 0.5
     return out
 
 
 def t_values(c: Array, n: int) -> Array:
-    """Values of the series sum c_l T_l at the n Gauss nodes, coefficients (..., count <= n)."""
+    """Values of the series sum c_l T_l at the n Gauss nodes; c has the shape (..., count <= n)."""
     if n * c.shape[-1] <= OPTIONS.cache_pairs:
         return np.asarray(c @ t_matrix(n, c.shape[-1]).T)
     halved = 0.5 * c
@@ -152,9 +152,9 @@ def t_values(c: Array, n: int) -> Array:
 
 
 def t_means(values: Array, count: int | None = None) -> Array:
-    """Means of f T_l over the zone, l = 0 ... count - 1, with the weight 1 / sqrt(1 - t^2).
+    """Means of a function times T_l, l = 0 ... count - 1, with weight 1 / sqrt(1 - t^2).
 
-    `values` are f at the n nodes of `gauss`, along the last axis; count None stands for n.
+    `values` are the function at the n nodes of `gauss`, along the last axis; count None stands for n.
     """
     n = values.shape[-1]
     count = n if count is None else count
@@ -164,12 +164,12 @@ def t_means(values: Array, count: int | None = None) -> Array:
 
 
 def edge_part(c: Array) -> tuple[Array, Array]:
-    """(alpha, beta): sum c_j T_j / X is (alpha + beta t) / X plus a part bounded at the ends."""
+    """The coefficients (alpha, beta) of a density's part (alpha + beta t) / sqrt(1 - t^2)."""
     return c[:, ::2].sum(axis=1), c[:, 1::2].sum(axis=1)
 
 
 def slopes_at_ends(c: Array) -> tuple[Array, Array]:
-    """(value at t = -1, value at t = 1) of the series sum u_k U_k of `bounded_part`.
+    """Values of the series sum u_k U_k of `bounded_part` at the ends t = -1 and t = 1.
 
     c_j contributes -2 c_j to u_(j-2), u_(j-4), ..., and U_k(1) = k + 1.
     """
@@ -179,7 +179,7 @@ def slopes_at_ends(c: Array) -> tuple[Array, Array]:
 
 
 def bounded_part(c: Array) -> tuple[Array, Array, Array]:
-    """(alpha, beta, u): sum c_j T_j / X = (alpha + beta t) / X + X sum u_k U_k.
+    """(alpha, beta, u): sum c_j T_j / X = (alpha + beta t) / X + X sum u_k U_k; X^2 = 1 - t^2.
 
     X = sqrt(1 - t^2). The identity T_j - T_{j-2} = -2 (1 - t^2) U_{j-2} gives them; c has the shape
     (zones, n + 1). Close to a bounded end this form keeps digits that the sum over T_j loses to
@@ -189,5 +189,5 @@ def bounded_part(c: Array) -> tuple[Array, Array, Array]:
     sums = np.empty_like(c)
     sums[:, ::2] = np.cumsum(c[:, ::2][:, ::-1], axis=1)[:, ::-1]
     sums[:, 1::2] = np.cumsum(c[:, 1::2][:, ::-1], axis=1)[:, ::-1]
-    # Copies, because views of two columns would keep the whole table in memory.
+    # The columns are copied, because views of them would keep the whole table in memory.
     return sums[:, 0].copy(), sums[:, 1].copy(), -2 * sums[:, 2:]

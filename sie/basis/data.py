@@ -16,13 +16,13 @@ Mask = NDArray[np.bool_]
 T = TypeVar("T")
 
 EPS = float(np.finfo(np.float64).eps)
-# Numbers above this size have squares that do not underflow.
+# Absolute value above which the square of a number does not underflow.
 TINY = float(np.sqrt(np.finfo(np.float64).tiny))
 # Relative round-off of a value that results from a few dozen operations.
 SUM_ROUNDING = 64 * EPS
-# Half of all digits: a number is known to these if an error enters by its square only.
+# Relative tolerance of half of a double's digits; its square is one round-off.
 HALF_DIGITS = math.sqrt(EPS)
-# Terms of a geometric series rho^l are below round-off from l = DIGITS / -log(rho) on: exp(-40) is
+# The power rho^l, 0 < rho < 1, is below round-off for l > DIGITS / -log(rho), since exp(-40) is
 # 4e-18.
 DIGITS = 40.0
 
@@ -59,7 +59,7 @@ def record(cls: type[T]) -> type[T]:
 
 
 class Kept:
-    """Base of classes whose copies and pickles leave the cached properties out.
+    """Base of classes whose copies and pickles do not contain the cached properties.
 
     The cached properties follow exactly from the fields, so that nothing is lost.
 
@@ -78,7 +78,7 @@ class Kept:
         return state and self._fields_of(state)
 
     def _fields_of(self, values: dict[str, Any]) -> dict[str, Any]:
-        """The given attributes without those that are cached properties."""
+        """The given attributes, without the cached properties."""
         cls = type(self)
         return {
             name: value
@@ -150,7 +150,7 @@ def sum_error(x: Array, by: Array) -> Array:
 
 
 def root_of_squares(matrix: Array, x: Array | float = 1.0) -> Array:
-    """sqrt(sum_j (matrix_ij x_j)^2), without overflow or underflow of the squares."""
+    """sqrt(sum_j (matrix_ij x_j)^2) for each row i, without overflow or underflow of squares."""
     terms = matrix * x
     largest = float(np.abs(terms).max(initial=0.0))
     if not 0.0 < largest < np.inf:
@@ -180,12 +180,12 @@ def by_rows(of: Callable[..., Any], *tables: NDArray[Any], max_rows: int = 2048)
 
 
 def row_sizes(table: Array) -> Array:
-    """Largest absolute value in each row; zero if there are no columns."""
+    """Largest absolute value in each row of a table; zero if the table has no columns."""
     return by_rows(lambda rows: np.abs(rows).max(axis=1, initial=0.0), table)
 
 
 def widened(table: Array, columns: int) -> Array:
-    """The table, extended by columns of zeros if it has fewer than `columns` of them."""
+    """The table, extended by columns of zeros to at least `columns` columns."""
     if table.shape[1] >= columns:
         return table
     out = np.zeros((len(table), columns), dtype=table.dtype)

@@ -23,7 +23,7 @@ def is_number(value: Any) -> bool:
 
 
 def as_float(value: Any) -> float:
-    """The number as a float; too large a number becomes infinite."""
+    """The number as a float; a number too large for a float becomes infinite."""
     try:
         return float(value)
     except OverflowError:
@@ -79,13 +79,13 @@ def function(name: str, value: Any, optional: bool = False) -> None:
 
 
 def several(values: Any) -> tuple[Any, ...]:
-    """The members of a list or tuple, as a tuple; a single value makes one, None an empty one."""
+    """A tuple of the members of a list or tuple, or of one value; empty for None."""
     if values is None:
         return ()
     return tuple(values) if isinstance(values, list | tuple) else (values,)
 
 
 def shown(value: Any) -> str:
-    """The value as text for a message: its repr if short, else its type."""
+    """The value as text for a message: its repr if this is short, else the name of its type."""
     text = repr(value).replace("\n", " ")
     return text if len(text) <= 40 and not callable(value) else f"a {type(value).__name__}"

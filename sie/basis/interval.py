@@ -34,9 +34,10 @@ Number = NDArray[Any]
 What = Literal["transform", "derivative", "potential"]
 
 
-# Coordinates of places, from `left` = 1 + t and `right` = 1 - t.
+# The functions below convert coordinates on an interval: t = cos(theta), `left` = 1 + t, `right` =
+# 1 - t and the angle theta.
 def theta(left: Any, right: Any) -> Array:
-    """The angle theta from the right end, t = cos(theta).
+    """The angle theta of a place t = cos(theta) on an interval; it is 0 at the right end.
 
     left, right: distances from both ends, divided by the half width. theta(right, left) is the
     angle from the left end.
@@ -45,22 +46,22 @@ def theta(left: Any, right: Any) -> Array:
 
 
 def sides(angle: Array) -> tuple[Array, Array]:
-    """(1 + t, 1 - t) at angles: the distances from both ends, divided by the half width."""
+    """(1 + t, 1 - t) of t = cos(angle): distances from both ends, divided by the half width."""
     return 2 * np.cos(0.5 * angle) ** 2, 2 * np.sin(0.5 * angle) ** 2
 
 
 def root_weight(left: Any, right: Any) -> Array:
-    """X = (1 - t^2)^(1/2), from the distances to both ends divided by the half width."""
+    """sqrt(1 - t^2) at a place t, from its distances to both ends divided by the half width."""
     return np.asarray(np.sqrt(left * right))
 
 
 def half_angles(left: Any, right: Any) -> tuple[Array, Array]:
-    """(cos(theta/2), sin(theta/2)), from the distances to both ends divided by the half width."""
+    """(cos(theta/2), sin(theta/2)) at t = cos(theta), from `left` = 1 + t and `right` = 1 - t."""
     return np.asarray(np.sqrt(0.5 * left)), np.asarray(np.sqrt(0.5 * right))
 
 
 def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, Array]:
-    """(value, derivative by the angle) of a function of (1 + t, 1 - t), by central differences.
+    """(value, derivative by the angle) of `of`(1 + t, 1 - t), t = cos(angle), by differences.
 
     The step balances truncation and round-off.
     """
@@ -70,7 +71,7 @@ def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, 
 
 
 def end_changes(slope: Array, at_left: Array, at_right: Array, angle: Array) -> tuple[Array, Array]:
-    """Changes of a density at equal t by motions of the left and the right end by one width.
+    """Derivatives of a density at fixed t by the positions of both ends, in zone widths.
 
     slope: derivative of the density by the angle; at_left, at_right: its slopes by the angle from
     the ends. See `Series.sensitivity` for the formula.
@@ -80,22 +81,25 @@ def end_changes(slope: Array, at_left: Array, at_right: Array, angle: Array) -> 
 
 
 def nearer_angle(left: Array, right: Array) -> Array:
-    """Angle from the nearer end, between 0 and pi / 2."""
+    """Angle of a place on an interval, measured from the nearer end: 0 ... pi / 2."""
     return theta(np.maximum(left, right), np.minimum(left, right))
 
 
 def decay_rate(excess: Any) -> Array:
-    """-log|rho| at |zeta| = 1 + excess: the rate at which rho^l decays with l."""
+    """The rate -log|rho| at which the powers of rho = zeta - sqrt(zeta^2 - 1) decay.
+
+    excess: |zeta| - 1.
+    """
     return np.asarray(2 * np.arcsinh(np.sqrt(0.5 * excess)))
 
 
 def excess_of(rate: float) -> float:
-    """The value of |zeta| - 1 at which -log|rho| is `rate`; the inverse of `decay_rate`."""
+    """The excess |zeta| - 1 at which `decay_rate` is `rate`: the inverse of that function."""
     return 2 * float(np.sinh(0.5 * rate)) ** 2
 
 
 class Seen:
-    """Base of points in the coordinates of intervals: R (root), rho and |zeta| - 1 (excess)."""
+    """Base of points with the coordinate zeta; root = sqrt(zeta^2 - 1), rho = zeta - root."""
 
     rho: Array
     root: Array
@@ -104,24 +108,27 @@ class Seen:
 
     @property
     def from_ends(self) -> tuple[Array, Array]:
-        """(1 + rho, 1 - rho), without cancellation."""
+        """(1 + rho, 1 - rho) with rho = zeta - sqrt(zeta^2 - 1), without cancellation."""
         past, size = self.rho > 0, np.abs(self.rho)
         small, large = (self.excess + np.abs(self.root)) * size, 1 + size
         return np.where(past, large, small), np.where(past, small, large)
 
     def first(self, width: Number) -> Array:
-        """log(width / (2 |rho|)): the potential of T_0 / X, divided by w, if width = w / datum."""
+        """Potential of 1 / sqrt(1 - t^2) over the half width w: log(width / (2 |rho|)).
+
+        width: w divided by the kernel's `datum`.
+        """
         return np.asarray(np.log(width / (2 * np.abs(self.rho))))
 
     def transforms(self, count: int) -> Array:
-        """Transforms of T_l / X, l = 0 ... count - 1, along a new last axis."""
+        """Transforms of T_l / sqrt(1 - t^2), l = 0 ... count - 1, along a new last axis."""
         table = np.empty((*np.shape(self.rho), count))
         table[..., 0] = 1 / self.root
         table[..., 1:] = self.rho[..., None]
         return np.cumprod(table, axis=-1, out=table)
 
     def potentials(self, count: int, width: Number) -> Array:
-        """Potentials of T_l / X, divided by the half width w, along a new last axis.
+        """Potentials of T_l / sqrt(1 - t^2), divided by the half width w, along a new last axis.
 
         l = 0 ... count - 1; width: w divided by the kernel's `datum`.
         """
@@ -133,7 +140,7 @@ class Seen:
     def one_by_one(
         self, potential: bool, width: Number, weight: Array | None = None
     ) -> Iterator[Array]:
-        """Iterator of the transforms or potentials of T_l / X, l = 0, 1, ..., times a weight.
+        """Yield `weight` times the transform (or potential) of T_l / sqrt(1 - t^2), l = 0, 1, ...
 
         The potentials are divided by the half width w; width: w divided by the kernel's `datum`.
         """
@@ -148,40 +155,40 @@ class Seen:
 
 @record
 class Outside(Seen):
-    """Points of the line off intervals: the sign of zeta, and excess = |zeta| - 1."""
+    """Points x outside intervals: the sign of zeta = (x - middle) / half width and |zeta| - 1."""
 
     sign: Any
     excess: Array
 
     @property
     def zeta(self) -> Array:
-        """The coordinate zeta = (x - middle) / w."""
+        """The coordinate zeta = (x - middle) / w of the points x, with the half width w."""
         return np.asarray(self.sign * (1 + self.excess))
 
     @cached_property
     def _size(self) -> Array:
-        """|R|, the absolute value of `root`."""
+        """The absolute value of `root` = sqrt(zeta^2 - 1)."""
         return np.sqrt(self.excess * (self.excess + 2))
 
     @cached_property
     def root(self) -> Array:  # type: ignore[override]
-        """R = sqrt(zeta^2 - 1), with the sign of zeta."""
+        """The root sqrt(zeta^2 - 1) of the coordinate zeta, with the sign of zeta."""
         return np.asarray(self.sign * self._size)
 
     @cached_property
     def rho(self) -> Array:  # type: ignore[override]
-        """rho = zeta - R, between -1 and 1."""
+        """rho = zeta - sqrt(zeta^2 - 1), between -1 and 1, for the coordinate zeta."""
         return np.asarray(self.sign / (1 + self.excess + self._size))
 
     @cached_property
     def log(self) -> Array:
-        """-log|rho|, the rate at which rho^l decays with l."""
+        """The rate -log|rho| at which the powers of rho decay (see `decay_rate`)."""
         return decay_rate(self.excess)
 
 
 @record
 class OnLine(Seen):
-    """Points of the line in the coordinates of intervals, on them or off them.
+    """Points of the real line, on or off intervals, in the coordinates of these intervals.
 
     left, right: distances from the ends divided by the half width, positive inside. root: R; on:
     whether a point is on the interval. rho is meaningless there, but inside the unit circle.
@@ -197,7 +204,7 @@ class OnLine(Seen):
 
     @classmethod
     def of(cls, left: Array, right: Array) -> "OnLine":
-        """The points with these distances from the ends, divided by the half width."""
+        """The points at the distances `left` and `right` from the ends, over the half width."""
         on = (left >= 0) & (right >= 0)
         sign = np.where(left >= 0, 1.0, -1.0)
         size = np.sqrt(np.abs(left * right))
@@ -227,7 +234,7 @@ class OnLine(Seen):
 
 
 def complex_of(x: Any, y: Any) -> Complex:
-    """x + i y; the sign of a zero y is kept."""
+    """The complex numbers x + i y; the sign of a zero y is kept."""
     x, y = np.broadcast_arrays(x, y)
     out = np.empty(x.shape, dtype=complex)
     out.real, out.imag = x, y
@@ -236,7 +243,7 @@ def complex_of(x: Any, y: Any) -> Complex:
 
 @record
 class InPlane:
-    """Points of the closed upper half plane in the coordinates of intervals, pair by pair.
+    """Pairs of an interval and a point in the closed upper half plane.
 
     left = zeta + 1 and less = zeta - 1 have the square roots p and m in the first quadrant. Then R
     = p m, rho = 2 / (p + m)^2 and 1 - rho = 2 m / (p + m).
@@ -247,17 +254,17 @@ class InPlane:
 
     @classmethod
     def of(cls, from_a: Array, from_b: Array, y: Array) -> "InPlane":
-        """The points with distances x - a, x - b and height y, divided by the half width."""
+        """The points x + i y, given x - a, x - b and y divided by the half width of (a, b)."""
         return cls(complex_of(from_a, y), complex_of(from_b, y))
 
     @cached_property
     def p(self) -> Complex:
-        """p, the square root of zeta + 1."""
+        """The square root p of zeta + 1, for the point's coordinate zeta."""
         return np.asarray(np.sqrt(self.left))
 
     @cached_property
     def m(self) -> Complex:
-        """m, the square root of zeta - 1."""
+        """The square root m of zeta - 1, for the point's coordinate zeta."""
         return np.asarray(np.sqrt(self.less))
 
     @cached_property
@@ -266,34 +273,37 @@ class InPlane:
 
     @cached_property
     def root(self) -> Complex:
-        """R = sqrt(zeta^2 - 1), computed as p m."""
+        """sqrt(zeta^2 - 1) for the point's coordinate zeta, as the product of p and m."""
         return self.p * self.m
 
     @cached_property
     def rho(self) -> Complex:
-        """rho = zeta - R, computed without cancellation."""
+        """rho = zeta - sqrt(zeta^2 - 1) for the coordinate zeta, without cancellation."""
         return np.asarray(2 / (self.p + self.m) ** 2)
 
     @property
     def from_ends(self) -> tuple[Complex, Complex]:
-        """(1 + rho, 1 - rho), without cancellation."""
+        """(1 + rho, 1 - rho) with rho = zeta - sqrt(zeta^2 - 1), without cancellation."""
         twice = 2 / (self.p + self.m)
         return twice * self.p, twice * self.m
 
     @cached_property
     def log(self) -> Complex:
-        """-log(rho) = arcosh(zeta); its imaginary part is from 0 to pi."""
+        """arcosh(zeta) = -log(rho) of the coordinate zeta; the imaginary part is 0 ... pi."""
         return np.asarray(2 * np.log((self.p + self.m) * np.sqrt(0.5)))
 
     def first(self, width: Number) -> Complex:
-        """log(width / (2 rho)): the potential of T_0 / X, divided by w, if width = w / datum."""
+        """Potential of 1 / sqrt(1 - t^2) over the half width w: log(width / (2 rho)).
+
+        width: w divided by the kernel's `datum`.
+        """
         return np.asarray(np.log(0.5 * width) + self.log)
 
     def __getitem__(self, which: Any) -> "InPlane":
         return InPlane(self.left[which], self.less[which])
 
     def turned(self, c: Array, s: Array) -> Complex:
-        """log(1 - rho e^(-i phi)) for angles phi along a last axis.
+        """log(1 - rho e^(-i phi)) for rho = zeta - sqrt(zeta^2 - 1) and angles phi on a last axis.
 
         c, s: cos(phi/2) and sin(phi/2).
         """
@@ -301,11 +311,11 @@ class InPlane:
         return np.asarray(np.log(2 * (c - 1j * s) * (c * m + 1j * s * p) / (p + m)))
 
 
-# Transforms and potentials at points off the interval.
+# The functions below give transforms and potentials of densities at points off the interval.
 def of_t(
     c: Array, seen: InPlane | Outside | OnLine, w: Array, datum: float, row: Index, what: What
 ) -> Number:
-    """Transform, derivative of the transform, or potential of sum_l c[row, l] T_l / X.
+    """Transform (or its derivative, or potential) of sum_l c[row, l] T_l / sqrt(1 - t^2).
 
     w: half width of each interval, for each point; row: row of `c` for each point.
     """
@@ -322,7 +332,7 @@ def of_t(
 def potential_of(
     divided: Array, seen: Seen | InPlane, w: Array, datum: float, row: Index
 ) -> Number:
-    """Potential of sum_l c[row, l] T_l / X, from the table c_0, c_1, c_2 / 2, c_3 / 3, ..."""
+    """Potential of sum_l c_l T_l / sqrt(1 - t^2); rows of `divided` hold c_0 and c_l / l."""
     return np.asarray(
         w
         * (
@@ -344,7 +354,7 @@ def transform_of(alpha: Array, beta: Array, u: Array, seen: Seen | InPlane, row:
 
 
 def _edge(a: Array, b: Array, from_left: Number, from_right: Number) -> Number:
-    """a + b t from 1 + t and 1 - t, or a + b rho from 1 + rho and 1 - rho.
+    """The sum a + b t, from 1 + t and 1 - t (or a + b rho, from 1 + rho and 1 - rho).
 
     No digit is lost close to an end where the result vanishes.
     """
@@ -367,11 +377,12 @@ def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: 
     return np.asarray(np.where((a == 0) & (b == 0), 0.0, edge) + value)
 
 
-# Values, transforms, potentials and integrals at points on the interval.
+# The functions below give values, transforms, potentials and integrals of densities at points on
+# the interval.
 def values_on(
     bounded: tuple[Array, Array, Array], row: Index, left: Array, right: Array, vanishing: Mask
 ) -> Array:
-    """Values of the density (alpha + beta t) / X + X sum u_k U_k on the interval.
+    """Values of (alpha + beta t) / X + X sum u_k U_k on the interval, X = sqrt(1 - t^2).
 
     bounded: (alpha, beta, u). left, right: distances from both ends divided by the half width.
     vanishing: whether the density is zero at the left and at the right end of each interval. At
@@ -384,7 +395,7 @@ def values_on(
         no_edge = (a == 0) & (b == 0)
         if not np.all(root):
             no_edge |= (left == 0) & vanishing[0][row] | (right == 0) & vanishing[1][row]
-        # If all intervals have the same places t, the sines of one row of angles are enough.
+        # If the points t are the same in all intervals, the sines of one row of angles are enough.
         l, r = (
             (left[:1], right[:1])
             if left.ndim == 2 and left.strides[0] == 0 == right.strides[0]
@@ -400,14 +411,15 @@ def values_on(
 
 
 def own_transform(c: Array, row: Index, left: Array, right: Array) -> Array:
-    """Transform of the density sum c_l T_l / X on its own interval: -sum c_l U_{l-1}(t)."""
-    # At an end, sine and angle are zero. The smallest angle gives the limit of their ratio.
+    """Transform of sum c_l T_l / sqrt(1 - t^2) on its own interval: -sum c_l U_{l-1}(t)."""
+    # At an end the angle is zero, and sine_sum / sin(angle) is 0/0. A tiny angle gives the limit of
+    # this ratio.
     angle = np.maximum(nearer_angle(left, right), TINY)
     return np.asarray(-sine_sum(c[:, 1:], row, angle, left < right) / np.sin(angle))
 
 
 def own_potential(divided: Array, row: Index, left: Array, right: Array, width: Array) -> Array:
-    """Potential of sum c_l T_l / X on the interval, divided by the half width w.
+    """Potential of sum c_l T_l / sqrt(1 - t^2) on the interval, divided by the half width w.
 
     divided: the table c_0, c_1, c_2 / 2, c_3 / 3, ...; width: w divided by `datum`, for each pair.
     """
@@ -417,7 +429,7 @@ def own_potential(divided: Array, row: Index, left: Array, right: Array, width: 
 
 
 def integral_on(c: Array, row: Index, angle: Array) -> Array:
-    """Integral of sum c_l T_l / X from the left end to an angle, divided by the half width.
+    """Integral by t, from t = -1 to t = cos(angle), of sum c_l T_l / sqrt(1 - t^2).
 
     The integral of T_l / X is -sin(l theta) / l, and pi - theta for l = 0.
     """
@@ -429,16 +441,17 @@ def integral_on(c: Array, row: Index, angle: Array) -> Array:
 
 
 def mean_potential(w: Any, datum: Any) -> Any:
-    """Mean over the interval, with the weight 1 / X, of the potential of T_0 / X.
+    """Mean over the interval, with weight 1/X, of the potential of 1/X, X = sqrt(1 - t^2).
 
     The mean is zero for T_l / X with l > 0.
     """
     return w * np.log(w / (2 * datum))
 
 
-# Coefficients of the density at the ends.
+# The functions below give a density's intensity K and edge slope A: near an end it is K / sqrt(d) +
+# A sqrt(d) at the distance d.
 def intensities(alpha: Array, beta: Array, w: Array) -> tuple[Array, Array]:
-    """(K at the left end, K at the right end) of (alpha + beta t) / X + X sum u_k U_k."""
+    """Intensities K at the left and the right end of (alpha + beta t) / sqrt(1 - t^2)."""
     root = HALF.edge_scale(w)
     return root * (alpha - beta), root * (alpha + beta)
 
@@ -446,13 +459,14 @@ def intensities(alpha: Array, beta: Array, w: Array) -> tuple[Array, Array]:
 def edge_slopes(
     alpha: Array, beta: Array, at_left: Array, at_right: Array, w: Array
 ) -> tuple[Array, Array]:
-    """(A at the left end, A at the right end) of (alpha + beta t) / X + X sum u_k U_k.
+    """Edge slopes A at both ends of (alpha + beta t) / X + X sum u_k U_k, X = sqrt(1 - t^2).
 
     A is the coefficient of sqrt(d) in the density at a small distance d from the end.
 
     at_left, at_right: values of sum u_k U_k at the ends.
     """
-    # Share of (alpha + beta t) / X: its expansion in d at t = 1 - d/w and at t = -1 + d/w.
+    # These are the parts of the edge slopes A from (alpha + beta t) / sqrt(1 - t^2): its
+    # coefficients of sqrt(d) at t = -1 + d/w and at t = 1 - d/w.
     left, right = (((alpha + s * beta) / 4 - s * beta) / np.sqrt(2 * w) for s in (-1.0, 1.0))
     scale = HALF.slope_scale(w)
     return scale * at_left + left, scale * at_right + right

@@ -25,7 +25,7 @@ Regular = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True)
 class Kernel(Kept):
-    """A sum of poles 1 / (x - xi - s) and a smooth regular part.
+    """A kernel K(x, xi): a sum of poles 1 / (x - xi - s) and a smooth regular part.
 
     `cauchy`, `hilbert` and `images` make kernels; adding a `Smooth` makes another one.
 
@@ -98,7 +98,7 @@ class Kernel(Kept):
 
     @property
     def grows(self) -> bool:
-        """Whether the number of modes must grow until the regular part is resolved."""
+        """Whether the number of modes of a zone must grow until they resolve the regular part."""
         return self.regular is not None and not self.sure
 
     @cached_property
@@ -134,7 +134,7 @@ class Kernel(Kept):
         return self + -_smooth(other)
 
     def _refuse_multiple(self, *_: Any) -> "Kernel":
-        """Raise ValueError for a multiple of a kernel: its poles have the weight one."""
+        """Raise ValueError for a multiple of a kernel, whose poles always have the weight 1."""
         raise ValueError(
             "the pole 1 / (x - xi) of a kernel has the weight 1, so there is no multiple, sum or "
             "difference of kernels with poles: divide the equation by the factor, that is the "
@@ -154,7 +154,7 @@ class Kernel(Kept):
 
 @dataclass(frozen=True)
 class Smooth:
-    """A regular kernel value(x, xi), smooth on all zones, to be added to one with poles.
+    """A regular kernel value(x, xi), smooth on all zones, to be added to a kernel with poles.
 
     Smooth kernels can be added, subtracted and multiplied by numbers, and added to or subtracted
     from a kernel with poles. A kernel takes a plain function of (x, xi) as one too.
@@ -199,7 +199,7 @@ class Smooth:
         _check_parts("a Smooth kernel", self.value, self.potential, self.slope, self.length)
 
     def __add__(self, other: "Smooth | Regular | Kernel") -> Any:
-        """The sum; it has a potential and a slope if both summands have them."""
+        """The sum of two kernels, with a potential and a slope if both kernels have them."""
         return other + self if isinstance(other, Kernel) else self._combined(_smooth(other), 1.0)
 
     __radd__ = __add__
@@ -227,11 +227,11 @@ class Smooth:
 
     @property
     def _parts(self) -> "tuple[Regular | None, Regular | None, Regular | None]":
-        """(value, potential, slope)."""
+        """The functions (value, potential, slope) of this kernel."""
         return self.value, self.potential, self.slope
 
     def _combined(self, other: "Smooth", weight: float) -> "Smooth":
-        """The sum of this kernel and `weight` times another one."""
+        """The sum of this kernel and `weight` times another kernel."""
         both = zip(self._parts, other._parts, strict=True)
         value, potential, slope = (
             None if one is None or two is None else _Sum(one, two, weight) for one, two in both
@@ -243,7 +243,7 @@ class Smooth:
 
 
 def _smooth(other: Any) -> Smooth:
-    """The given `Smooth`, or a function of (x, xi) as a `Smooth`."""
+    """The given `Smooth` itself, or the given function of (x, xi) as a `Smooth`."""
     if isinstance(other, Kernel):
         other._refuse_multiple()
     if isinstance(other, Smooth):
@@ -256,7 +256,7 @@ def _smooth(other: Any) -> Smooth:
 
 
 def _check_parts(name: str, value: Any, potential: Any, slope: Any, length: Any) -> None:
-    """Raise ValueError if a part of a regular kernel is no function or its length not positive."""
+    """Raise ValueError if a part of a kernel is no function or the length is not positive."""
     for part, given in (("value", value), ("potential", potential), ("slope", slope)):
         inputs.function(f"the {part} of {name}", given, optional=True)
     if not (inputs.is_number(length) and length > 0):
@@ -282,13 +282,13 @@ class _Sum:
 
 @dataclass(frozen=True)
 class _OfPeriod:
-    """Base of the parts of the Hilbert kernel, which depend on the period L only."""
+    """Base class of parts of the Hilbert kernel; all of them depend on the period L only."""
 
     period: float
 
 
 class _HilbertRest(_OfPeriod):
-    """Regular part of the Hilbert kernel: (pi/L) cot(pi (x - xi)/L) without poles at 0 and +-L."""
+    """Hilbert's kernel (pi/L) cot(pi (x - xi)/L) without its poles at x - xi = 0 and +-L."""
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
@@ -321,7 +321,7 @@ def _trigamma(z: Array) -> Array:
 
 
 class _HilbertPotentialRest(_OfPeriod):
-    """log|2 sin(pi (x - xi)/L)| without the logarithms that belong to the poles at 0 and +-L."""
+    """log|2 sin(pi (x - xi)/L)| without the logarithms of the poles at x - xi = 0 and +-L."""
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
@@ -447,8 +447,8 @@ def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
     if not kernel.sure:
         if math.isinf(kernel.length):
             return m + 2
-        # With q nodes, Gauss's rule adds the kernel's coefficient of order 2q - k to that of order
-        # k <= m (aliasing). The added coefficient must be at round-off.
+        # With q nodes, Gauss's rule adds the kernel's Chebyshev coefficient of order 2q - k to its
+        # coefficient of order k <= m (aliasing). The added coefficient must be at round-off.
         decayed = DIGITS / math.asinh(kernel.length / half_width)
         return max(m + 2, math.ceil(0.5 * (m + decayed)))
     return max(4, math.ceil(DIGITS / float(decay_rate(max(kernel.reach / half_width - 1, 0.05)))))

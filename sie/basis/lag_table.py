@@ -20,9 +20,9 @@ from sie.basis.sums import OPTIONS as BLOCKS
 
 @dataclass(frozen=True)
 class LagTableOptions:
-    """Size of the table of a kernel of the lag."""
+    """Size of the table of a kernel that depends on the lag x - xi alone."""
 
-    # Number of polynomial coefficients on a cell.
+    # Number of polynomial coefficients for each cell of the table.
     terms: int = 8
 
     @property
@@ -40,7 +40,7 @@ OPTIONS = LagTableOptions()
 
 @record
 class LagTable:
-    """A kernel of the lag as polynomials on equal cells on both sides of the lag 0.
+    """A kernel of the lag x - xi as polynomials on equal cells on both sides of the lag 0.
 
     step: width of a cell; cells: number of cells on either side. coefficients (terms, 2 cells):
     coefficients of the powers of the coordinate in each cell, which runs from -1 to 1.
@@ -52,7 +52,7 @@ class LagTable:
 
     @classmethod
     def of(cls, function: Regular, reach: float, length: float) -> LagTable | None:
-        """A table for lags from -reach to reach, or None if there is no accurate one.
+        """A table for lags from -reach to reach, or None if no accurate table is possible.
 
         It is None if the kernel varies over less than its declared `length`, or the table would be
         too large.
@@ -70,15 +70,15 @@ class LagTable:
         table = cls(step, cells, np.ascontiguousarray((series @ powers).T))
         between = middles + 0.5 * step * np.cos(np.arange(len(middles)))
         error = np.abs(table(between) - np.asarray(function(between, np.zeros(1)))).max()
-        # A larger error shows that the declared length is wrong.
+        # An error above this bound shows that the declared `length` of the kernel is wrong.
         return table if error <= OPTIONS.terms * SUM_ROUNDING * np.abs(series).max() else None
 
     def __call__(self, lag: Array) -> Array:
         """Values of the kernel at lags, an array of any shape."""
         flat, out = lag.ravel(), np.empty(lag.size)
         for start in range(0, flat.size, BLOCKS.cache_pairs):
-            # The place in the cell is computed before `cells` is added, so that no digit is lost
-            # near lag 0.
+            # The place within the cell is computed before `cells` is added to the cell's number.
+            # Otherwise digits would be lost near the lag 0.
             place = flat[start : start + BLOCKS.cache_pairs] / self.step
             cell = np.clip(np.floor(place), -self.cells, self.cells - 1)
             place = 2.0 * (place - cell) - 1.0
@@ -92,7 +92,7 @@ class LagTable:
 
 
 def _unit_series() -> list[tuple[Array, int]]:
-    """Chebyshev series of T_k, k = 0 ... terms - 1, and the zeros that fill each to `terms`.
+    """The series of T_k, k = 0 ... terms - 1, in Chebyshev polynomials, for `cheb2poly`.
 
     A list of (coefficients without trailing zeros, number of missing zeros).
     """
@@ -102,7 +102,7 @@ def _unit_series() -> list[tuple[Array, int]]:
 
 
 def regular_values(kernel: Kernel, x: Array, xi: Array, potential: bool = False) -> Array:
-    """The kernel's regular part, or its potential, at points x (n,) from sources xi (q,).
+    """Regular part of the kernel (or of its potential) for points x (n,) and sources xi (q,).
 
     The shape is (n, q). A table of the lag is used if the kernel allows it and there are enough
     pairs.
@@ -124,14 +124,14 @@ def regular_values(kernel: Kernel, x: Array, xi: Array, potential: bool = False)
 
 
 def _table(kernel: Kernel, potential: bool, reach: float, pairs: int) -> LagTable | None:
-    """The table of a kernel for lags up to `reach`, or None.
+    """A table of a kernel's regular part for lags up to `reach`, or None if there is no table.
 
     It is None if making it would cost more than the direct evaluation of the pairs, or if there is
     no accurate table.
     """
     kept = kernel.kept_tables
-    # The reach is rounded up, so that zones that move use the same table. With a period, the kernel
-    # is regular up to lags of two periods.
+    # The reach is rounded up, so that the table also serves after zones have moved. With a period,
+    # the kernel is regular up to lags of two periods, so that rounding does no harm.
     key = potential, math.ceil(4 * math.log2(reach / kernel.length))
     if key not in kept:
         widest = kernel.length * 2.0 ** (key[1] / 4)

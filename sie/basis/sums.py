@@ -13,27 +13,28 @@ from sie.basis.data import DIGITS, Array, Complex, Index, Kept, Mask, numbered, 
 
 @dataclass(frozen=True)
 class SumOptions:
-    """Block sizes of sums and of quadrature rules, and the sizes from which other ways are faster.
+    """Block sizes of sums and quadrature, and sizes above which other algorithms are used.
 
     Insensitive: a factor of two changes times by a few per cent, and no result beyond round-off.
     """
 
-    # Number of pairs of a point and a source whose arrays fit into the processor's cache.
+    # Number of (point, source) pairs whose arrays fit into the processor's cache.
     cache_pairs: int = 1 << 15
-    # Number of pairs in one matrix product, and of numbers in one table: some megabytes.
+    # Largest number of (point, source) pairs in one matrix product, and of numbers in one table.
+    # They fill some megabytes.
     memory_pairs: int = 1 << 19
     # From this number of entries on, matrix operations are faster than loops over pairs or columns.
     min_matrix_pairs: int = 1 << 12
-    # Number of terms up to which sines and transforms are products with a matrix. Longer sums of
-    # sines use the addition theorem (see `_sines`), longer transforms are fast transforms.
+    # Number of terms up to which sums of sines, and transforms, are products with a matrix. Longer
+    # sums of sines use the addition theorem (see `_sines`). Longer transforms are fast transforms.
     max_direct_terms: int = 128
-    # Number of nodes of Gauss's rule on a panel. With two nodes per radian it has no error above
-    # round-off for a wave.
+    # Number of nodes of Gauss's rule on a panel (one interval of the quadrature). With two nodes
+    # for each radian of phase, the rule integrates a wave to round-off.
     gauss_nodes: int = 16
 
     @property
     def max_turn(self) -> float:
-        """Largest change of l theta over one panel, for integrals of cos(l theta)."""
+        """Largest change of the phase l theta over a panel, in integrals of cos(l theta)."""
         return self.gauss_nodes / 2
 
 
@@ -41,14 +42,14 @@ OPTIONS = SumOptions()
 
 
 def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
-    """Iterator of blocks of points; a block has at most `memory_pairs` pairs with the jumps."""
+    """Blocks of points; each block makes at most `memory_pairs` pairs of a point and a jump."""
     block = max(1, OPTIONS.memory_pairs // max(1, jumps))
     for begin in range(0, points, block):
         yield slice(begin, begin + block)
 
 
 def stretches(counts: Index, most: int) -> Iterator[slice]:
-    """Iterator of blocks of points with at most `most` pairs together, or with one point.
+    """Blocks of consecutive points, each with at most `most` pairs or with one point only.
 
     counts: number of pairs of each point.
     """
@@ -62,7 +63,7 @@ def stretches(counts: Index, most: int) -> Iterator[slice]:
 
 @record
 class Grouped:
-    """Items in zones (points, jumps or poles), sorted by zone.
+    """Items that lie in zones (points, jumps or poles), sorted by zone.
 
     order: indices of the items, zone after zone. count: number of items in each zone; first:
     position in `order` of the zone's first item. Both have one more entry, for zones without items.
@@ -79,7 +80,7 @@ class Grouped:
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Position of each zone in `count` and `first`; zones without items have the last one."""
+        """Index of each zone in `count` and `first`; larger zone numbers get the empty last entry."""
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:
@@ -93,7 +94,7 @@ class Grouped:
         }
 
     def summed(self, zone: Index, weight: Array, of: Callable[[Index, Index], Array]) -> Array:
-        """Weighted sums, for each point, over the items in the zone of that point.
+        """For each point, the weighted sum over the items in the zone of that point.
 
         zone: zone of each point; weight: weight of each item. of(points, items): the summand
         without its weight, pair by pair. In a zone with many pairs it is called with points (n, 1)
@@ -117,7 +118,7 @@ class Grouped:
 
 
 class PerZone(Kept):
-    """Base of records of n items in zones or close to them; zone (n,): zone of each item."""
+    """Base class of records of n items; `zone` (n,) is the zone that each item belongs to."""
 
     zone: Index
 
@@ -177,7 +178,7 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
 
 
 def _same_order(c: Array, rho: NDArray[Any]) -> NDArray[Any]:
-    """Power series sum_k c[source, k] rho^k at every point, with the same number of terms."""
+    """Power series sum_k c[source, k] rho^k for each point and source, without truncation."""
     count = c.shape[1]
     if rho.size > OPTIONS.max_direct_terms:
         out = np.zeros(rho.shape) + c[:, -1]
@@ -201,7 +202,7 @@ def waves(weight: Array, angle: Array, count: int) -> Complex:
 
 
 def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
-    """Sine series sum_k u[zone, k] sin((k+1) theta), given the angle from the nearer end.
+    """Sine series sum_k u[zone, k] sin((k + 1) theta), from the angle to the nearer end.
 
     theta = pi - angle where `flip` is true, else theta = angle. So no digit is lost near either
     end. Arrays have any shape. Zones broadcast from (n, 1), with the same angles in each, are
@@ -211,7 +212,8 @@ def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
         return _same_places(u, zone[:, 0], angle[0], flip[0])
     shape, zone, angle, flip = angle.shape, zone.ravel(), angle.ravel(), flip.ravel()
     terms = _terms(u, zone)
-    # The sum is the imaginary part of powers of `turn`, or of turn (-turn)^k where `flip`.
+    # The series is the imaginary part of sum_k u_k turn^(k+1). Where `flip` is true, it is that of
+    # sum_k u_k turn (-turn)^k.
     turn = np.exp(1j * angle)
     out = (
         turn
@@ -236,7 +238,7 @@ def cosine_sum(c: Array, zone: Index, theta: Array) -> Array:
 
 
 def _terms(table: Array, row: Index) -> Index:
-    """Number of coefficients in rows of a table, up to the last that is not zero."""
+    """Number of coefficients in each given row, up to the last coefficient that is not zero."""
     named = np.flatnonzero(np.bincount(row, minlength=len(table)))
     used = table[named] != 0.0
     terms = np.zeros(len(table), dtype=np.intp)
@@ -265,7 +267,7 @@ def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
 
 
 def _sines(angle: Array, columns: Array) -> Array:
-    """Sine series sum_k columns[k - 1] sin(k angle), shape (points, columns).
+    """Sine series sum_k columns[k - 1] sin(k angle), of shape (points, number of columns).
 
     With many terms, k is written as m a + b. Then sin(k angle) follows from the sines and cosines
     of m a angle and of b angle, so that few sines are evaluated.

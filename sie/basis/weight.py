@@ -27,22 +27,22 @@ class Weight:
     exponent: float = 0.5
 
     def edge_scale(self, w: Any) -> Any:
-        """The intensity K of the weight itself, on a zone of half width w."""
+        """The intensity K of the weight (1 - t^2)^(-p) on a zone of half width w."""
         return (0.5 * w) ** self.exponent
 
     def slope_scale(self, w: Any) -> Any:
-        """The edge slope A of (1 - t^2)^(1-p), on a zone of half width w."""
+        """The edge slope A of the density (1 - t^2)^(1-p) on a zone of half width w."""
         return (2 / w) ** (1 - self.exponent)
 
     def end_step(self, k: Any, slope: Any) -> Any:
-        """The outward motion of an end that removes the intensity k, to first order.
+        """The outward motion of an end that removes its intensity k, to first order.
 
         The motion s of an end with K = 0 shifts A d^(1-p) by s, which changes K by -(1 - p) A s.
         """
         return k / ((1 - self.exponent) * slope)
 
     def secant_slope(self, change: Any, move: Any) -> Any:
-        """The edge slope A for which an outward motion of an end changes its K by `change`."""
+        """The edge slope A for which the outward `move` of an end changes its K by `change`."""
         return -change / ((1 - self.exponent) * move)
 
 
@@ -50,6 +50,6 @@ HALF = Weight()
 
 
 def needs_half(weight: Weight, what: str) -> None:
-    """Raise ValueError unless the exponent is 1/2; `what` is the part that needs this."""
+    """Raise ValueError unless the exponent is 1/2; `what` names the part that needs 1/2."""
     if weight != HALF:
         raise ValueError(f"{what}: known for the exponent 1/2 only, got {weight.exponent:g}")

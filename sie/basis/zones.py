@@ -93,13 +93,13 @@ def free_with_intensity(intensity: float) -> End:
     return End(moves=True, intensity=inputs.number("the intensity of an end", intensity))
 
 
-# Largest relative difference of symmetric data from their mirror images: round-off with a wide
-# margin.
+# Largest accepted relative difference between symmetric data and their mirror images: round-off
+# with a wide margin.
 MAX_ASYMMETRY = 1e-6
 
 
 def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
-    """The checked kinds of `count` ends, from one kind for all or one for each."""
+    """The checked kinds of `count` ends, from one kind for all ends or one for each end."""
     kinds = (ends,) * count if isinstance(ends, End) else inputs.several(ends)
     if not all(isinstance(kind, End) for kind in kinds):
         known = "sie.FREE, sie.SINGULAR, sie.BOUNDED or sie.free_with_intensity(K)"
@@ -190,7 +190,10 @@ class Zones(Kept):
         return cls(table[:, 0], table[:, 1], lefts, rights, symmetric)
 
     def moved(self, outward: Array, exactly: bool = True) -> "Zones":
-        """The zones with ends moved outward (2, n); exactly: keep the round-off of the new ends."""
+        """The zones after each end has moved outward by its entry of `outward` (2, n).
+
+        exactly: whether the round-off of the new ends is kept in `rest`.
+        """
         if self.symmetric:
             outward = 0.5 * (outward + outward[::-1, ::-1])
         ends, by = np.array([self.a, self.b]), np.array([-outward[0], outward[1]]) + self.rest
@@ -198,7 +201,7 @@ class Zones(Kept):
         return replace(self, a=a, b=b, rest=sum_error(ends, by) if exactly else np.zeros_like(by))
 
     def changed(self, lost: Index, met: Index, period: float | None) -> "tuple[Zones, Index]":
-        """(zones after some have vanished or merged, old indices of the remaining zones).
+        """(the zones that remain after some have vanished or merged, their old indices).
 
         lost: indices of the zones that have vanished; met: indices of zones that have merged with
         the next one. A merged zone keeps the index of its first part.
@@ -215,11 +218,11 @@ class Zones(Kept):
         return replace(self, a=self.a[kept], b=b, left=left, right=right, rest=rest), kept
 
     def beyond_a(self, x: Array, zone: Index) -> Array:
-        """Distance of x to the right of the left ends of zones."""
+        """Distances x - a of points x from the left ends a of zones; negative to the left of a."""
         return np.asarray((x - self.a[zone]) - self.rest[0][zone])
 
     def before_b(self, x: Array, zone: Index) -> Array:
-        """Distance of x to the left of the right ends of zones."""
+        """Distances b - x of points x from the right ends b of zones; negative to the right of b."""
         return np.asarray((self.b[zone] - x) + self.rest[1][zone])
 
     def __len__(self) -> int:
@@ -227,12 +230,12 @@ class Zones(Kept):
 
     @property
     def table(self) -> Array:
-        """(n, 2) array of ends."""
+        """Ends of the zones, as an array (n, 2)."""
         return np.column_stack((self.a, self.b))
 
     @cached_property
     def half(self) -> Array:
-        """Half widths w (n,)."""
+        """Half widths w of the zones (n,)."""
         return np.asarray(0.5 * ((self.b - self.a) + (self.rest[1] - self.rest[0])))
 
     @property
@@ -242,12 +245,12 @@ class Zones(Kept):
 
     @property
     def slope_scale(self) -> Array:
-        """The edge slope A of a density that equals the angle from an end (n,), see `Weight`."""
+        """The edge slope A of the density (1 - t^2)^(1-p) on each zone (n,), see `Weight`."""
         return np.asarray(self.weight.slope_scale(self.half))
 
     @cached_property
     def middle(self) -> Array:
-        """Middles (n,)."""
+        """Middles of the zones (n,)."""
         return 0.5 * (self.a + self.b)
 
     @cached_property
@@ -260,7 +263,7 @@ class Zones(Kept):
 
     @cached_property
     def fixed_bounded(self) -> tuple[list[int], list[int]]:
-        """(left, right): which solved zones have a fixed bounded end, where K = 0 is required.
+        """Positions in `solved` of zones with a fixed bounded end, on the left and on the right.
 
         Both are lists of positions in `solved`.
         """
@@ -272,17 +275,18 @@ class Zones(Kept):
             ]
             for ends in (self.left, self.right)
         )
-        # The left end of a zone about the centre is the mirror image of its right end.
+        # The left end of the zone that contains x = 0 is the mirror image of the right end of this
+        # zone. It is therefore not counted.
         return [p for p in left if not (self.central and p == 0)], right
 
     @cached_property
     def moves(self) -> Mask:
-        """Whether the left and the right ends move (2, n)."""
+        """Whether each left and each right end moves (2, n)."""
         return np.array([[end.moves for end in ends] for ends in (self.left, self.right)])
 
     @cached_property
     def intensities(self) -> Array:
-        """Prescribed intensities K at the left and the right ends (2, n); NaN if there is none."""
+        """Prescribed intensities K at the left and right ends (2, n); NaN where none is prescribed."""
         return np.array(
             [
                 [np.nan if end.intensity is None else end.intensity for end in ends]
@@ -292,12 +296,12 @@ class Zones(Kept):
 
     @property
     def bounded(self) -> Mask:
-        """Whether the prescribed intensity of the left and the right ends is zero (2, n)."""
+        """Whether the prescribed intensity of each left and right end is zero (2, n)."""
         return np.asarray(self.intensities == 0.0)
 
     @property
     def follow_ends(self) -> bool:
-        """Whether a moving end has a prescribed intensity other than zero.
+        """Whether any moving end has a prescribed intensity other than zero.
 
         Then a motion of the end changes the density at first order.
         """

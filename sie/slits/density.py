@@ -27,8 +27,8 @@ from sie.slits.kinks import SlitKink
 from sie.slits.plane import SlitPlane
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, outside_slit
 
-# Distance from a wide zone, in its half widths, beyond which the first `min_slack_modes`
-# coefficients of the slack give its field to round-off.
+# Distance from a wide zone, divided by the zone's half width. Farther away, the first
+# `min_slack_modes` coefficients of the slack give the slack's field to round-off.
 _FAR = excess_of(DIGITS / OPTIONS.min_slack_modes)
 
 
@@ -97,7 +97,7 @@ class SlitDensity(DensityBase):
 
     @property
     def coefficients(self) -> Array:
-        """Coefficients of the smooth part on the wide zones."""
+        """Coefficients of the density's smooth part on the wide zones."""
         return self.smooth.coefficients
 
     @cached_property
@@ -108,15 +108,18 @@ class SlitDensity(DensityBase):
         """(index of the slit, jump) for each jump of the right side in a slit of one wide zone."""
         return here.kinks if self.forced else []
 
-    # Series of the slits.
+    # The methods below give the series of functions on the slits.
     @cached_property
     def series(self) -> list[list[Array]]:
-        """Series of sigma on each slit, without traces of the intensity K if `bounded_ends`."""
+        """Series of sigma = s sqrt(1 - t^2) on each slit, with slack s and zone coordinate t.
+
+        If `bounded_ends`, traces of the intensity K at the slits' ends are removed.
+        """
         split = [np.split(d, here.offset[1:-1]) for here, d in zip(self.slits, self.d, strict=True)]
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
     def _of_slits(self, power: int) -> list[list[Array]]:
-        """Series of sigma / X^power on each slit, X = sqrt(1 - t^2) of the wide zone."""
+        """Series of sigma / X^power on each slit, sigma = s X, with slack s and X = sqrt(1 - t^2)."""
         return [
             [slit.over(d, power) for slit, d in zip(here.slits, row, strict=True)]
             for here, row in zip(self.slits, self.series, strict=True)
@@ -124,7 +127,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _tilde(self) -> list[list[Array]]:
-        """Series of sigma / X^2 on each slit, X = sqrt(1 - t^2) of the wide zone.
+        """Series of sigma / X^2 = s / X on each slit, with slack s and X = sqrt(1 - t^2).
 
         X times the Cauchy transform of sigma / X^2 is the density P[s] that the slack causes,
         except for its part (alpha + beta t) / X.
@@ -134,16 +137,16 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def sigma(self) -> Density:
-        """The function sigma = s sqrt(1 - t^2) on all slits, as a density."""
+        """The slack s times sqrt(1 - t^2) of the wide zone, on all slits, as a density."""
         return self._on_slits(self.series)
 
     @cached_property
     def _slack(self) -> Density:
-        """The slack s on all slits, as a density."""
+        """The slack s on all slits, represented as a density."""
         return self._on_slits(self._of_slits(1))
 
     def _on_slits(self, series: list[list[Array]]) -> Density:
-        """The density on all slits with the given series."""
+        """The density on all slits that has the given series."""
         slits = self.geometry.slits
         table = np.zeros((len(slits), max(len(one) for row in series for one in row)))
         for here, row in zip(self.slits, series, strict=True):
@@ -153,7 +156,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _edged(self) -> Density:
-        """The smooth part plus the part (alpha + beta t) / sqrt(1 - t^2) of the slack's density."""
+        """The density's smooth part plus the unbounded part of the density that the slack causes."""
         alpha, beta = (part.copy() for part in self.smooth.singular)
         for here, row in zip(self.slits, self.series, strict=True):
             for slit, d in zip(here.slits, row, strict=True):
@@ -165,11 +168,11 @@ class SlitDensity(DensityBase):
                 beta[here.zone] += kink.edge[1]
         return replace(self.smooth, edges=(alpha, beta), bounded_ends=self.bounded_ends)
 
-    # Values on each given zone.
+    # The methods below give values of the density on the given zones.
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by zone and distances from its ends in half widths."""
+        """Density at points given by a zone and by distances from the zone's ends in half widths."""
         zone = np.asarray(zone, dtype=np.intp)
-        # without slits, the given zone is its wide zone
+        # A given zone without adjacent slits is itself a wide zone.
         if not self.geometry.next_to_slit[zone].any():
             return self._edged.at(self.geometry.piece_zone[zone], left, right)
         geometry, wide = self.geometry, self.geometry.wide
@@ -216,7 +219,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Coefficients A of sqrt(d) at the left and right end of each given zone.
+        """Edge slopes A, the coefficients of sqrt(d), at the left and right end of each given zone.
 
         At the right end of a slit, A is that of sigma / X with the opposite sign, X = sqrt(1 - t^2)
         of the wide zone.
@@ -232,7 +235,8 @@ class SlitDensity(DensityBase):
                 left[here.zone] += scale * kink.edge_slopes[0]
                 right[here.zone] += scale * kink.edge_slopes[1]
         slopes_left, slopes_right = self.edges((left, right), self._sigma_slopes, (1.0, -1.0))
-        # 1 / X varies along the zone, so that K / (X sqrt(d)) contributes to A.
+        # The factor 1 / sqrt(1 - t^2) varies along the wide zone, so that the intensity K
+        # contributes to the edge slope A.
         k_left, k_right = self.intensities
         before, after = self.geometry.slit_before, self.geometry.slit_after
         by_left, by_right = (
@@ -245,7 +249,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
-        """Coefficients A of sqrt(d) in sigma at both ends of each slit.
+        """Edge slopes A (coefficients of sqrt(d)) of s sqrt(1 - t^2) at both ends of each slit.
 
         They include the slack psi of jumps in the slit (see `sie.slits.kinks`).
         """
@@ -261,7 +265,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """`Density.sensitivity` of the given zones.
+        """The quantities of `Density.sensitivity` for the given zones.
 
         Differences between points replace the series, which a single given zone does not have.
         """
@@ -273,7 +277,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _counts(self) -> Index:
-        """Number of angles of each given zone that resolve its density.
+        """Number of angles at which the density is sampled on each given zone.
 
         It is the zone's share of the angles of its wide zone, doubled because of the slits.
         """
@@ -287,7 +291,7 @@ class SlitDensity(DensityBase):
         ).astype(np.intp)
 
     def _sample_angles(self, piece: int, count: int) -> Array:
-        """`count` angles of a given zone, and angles on both sides of its largest kinks."""
+        """`count` angles of a given zone, and angles on both sides of the zone's largest kinks."""
         geometry, zone = self.geometry, int(self.geometry.piece_zone[piece])
         w, half, start = geometry.wide.half[zone], self.zones.half[piece], geometry.start[piece]
         theta = even_angles(count)
@@ -299,7 +303,7 @@ class SlitDensity(DensityBase):
     def edges(
         self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]
     ) -> tuple[Array, Array]:
-        """Values at the given zones' ends, from the ends of the wide zones and of the slits.
+        """A quantity at the given zones' ends, from its values at ends of wide zones and slits.
 
         wide, slits: values at left and at right ends. Those of slits are divided by sqrt(1 - t^2)
         of the wide zone and multiplied by `signs`, one for left and one for right ends.
@@ -335,7 +339,7 @@ class SlitDensity(DensityBase):
             root_weight(from_left, from_right) / self.geometry.wide.half[self.geometry.slit_zone]
         )
 
-    # Totals.
+    # The methods below integrate the density.
     @property
     def total(self) -> float:
         return self.whole.total
@@ -383,9 +387,9 @@ class SlitDensity(DensityBase):
             out[piece] = here
         return out
 
-    # Values on the line.
+    # The methods below give the fields and the slack at points of the real line.
     def _into_wide(self, x: Array) -> Array:
-        """x moved by whole periods, to lie right of the first wide zone's left end."""
+        """x moved by whole periods into the period that begins at the first wide zone's left end."""
         return wrapped(x, self.geometry.wide.a[0], self.kernel.period)
 
     @property
@@ -394,7 +398,7 @@ class SlitDensity(DensityBase):
         return len(self.geometry.slits)
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x lies in a slit, integral of s from the slit's left end to x)."""
+        """(whether x is in a slit, integral of the slack s from the slit's left end to x)."""
         place = self._into_wide(np.asarray(x, dtype=float))
         slack = self._slack
         inside = slack.locate(place)[2]
@@ -404,7 +408,7 @@ class SlitDensity(DensityBase):
         return inside, opened
 
     def slack(self, place: Array) -> Array:
-        """Slack s at places on the wide zones, zero off the slits."""
+        """The slack s at places on the wide zones; the slack is zero off the slits."""
         out = self._slack(place)
         for kink, _, some, left, right in self._in_kinks(place):
             out[some] += kink.slope(left, right)
@@ -424,7 +428,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def plane(self) -> SlitPlane:
-        """The density at complex points."""
+        """The fields of the density at complex points."""
         kinks = [self.kinks_of(here) for here in self.slits]
         return SlitPlane(
             self.geometry, self.whole, self._slack_density, self.slits, self.series, kinks
@@ -447,7 +451,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def mean_openings(self) -> Array:
-        """Mean of the integral of the slack s over each wide zone."""
+        """Mean over each wide zone of the integral of the slack s."""
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slits, self.series, strict=True):
             out[here.zone] = here.mean_row @ np.concatenate(row) + (
@@ -468,7 +472,7 @@ class SlitDensity(DensityBase):
         return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 
     def _add_slits(self, x: Array, out: Array, potential: bool) -> None:
-        """Correct the field `out` at points close to wide zones with slits, or to their images.
+        """Correct the field `out` close to wide zones with slits, and close to images of them.
 
         There the first coefficients of the slack s are too few. Their field is subtracted, and
         off the zone the closed form is added.
@@ -534,7 +538,7 @@ class SlitDensity(DensityBase):
 
 
 def _closed(d: Array) -> Array:
-    """The Chebyshev series d without its part (alpha + beta z) / sqrt(1 - z^2).
+    """The coefficients d of sum d_l T_l / sqrt(1 - z^2) after its unbounded part is removed.
 
     It follows from (1 - z^2) U_k = (T_k - T_(k+2)) / 2.
     """

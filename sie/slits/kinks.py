@@ -54,14 +54,15 @@ from sie.basis.sums import OPTIONS as SUMS
 from sie.jumps.formulas import HIGHEST
 from sie.trees.tree import SEPARATION
 
-# Nodes of Gauss's rule for means over a slit, and for integrals over the slit on either side of the
-# jump. A narrow zone beside the slit needs twice as many as a panel.
+# Number of nodes of Gauss's rules for means over a slit, and for integrals over the slit's parts
+# left and right of the jump. If a narrow zone adjoins the slit, twice the nodes of a panel are
+# needed.
 _NODES = 2 * SUMS.gauss_nodes
 
 
 @record
 class SlitKink(Kept):
-    """One jump of the right side or of a derivative, at a place in a slit of a wide zone.
+    """A jump of the right side, or of a derivative of the right side, in a slit of a wide zone.
 
     jump: the scaled height h. start, rest, half: distances of the slit from the ends of the wide
     zone, and half width of the slit. from_left, from_right: distances of the jump from the ends of
@@ -79,18 +80,18 @@ class SlitKink(Kept):
 
     @cached_property
     def _jump_distances(self) -> tuple[float, float]:
-        """Distances of the jump from the left and right end of the slit, in its half widths."""
+        """Distances of the jump from the slit's left and right end, in half widths of the slit."""
         return (self.from_left - self.start) / self.half, (self.from_right - self.rest) / self.half
 
     @property
     def zeta(self) -> float:
-        """Place of the jump in the slit, from -1 to 1."""
+        """Place of the jump in the coordinate of the slit, which runs from -1 to 1."""
         left, right = self._jump_distances
         return 0.5 * (left - right)
 
     @cached_property
     def mean_places(self) -> tuple[Array, Array, Array]:
-        """Gauss nodes for means over the slit: (z, distances from the wide zone's two ends)."""
+        """(Gauss nodes z of the slit, distances of the nodes from the wide zone's two ends)."""
         left, right = chebyshev.gauss_sides(_NODES)
         return (
             chebyshev.gauss(_NODES),
@@ -98,14 +99,14 @@ class SlitKink(Kept):
             self.rest + self.half * right,
         )
 
-    # The slack psi.
+    # The methods below give the slack psi that the jump causes in the slit.
     @cached_property
     def _weights(self) -> tuple[float, ...]:
         """The coefficients e_0 ... e_q of the sum in `mixed`, for the jump's order q."""
         return ((1.0,), (-self.zeta, 1.0), (self.zeta**2 - 0.5, -2 * self.zeta, 1.0))[self.order]
 
     def mixed(self, of_powers: Iterable[Any]) -> Any:
-        """half^q times sum_j e_j of_powers[j], j = 0 ... q, for the jump's order q.
+        """half^q sum_j e_j of_powers[j], j = 0 ... q, with the coefficients e_j of `_weights`.
 
         The slack psi is h half^q (z - zeta)_+^q minus h times this sum of the means b_j of (z -
         .)_+^j. The same sum acts on every function derived from the powers.
@@ -133,7 +134,7 @@ class SlitKink(Kept):
 
     @property
     def at_ends(self) -> float:
-        """Coefficient J of the slack psi = -+(J/pi) sqrt(2 delta) at the slit's ends.
+        """Coefficient J of the slack psi = -+(J/pi) sqrt(2 delta) near the slit's ends.
 
         delta is the distance from the end, divided by the slit's half width.
         """
@@ -156,7 +157,7 @@ class SlitKink(Kept):
 
     @cached_property
     def _over_root(self) -> Array:
-        """The quadrature weights of `seen`, divided by pi X: for integrals of psi f / (pi X)."""
+        """Quadrature weights for integrals of psi f / (pi X); psi: slack, X = sqrt(1 - t^2)."""
         from_left, from_right, _, weight = self.seen
         return np.asarray(weight / root_weight(from_left, from_right) / np.pi)
 
@@ -166,21 +167,21 @@ class SlitKink(Kept):
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:
-        """The slack coefficients s_k that come from psi, k = 0 ... count."""
+        """Coefficients s_k, k = 0 ... count, of the jump's slack psi on the wide zone."""
         _, _, angle, weight = self.seen
         return np.asarray(2 / np.pi * np.sin(np.arange(count + 1)[:, None] * angle) @ weight)
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the integral of psi, divided by that zone's half width."""
+        """Mean over the wide zone of the integral of the slack psi, over the zone's half width."""
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi
 
-    # The density P[psi] that the slack psi causes on the wide zone.
+    # The methods below give the density P[psi] that the slack psi causes on the wide zone.
     @cached_property
     def edge(self) -> tuple[float, float]:
-        """(a_0, a_1): the density P[psi] contains (a_0 + a_1 t) / X, X = sqrt(1 - t^2)."""
+        """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the density of the slack psi."""
         from_left, from_right, _, _ = self.seen
         return float(self._over_root @ (0.5 * (from_left - from_right))), float(
             self._over_root.sum()
@@ -188,7 +189,7 @@ class SlitKink(Kept):
 
     @cached_property
     def polynomial(self) -> tuple[float, float]:
-        """(value at the slit's middle, slope) of the polynomial that multiplies X in the density.
+        """(value at the slit's middle, slope) of the density's polynomial factor of sqrt(1 - t^2).
 
         It is zero for a jump of order 0 and constant for order 1.
         """
@@ -196,8 +197,8 @@ class SlitKink(Kept):
             return 0.0, 0.0
         cosine, l, r = self.mean_places
         s, places = 0.5 * (self.from_left - self.from_right), 0.5 * (l - r)
-        # Differences of the angle phi of the jump, and of sin(phi), from those at the nodes. These
-        # forms have no cancellation.
+        # The differences between the jump's angle phi and the nodes' angles, and between the sines
+        # of these angles, are computed without cancellation.
         away, roots = (
             self.half * (cosine - self.zeta),
             root_weight(self.from_left, self.from_right) + root_weight(l, r),
@@ -212,14 +213,14 @@ class SlitKink(Kept):
         return self.jump / np.pi * value, self.jump / np.pi * mean
 
     def _turn(self, from_left: Array, from_right: Array) -> Array:
-        """The polynomial that multiplies X, see `polynomial`, at distances from the zone's ends."""
+        """The polynomial factor of sqrt(1 - t^2) (see `polynomial`), at points of the wide zone."""
         value, slope = self.polynomial
         return np.asarray(
             value + slope * 0.5 * ((from_left - self.start) - (from_right - self.rest))
         )
 
     def in_slit(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """X times the density of the jump and of its slack, at places in this or another slit.
+        """sqrt(1 - t^2) times the density of the jump and of the slack psi, at places in a slit.
 
         The density is (h/pi)(t - s)^q kappa + P[psi]. from_left, from_right: distances from the
         wide zone's ends; z: the same places in the coordinate of this slit.
@@ -234,7 +235,7 @@ class SlitKink(Kept):
     def outside_slit(
         self, from_left: Array, from_right: Array, outside: Array, past: Mask
     ) -> Array:
-        """The density P[psi] without (a_0 + a_1 t) / X, at points outside the slit.
+        """The density that the slack psi causes, without its unbounded part, outside the slit.
 
         outside: distance from the slit in its half widths; past: whether a point is right of it.
         """
@@ -262,7 +263,7 @@ class SlitKink(Kept):
         )
 
     def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
-        """`outside_slit` by quadrature: X times (1/pi) int psi / (X (t - tau)) dtau."""
+        """`outside_slit` by quadrature: (X/pi) int psi / (X (t - tau)) dtau, X = sqrt(1 - t^2)."""
         lefts = self.seen[0]
         inward = np.where(past[:, None], self.start + 2 * self.half - lefts, lefts - self.start)
         away = np.where(past, 1.0, -1.0)[:, None] * (self.half * outside[:, None] + inward)
@@ -292,7 +293,7 @@ class SlitKink(Kept):
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
-        """Slopes of `outside_slit` by the angle from the end, at both ends of the wide zone."""
+        """Derivatives of `outside_slit` by the angle from the end, at the wide zone's two ends."""
         if self.order == HIGHEST:
             lefts, rights, _, _ = self.seen
             return -float(self._over_root @ (1 / lefts)), float(self._over_root @ (1 / rights))
@@ -315,7 +316,7 @@ class SlitKink(Kept):
 
 
 def _spread_powers(left: Array, right: Array) -> tuple[Array, Array, Array, Array]:
-    """Means over the slit of (z - z')_+^k, for k = 0, 1, 2, 3.
+    """Means over places z' of the slit of (z - z')^k where z > z', else 0; k = 0, 1, 2, 3.
 
     The mean over z' has the weight 1 / (pi sqrt(1 - z'^2)). left, right: distances of z from the
     slit's ends, in its half widths.

@@ -46,17 +46,17 @@ from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits
 
-# Below this |rho| the first `min_slack_modes` coefficients of the slack give its field to
-# round-off.
+# Where |rho| = |zeta - sqrt(zeta^2 - 1)| is below this, the first `min_slack_modes` coefficients of
+# the slack give the slack's field to round-off.
 _FAR = float(np.exp(-DIGITS / OPTIONS.min_slack_modes))
-# Number of panels of the path to the line; each is half as high as the one above, down to
-# round-off.
+# Number of panels of the vertical path of integration. Each panel is half as high as the panel
+# above it, and the lowest panel is as high as round-off.
 _PANELS = -int(np.log2(EPS))
 
 
 @record
 class SlitPlane:
-    """A density on zones with slits, at complex points.
+    """The fields, at complex points, of a density on zones with slits.
 
     whole: density on the wide zones from its first coefficients, which holds far from them; slack:
     the slits' part of `whole`, on the wide zones with slits; series: series of sigma = s X on each
@@ -71,7 +71,7 @@ class SlitPlane:
     kinks: list[list[tuple[int, SlitKink]]]
 
     def __call__(self, z: Complex, what: What) -> Complex:
-        """Transform, its derivative or potential at points z (n,)."""
+        """Transform, derivative of the transform, or potential, at complex points z (n,)."""
         x, y = z.real, np.abs(z.imag)
         out = self._potential(x, y) if what == "potential" else self._transform(x, y, what)
         return np.where(z.imag < 0, np.conj(out), out)
@@ -124,7 +124,7 @@ class SlitPlane:
         down = np.flatnonzero(top > y)
         for some in pair_blocks(len(down), len(parts)):
             here = down[some]
-            # The panels become shorter towards the end point at height y.
+            # The panels of the path become shorter towards the end point at height y.
             height = y[here, None] + (top - y)[here, None] * parts
             place = np.broadcast_to(x[here, None], height.shape)
             field = self._transform(place.ravel(), height.ravel(), "transform").reshape(
@@ -164,7 +164,7 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
     first = inner.zeta * (mean_log + 1) - inner.root
 
     def means() -> Iterator[Complex]:
-        """Means over the slit for orders 0, 1 and 2, divided by half^q; see the head of the file.
+        """Means over the slit of the functions for q = 0, 1, 2 (head of this file) over half^q.
 
         For q = 0 it is bar(G), for q = 1 bar((zeta - .) G - sin).
         """
@@ -181,7 +181,7 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
         yield -1j * (2 * (moves**2 * log_b).mean(axis=-1) - square) - line / half**2
 
     def mean_slopes() -> Iterator[Complex]:
-        """Derivatives of `means` by zeta."""
+        """Derivatives of the means in `means` by the coordinate zeta."""
         b_slope = 0.5 * ((zeta[:, None] + nodes) / (root[:, None] + 1j * sines) - 1) / root[:, None]
         yield -1j * (2 * b_slope.mean(axis=-1) + 1 / root - 1 / (half * inner.root))
         slope = 2 * (log_b / half + moves * b_slope).mean(axis=-1) - (log_rho + mean_log + 1) / half

@@ -46,22 +46,25 @@ from sie.slits.kinks import SlitKink
 
 @dataclass(frozen=True)
 class SlitOptions:
-    """Widths below which a gap is treated as a slit, and the series and solution of its slack."""
+    """Widths below which gaps become slits, and limits for the slack (the unknown in a slit)."""
 
-    # Gaps narrower than this fraction of the wider adjacent zone may be slits.
+    # Gaps narrower than this fraction of the wider adjacent zone may be treated as slits.
     max_gap: float = 0.02
-    # A slit stays one up to `max_gap` times this factor, and another gap becomes one below
-    # `max_gap` divided by it. Without this, slits come and go in every Newton step.
+    # An existing slit remains a slit up to `max_gap` times this factor. Another gap becomes a slit
+    # below `max_gap` divided by this factor. Without this hysteresis, slits come and go in every
+    # Newton step.
     hysteresis: float = 1.5
-    # The limit, relative to the narrower adjacent zone, for gaps that contain a jump of order 2 or
-    # an algebraic point. It is stricter, because a spline may have hundreds of such jumps.
+    # Like `max_gap`, but relative to the narrower adjacent zone, for gaps that contain an algebraic
+    # point or a jump of the right side's second derivative. This limit is stricter, because a
+    # spline may have hundreds of such jumps.
     max_gap_with_jumps: float = 0.003
-    # Largest number of modes of the slack in a slit.
+    # Largest number of modes of the unknown slack in one slit.
     max_modes: int = 512
-    # Least number of coefficients of the slack from which its far field is computed.
+    # Least number of coefficients of the slack from which the field far from the zone is computed.
     min_slack_modes: int = 48
-    # Largest last change of the solution, relative to its largest coefficient. Smaller changes are
-    # added to the stated error; larger ones raise `SlitsNotConverged`.
+    # Largest last change of the solution in the iteration, relative to the solution's largest
+    # coefficient. A smaller change is added to the stated error; a larger one raises
+    # `SlitsNotConverged`.
     max_change: float = 1e-10
 
 
@@ -117,7 +120,7 @@ class SlitGeometry(Kept):
         return (self.slit_before >= 0) | (self.slit_after >= 0)
 
     def _slit_at(self, ends: Array, at: Array) -> Index:
-        """Index of the slit whose given end is exactly at each place; -1 if there is none."""
+        """For each place `at`, the index of the slit that has an end exactly there, or -1."""
         place = np.minimum(np.searchsorted(ends, at), len(ends) - 1)
         return np.where(ends[place] == at, place, -1)
 
@@ -130,7 +133,8 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
     slit while it is about as narrow.
     """
     kernel = equation.kernel
-    # A column that may be singular between zones cannot be used on a wide zone.
+    # A right-side term of unknown amplitude (`column`) that may be singular between zones cannot be
+    # used on a wide zone.
     general = len(equation.forcing.jumps.singular_at) > 0 or any(
         column.resolution.modes is None and not column.resolution.smooth_between
         for column in equation.columns
@@ -145,8 +149,9 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
     after = gaps(pieces, kernel)[1]
     width = pieces.b - pieces.a
     following = np.roll(width, -1)
-    # Narrow gaps become slits only where this needs fewer modes. A slit's series is limited by the
-    # far ends of the adjacent zones, the series of these zones by the ends of the gap.
+    # A narrow gap becomes a slit only where this needs fewer modes. A slit's number of modes
+    # depends on its distance from the far ends of the adjacent zones. A zone's number of modes
+    # depends on the width of the gap next to the zone.
     most = OPTIONS.max_gap * (
         1.0
         if before is None or len(before) != len(pieces)
@@ -190,7 +195,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:
-    """Whether all zones have one level, and no condition is about single zones.
+    """Whether the zones have a common level, and no side condition concerns a single zone.
 
     Only with one common level does the slack integrate to zero over each slit. A user's own
     condition may be about single zones, and there are fewer wide zones than given ones.
@@ -201,7 +206,7 @@ def _one_level(conditions: Sequence[Condition]) -> bool:
 
 
 def _zero_intensities(pieces: Zones) -> bool:
-    """Whether every end is singular, or free with the intensity K = 0."""
+    """Whether every end of a zone is singular, or free with the intensity K = 0."""
     return all(
         end.intensity is None or (end.moves and end.intensity == 0.0)
         for end in (*pieces.left, *pieces.right)
@@ -209,7 +214,7 @@ def _zero_intensities(pieces: Zones) -> bool:
 
 
 def _jumps_inside(equation: Equation, pieces: Zones, after: Array) -> Mask:
-    """Whether each gap contains a jump of order 2 of the right side, or an algebraic point."""
+    """Whether each gap has an algebraic point, or a jump of the right side's 2nd derivative."""
     jumps = equation.forcing.jumps
     at = jumps.at[np.asarray(jumps.orders) > 1] if not jumps.of_density else np.zeros(0)
     if jumps.algebraic is not None:
@@ -224,7 +229,7 @@ def _jumps_inside(equation: Equation, pieces: Zones, after: Array) -> Mask:
 
 @record
 class Slit(Kept):
-    """One slit of a wide zone.
+    """One slit (a narrow gap) in a wide zone.
 
     start, rest: distances of its left end from the zone's left end, and of its right end from the
     zone's right end; half: half width of the slit. All three are divided by the zone's half width.
@@ -238,7 +243,7 @@ class Slit(Kept):
     modes: int
 
     def angle(self, left: Array, right: Array) -> Array:
-        """Angle theta in the wide zone, t = cos(theta).
+        """Angle theta, in the wide zone with t = cos(theta), of places in the slit.
 
         left, right: distances from the slit's ends, in half widths of the slit.
         """
@@ -246,26 +251,28 @@ class Slit(Kept):
         return theta(from_left, from_right)
 
     def root(self, left: Array, right: Array) -> Array:
-        """X = sqrt(1 - t^2) of the wide zone, at distances from the slit's ends in half widths."""
+        """sqrt(1 - t^2) of the wide zone, at places with these distances from the slit's ends."""
         return root_weight(self.start + self.half * left, self.rest + self.half * right)
 
     @cached_property
     def nodes(self) -> int:
-        """Number of Gauss nodes for means over the slit."""
+        """Number of Gauss nodes for means of functions over the slit."""
         return 2 * self.modes + 16
 
     @cached_property
     def theta(self) -> Array:
-        """Angles in the wide zone of the slit's Gauss nodes."""
+        """Angles theta, in the wide zone with t = cos(theta), of the slit's Gauss nodes."""
         return self.angle(*chebyshev.gauss_sides(self.nodes))
 
     @cached_property
     def x_root(self) -> Array:
-        """X = sqrt(1 - t^2) of the wide zone at the slit's Gauss nodes."""
+        """sqrt(1 - t^2) at the slit's Gauss nodes, with the coordinate t of the wide zone."""
         return self.root(*chebyshev.gauss_sides(self.nodes))
 
     def means(self, values: Array) -> Array:
-        """Means over the slit of values (..., nodes) times T_l, l = 0 ... modes.
+        """Means over the slit of a function times Chebyshev's T_l, l = 0 ... modes.
+
+        values: values of the function at the slit's Gauss nodes, along the last axis.
 
         The weight is 1 / sqrt(1 - z^2).
         """
@@ -276,7 +283,7 @@ class Slit(Kept):
         return np.asarray(chebyshev.t_matrix(self.nodes, len(d)) @ d)
 
     def over(self, d: Array, power: int) -> Array:
-        """Coefficients of T_l in the expansion of sum d_l T_l / X^power, X = sqrt(1 - t^2)."""
+        """T_l coefficients on the slit of sum d_l T_l / X^power, X = sqrt(1 - t^2) of the zone."""
         values = self.at_gauss(d) / self.x_root**power
         out = 2 * chebyshev.t_means(values)
         out[0] *= 0.5
@@ -284,7 +291,7 @@ class Slit(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row whose product with d is the mean of the slack's integral over the wide zone.
+        """Row vector r: r @ d is the mean over the wide zone of the integral of the slack.
 
         The weight of the mean is 1 / sqrt(1 - t^2).
         """
@@ -292,13 +299,13 @@ class Slit(Kept):
         return self.width * self.means((self.theta - middle) / self.x_root)
 
     def slack_matrix(self, count: int) -> Array:
-        """Matrix (count + 1, modes + 1) from d to the slack coefficients s_k, k = 0 ... count."""
+        """Matrix from the slit's series d to the slack's coefficients s_k on the zone, k <= count."""
         k = np.arange(count + 1)[:, None]
         return 2 * self.half * self.means(np.sin(k * self.theta) / self.x_root)
 
 
 def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
-    """The integral (1/pi) int sigma / (t - tau) dtau at points t off the slit.
+    """(1/pi) int sigma(tau) / (t - tau) dtau over a slit, at points t outside the slit.
 
     d: series of sigma. excess: |z| - 1 at the points, the distance from the slit in its half
     widths; sign: 1 right of the slit, -1 left of it.
@@ -313,7 +320,7 @@ def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
 def _within(
     jumps: ForcingJumps, zone: int, start: Array, length: Array
 ) -> tuple[Index, ForcingJumps]:
-    """(indices of the zone's jumps that lie in slits, its spline's knots in slits as jumps).
+    """(indices of a zone's jumps in slits, knots of the zone's spline in slits as jumps).
 
     start, length: distance of each slit from the zone's left end and width of the slit, both
     divided by the zone's half width.
@@ -337,15 +344,15 @@ def _within(
 
 
 class Slits(Kept):
-    """The slits of one wide zone, and their equations."""
+    """The slits of one wide zone, and the equations of these slits."""
 
     def __init__(self, geometry: SlitGeometry, zone: int, modes: int, jumps: ForcingJumps) -> None:
         self.zone = zone
         self.which = np.flatnonzero(geometry.slit_zone == zone)
         a, b = geometry.slits.a[self.which], geometry.slits.b[self.which]
         w = self.w = float(geometry.wide.half[zone])
-        # start, stop: distances of the slits' ends from the left end of the zone; rest: distances
-        # of their right ends from its right end.
+        # `start` and `stop` are the distances of the slits' left and right ends from the left end
+        # of the zone. `rest` is the distance of the slits' right ends from the zone's right end.
         every, (cut_a, cut_b) = np.full(len(a), zone), geometry.slits.rest[:, self.which]
         self.start, self.stop = (
             geometry.wide.beyond_a(a, every) + cut_a,
@@ -360,7 +367,8 @@ class Slits(Kept):
                 slit = (float(start[i]), float(rest[i]), float(half[i]) / w)
                 place = (float(within.left[k]), float(within.right[k]), int(within.order[k]))
                 self.kinks.append((i, SlitKink(float(within.height[k]), *slit, *place)))
-        # The slits' series have singularities at the far ends of the adjacent given zones.
+        # The function that a slit's series represents is singular at the far ends of the adjacent
+        # given zones.
         gaps_between = a[1:] - b[:-1]
         before = np.concatenate(([self.start[0]], gaps_between))
         after = np.concatenate((gaps_between, [self.rest[-1]]))
@@ -382,7 +390,7 @@ class Slits(Kept):
     def _modes_needed(
         self, jumps: ForcingJumps, middle: Array, half: Array, nearest: Array, waves: Array
     ) -> Array:
-        """Number of modes after which each slit's series is at round-off.
+        """Number of modes after which the coefficients of each slit's series are at round-off.
 
         It follows from the nearest singularities: far ends of the adjacent given zones, and jumps
         outside the slits. middle, half: middles and half widths of the slits, divided by the zone's
@@ -398,8 +406,8 @@ class Slits(Kept):
         need = DIGITS / decay_rate(np.maximum(nearest, TINY)) + waves
         if self.zone not in jumps.by_zone:
             return np.asarray(need)
-        # A jump outside the slit is a weak singularity. Its terms decay slowly but are small, so
-        # that half of the largest number of modes is enough.
+        # A jump outside the slit is a weak singularity. The coefficients that it causes decay
+        # slowly but are small, so that half of the largest number of modes is enough.
         place = jumps.places(self.zone)[0]
         place = place[~np.isin(place, np.append(jumps.left[self._inside], self._knots.left))]
         away = np.maximum(np.abs(place[:, None] - middle) / half - 1, TINY)
@@ -409,7 +417,7 @@ class Slits(Kept):
 
     @cached_property
     def by_coefficients(self) -> Array:
-        """Matrix from the zone's smooth coefficients c_0 ... c_modes to the slits' right sides."""
+        """Matrix from the coefficients c_k of the smooth density to the slits' right sides."""
         return self._rows(
             lambda slit, left, right: np.cos(
                 slit.angle(left, right)[:, None] * np.arange(self.modes + 1)
@@ -417,13 +425,14 @@ class Slits(Kept):
         )
 
     def of_jumps(self, jumps: ForcingJumps) -> Array:
-        """Share of the jumps in the right sides of the slits' equations.
+        """The part of the right sides of the slits' equations that comes from the jumps.
 
         A jump in a slit is included together with its slack psi, see `sie.slits.kinks`.
         """
         if self.zone not in jumps.by_zone:
             return np.zeros(self.offset[-1])
-        # Jumps in other zones have no share, and those in slits are `kinks`.
+        # Jumps in other zones contribute nothing. Jumps in slits are left out of `rest`; they are
+        # added as `kinks`.
         rest = jumps.chosen(
             np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
         )
@@ -445,12 +454,13 @@ class Slits(Kept):
 
         out = self._rows(values)[:, 0]
         for i, kink in self.kinks:
-            # The integral of s over the slit is zero, and psi has a share in it.
+            # The integral of the whole slack over the slit is zero. The integral of the known slack
+            # psi of the jump therefore goes to the right side.
             out[self.offset[i]] -= kink.total
         return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
-        """Coefficients of U_(l-1) of given functions on each slit, below a row of zeros.
+        """U_(l-1) coefficients of functions on each slit, after a row of zeros for each slit.
 
         The first row of each slit stands for the condition on the integral of its slack.
         """
@@ -473,7 +483,8 @@ class Slits(Kept):
             for j, other in enumerate(self.slits):
                 columns = slice(self.offset[j], self.offset[j + 1])
                 if i == j:
-                    # First row: the integral of the slack over the slit. The others: U_(l-1).
+                    # The first row is the integral of the slack over the slit. The other rows pick
+                    # the coefficient d_l of U_(l-1).
                     matrix[self.offset[i], columns] = slit.means(1 / slit.x_root)
                     matrix[rows, columns] = np.eye(slit.modes, slit.modes + 1, 1)
                     continue
@@ -488,7 +499,7 @@ class Slits(Kept):
 
     @cached_property
     def slack_matrix(self) -> Array:
-        """Matrix from the series d of all slits to the slack coefficients s_k of the zone.
+        """Matrix from the series d of all slits to the coefficients s_k of the slack on the zone.
 
         k = 0 ... max(modes, min_slack_modes).
         """
@@ -499,7 +510,7 @@ class Slits(Kept):
 
     @cached_property
     def slack_of_kinks(self) -> Array:
-        """Slack coefficients s_k that come from the jumps in slits."""
+        """Coefficients s_k, on the wide zone, of the slack that comes from jumps in slits."""
         count = max(self.modes, OPTIONS.min_slack_modes)
         return np.sum(
             [np.zeros(count + 1), *(kink.slack_coefficients(count) for _, kink in self.kinks)],
@@ -508,10 +519,10 @@ class Slits(Kept):
 
     @property
     def mean_of_kinks(self) -> float:
-        """Mean over the zone of the integral of psi, the slack of the jumps in slits."""
+        """Mean over the zone of the integral of the slack psi that jumps in slits cause."""
         return self.w * sum(kink.mean_opening for _, kink in self.kinks)
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row whose product with all d is the mean of the slack's integral over the zone."""
+        """Row vector r: r @ (series d of all slits) is the zone's mean of the slack's integral."""
         return np.concatenate([slit.mean_row for slit in self.slits])

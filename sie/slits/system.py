@@ -52,7 +52,7 @@ class Opened(Trial):
         return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """Share of the slack s in the integrals of weight times density.
+        """The part of the integrals of weight times density that comes from the slack s.
 
         The first coefficients of the density are unknowns of the system and contain the share of s
         already. Only the coefficients of s beyond them are added here.
@@ -80,7 +80,8 @@ class SlitSystem(Kept):
 
     def __init__(self, geometry: SlitGeometry, base: State, linear: float) -> None:
         self.geometry, self.base, self.system = geometry, base, base.system
-        # Without iteration, the factorised matrix gives solutions exact to round-off at no cost.
+        # If the matrix is factorised, solutions exact to round-off cost no more. The tolerance is
+        # then zero.
         self.linear = linear if base.iterated else 0.0
         system = self.system
         modes = base.sizes.own[: len(geometry.wide)]
@@ -102,7 +103,8 @@ class SlitSystem(Kept):
             count = min(self.system.g.shape[1], len(c))
             c[: m + 1] = -self.system.taken[here.zone, : m + 1]
             c[m + 1 : count] = -self.system.g[here.zone, m + 1 : count]
-            # The unknown coefficients contain s, and so also the share of the kinks in slits.
+            # The unknown coefficients of the density include those of the slack. The known part of
+            # the slack, which kinks in slits cause, is subtracted here.
             seen = np.where(
                 np.arange(here.modes + 1) <= m, here.slack_of_kinks[: here.modes + 1], 0.0
             )
@@ -111,7 +113,7 @@ class SlitSystem(Kept):
 
     @cached_property
     def _answers(self) -> list[tuple[Array, Array]]:
-        """(matrix, constants) for each wide zone with slits.
+        """For each wide zone: (matrix, constants) that give the slits' series from the unknowns.
 
         The coefficients of its slits are matrix @ (unknowns of the zone) + constants. The unknowns
         include the coefficients of the slack s.
@@ -141,7 +143,7 @@ class SlitSystem(Kept):
     def solve(
         self, values: Array | None = None, loose: float = 0.0
     ) -> tuple[Array, tuple[Array, ...], float]:
-        """(unknowns of the wide zones, series of all slits, relative size of the last change).
+        """(unknowns of the wide zones, series of all slits, relative last change of the unknowns).
 
         values: values of the side conditions, for a zero right side without jumps; None solves the
         equation itself. loose: tolerance of an iteration, if larger than the present one.
@@ -149,7 +151,9 @@ class SlitSystem(Kept):
         base, homogeneous, iteration = self.base, values is not None, self.base.iteration
 
         def slit_response(folded: Array) -> Array:
-            """Change of the wide zones' right side by the slits' response to these unknowns."""
+            """Change of the wide zones' right side that the slits cause if the unknowns are
+            `folded`.
+            """
             return self._right(self._series(folded, True), True)
 
         given = self._right(
@@ -157,7 +161,8 @@ class SlitSystem(Kept):
             homogeneous,
         )
         if iteration is not None:
-            # The slits' response is part of the operator, so that one iteration solves both.
+            # The slits' response is part of the operator, so that one iteration solves the
+            # equations of the wide zones and of the slits.
             right, near = (
                 (iteration.right(), base.folded_unknowns)
                 if values is None
@@ -172,8 +177,8 @@ class SlitSystem(Kept):
         def operator(folded: Array) -> Array:
             return np.asarray(folded - base.solver(slit_response(folded)))
 
-        # A slit changes its surroundings by the square of its width over its distance: a few steps
-        # suffice.
+        # The effect of a slit falls with the square of (slit's width / distance from the slit). A
+        # few steps of GMRES therefore suffice.
         folded = start + base.solver(slit_response(start))
         for _ in range(2):  # the second solution corrects for the rounding of the first
             folded = folded + gmres(operator, start - operator(folded), EPS * float(norm(folded))).x
@@ -185,7 +190,7 @@ class SlitSystem(Kept):
         return folded, self._series(folded, homogeneous), change
 
     def _among_unknowns(self, slack: dict[int, Array]) -> Array:
-        """The slack coefficients s_k as a vector with one entry for each unknown.
+        """The slack coefficients s_k as a vector with one entry for each unknown of the system.
 
         Each s_k stands at the unknown coefficient of the density that it is added to; the other
         entries are zero.
@@ -198,14 +203,14 @@ class SlitSystem(Kept):
         return s
 
     def slack(self, d: tuple[Array, ...], homogeneous: bool) -> dict[int, Array]:
-        """Slack coefficients s_k of every wide zone with slits."""
+        """Coefficients s_k of the slack on every wide zone with slits."""
         return {
             here.zone: here.slack_matrix @ one + (0.0 if homogeneous else here.slack_of_kinks)
             for here, one in zip(self.slits, d, strict=True)
         }
 
     def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        """Mean of the integral of the slack s over each wide zone."""
+        """Mean over each wide zone of the integral of the slack s."""
         out = np.zeros(len(self.geometry.wide))
         for here, one in zip(self.slits, d, strict=True):
             out[here.zone] = here.mean_row @ one + (0.0 if homogeneous else here.mean_of_kinks)
@@ -233,7 +238,8 @@ class SlitSystem(Kept):
         y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
         slack = self.slack(d, homogeneous)
-        # The tables have the same number of coefficients for all zones.
+        # All zones have the same number of coefficients in the tables: the largest number that any
+        # zone needs.
         count = max(
             int(system.layout.m.max()) + 1,
             OPTIONS.min_slack_modes + 1,
@@ -259,7 +265,7 @@ class SlitSystem(Kept):
         )
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
-        """`State.tails` of the wide zones, from unknowns without the coefficients of the slack."""
+        """`State.tails` of the wide zones, with the slack's coefficients taken out of the unknowns."""
         return field_tails(
             self.system, wide.unknowns - self._among_unknowns(self.slack(d, False)), wide.density
         )
@@ -298,18 +304,18 @@ class SlitState(Answered):
         return self.whole.linear_error[self.geometry.piece_zone]
 
     def wide_of(self, zones: Index) -> tuple[State, Index]:
-        """(state of the wide zones, index of the wide zone that contains each of the zones)."""
+        """(state of the wide zones, index of the wide zone that contains each given zone)."""
         return self.whole, self.geometry.piece_zone[zones]
 
-    # Solutions for other values of the side conditions.
+    # The methods below give solutions for other values of the side conditions.
     def response(self, values: Array, tolerance: float = 0.0) -> SlitDensity:
-        """The density caused by unit changes of the side conditions' values."""
+        """The density caused by changes `values` of the side conditions, for a zero right side."""
         return self.slit_system.density(
             *self.slit_system.solve(values, tolerance)[:2], homogeneous=True
         )[1]
 
     def with_value(self, condition: int, change: float) -> "SlitState":
-        """The state after the value of one side condition has changed."""
+        """The state after the value of one side condition has changed by `change`."""
         folded, series, _ = self.slit_system.solve(self.values(condition, change))
         both = tuple(one + other for one, other in zip(self.series, series, strict=True))
         wide, density = self.slit_system.density(self.whole.folded_unknowns + folded, both)
@@ -317,12 +323,12 @@ class SlitState(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved wide zone, with the share of the slack in its slits."""
+        """Level of each solved wide zone, including the contribution of the slack in its slits."""
         opened = self.slit_system.mean_openings(self.series, False)
         return self.whole.levels + opened[self.geometry.wide.solved]
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of the levels by unit changes of the side conditions' values."""
+        """Changes of the levels caused by changes `values` of the side conditions."""
         folded, series, _ = self.slit_system.solve(values)
         opened = self.slit_system.mean_openings(series, True)
         return (
@@ -330,7 +336,7 @@ class SlitState(Answered):
             + opened[self.geometry.wide.solved]
         )
 
-    # Errors.
+    # The methods below estimate errors of the solution.
     @property
     def natural(self) -> Array:
         """Size of the density of each given zone's wide zone, without the part of its total."""
@@ -338,7 +344,7 @@ class SlitState(Answered):
 
     @cached_property
     def noise(self) -> Array:
-        """Rounding of the right side on each given zone's wide zone, see `State.noise`."""
+        """For each given zone, the round-off of the right side on its wide zone (`State.noise`)."""
         return self.whole.noise[self.geometry.piece_zone]
 
     def _intensities_of(self, of_coefficients: Array, at_slits: float = 1.0) -> Array:
@@ -359,7 +365,8 @@ class SlitState(Answered):
         At the ends of slits it acts at one point and is not averaged.
         """
         rest = self.rest * row_sizes(self.whole.density.coefficients).max()
-        # Round-off of the sums of the wide zones' coefficients.
+        # The round-off of an intensity K, divided by the scale of K, is the round-off of the sum of
+        # the zone's coefficients.
         noise = self.whole.intensity_noise.max(axis=0) / self.geometry.wide.edge_scale
         return self._intensities_of(noise + rest, ERRORS.safety)
 
@@ -372,7 +379,8 @@ class SlitState(Answered):
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slit_system.slits, self.density.series, strict=True):
             for d in row:
-                # Two coefficients at a time, because every other one may vanish by symmetry.
+                # The last two coefficients are compared with the two before, because every other
+                # coefficient may vanish by symmetry.
                 last, before = np.abs(d[-2:]).max(), np.abs(d[-4:-2]).max()
                 fall = min(last / before, 1.0) if before > 0 else 0.0
                 out[here.zone] = max(out[here.zone], last * fall * len(d))
@@ -385,7 +393,7 @@ class SlitState(Answered):
 
     @cached_property
     def _neglected(self) -> Array:
-        """Sum of the neglected coefficients of each wide zone, as in `State`."""
+        """Estimated sum of the neglected coefficients on each wide zone, as for `State`."""
         at_ends = beside_ends(self.whole.kept, self._wide_residuals)
         return np.asarray(np.minimum(self.whole.left_out, 10 * np.maximum(self._residual, at_ends)))
 
@@ -402,7 +410,7 @@ class SlitState(Answered):
 
     @cached_property
     def _residual(self) -> Array:
-        """Largest residual of each wide zone."""
+        """Largest residual of the equation on each wide zone."""
         out = np.zeros(len(self.geometry.wide))
         np.maximum.at(out, self.geometry.piece_zone, np.abs(self._residuals).max(axis=1))
         return out
@@ -442,12 +450,12 @@ class SlitState(Answered):
 
     @cached_property
     def density_error(self) -> float:
-        """Estimated error of the density, relative to its `size`."""
+        """Estimated error of the density, relative to the density's `size`."""
         return float(self._errors_over(np.full(len(self.density.zones), self.size)).max())
 
     @cached_property
     def zone_errors(self) -> Array:
-        """Estimated error of the density on each given zone (n,), relative to its largest value.
+        """Estimated error of the density on each given zone, relative to the largest density.
 
         Errors and values are multiplied by sqrt(1 - t^2) of the given zone.
         """
@@ -455,7 +463,7 @@ class SlitState(Answered):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Effect of truncation and rounding of all rows on the density of each wide zone."""
+        """Error of each wide zone's density from truncation and round-off in all equations."""
         return density_rounding(self.whole, self.missing, self._no_modes)
 
     @cached_property
@@ -467,7 +475,7 @@ class SlitState(Answered):
 
     @cached_property
     def _sines(self) -> Array:
-        """Ratio of sqrt(1 - t^2) of each given zone to that of its wide zone (n, LOOKS)."""
+        """sqrt(1 - t^2) of each given zone, divided by sqrt(1 - t^2) of its wide zone (n, LOOKS)."""
         return np.asarray(np.sin(THETA) / self._wide_sines)
 
     def _errors_over(self, sizes: Array) -> Array:
@@ -555,8 +563,8 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
-    # An iterative solution without the slits is only a starting point, whose error may be as large
-    # as the solution.
+    # This solution of the wide zones without slits is only a starting point for an iteration. A
+    # relative error of 1 is therefore accepted.
     inner.linear = sizes.linear if equation.grows else 1.0
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value
@@ -578,7 +586,8 @@ def solve_zones(
             inner.iterations += more
             inner.kernel_evaluations += more * state.iteration.system.sums.size
         wide, density = slit_system.density(folded, series)
-        # The slits' field through the smooth part of the kernel may need more modes on the zones.
+        # The field that the slits cause through the smooth part of the kernel may need more modes
+        # on the wide zones.
         least = more_modes(wide, slit_system.tails(wide, series), tolerance)
         if least is None:
             break
@@ -595,8 +604,9 @@ def solve_zones(
     if any(here.kinks for here in slit_system.slits) and found_state.density_error > max(
         tolerance / ERRORS.negligible, OPTIONS.max_change
     ):
-        # An undeclared jump of a derivative does no harm in a gap between the given zones. With a
-        # slit it lies within a wide zone, and the solution without slits may be better.
+        # An undeclared jump of a derivative does no harm in a gap between the given zones. If the
+        # gap is a slit, the jump lies within a wide zone. The solution without slits may then be
+        # better.
         separate = solve_fixed(equation, zones, tolerance, sizes)
         return separate if separate.density_error < found_state.density_error else found_state
     return found_state
