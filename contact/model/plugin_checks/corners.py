@@ -24,11 +24,13 @@ from sie import Array
 
 
 def kinks(profile: Profile, x: Array) -> Iterator[str]:
-    """Faults of the declared kinks: false jumps, and corners that are not declared."""
+    """Messages about wrong kinks of a profile: jumps that the slope does not have, and corners
+    that are not declared.
+    """
     lo, hi = float(x[0]), float(x[-1])
     width = hi - lo
     if profile.period is not None:
-        # The cell starts off any likely kink, so that its border lies inside.
+        # The cell starts where a kink is unlikely, so that a kink at its usual border lies inside.
         width = profile.period
         lo = unlikely_border(profile)
     scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
@@ -37,7 +39,7 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
     points = np.asarray(profile.algebraic_points, dtype=np.float64)
     for s, jump in declared:
         seen = float(np.diff(slope(np.array([s - 2 * reach, s + 2 * reach])))[0])
-        # An algebraic point of an exponent near 1 looks like a kink from anywhere.
+        # An algebraic point with an exponent near 1 looks like a kink from any distance.
         seen -= sum(
             (left + right) * n * (2 * reach) ** (n - 1) for at, n, left, right in points if at == s
         )
@@ -60,7 +62,8 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float, float] | None:
-    """Place and jump of a corner near s, seen from ever shorter distances h; None without one.
+    """Place and jump of a corner near s, estimated from ever shorter distances h; None if there is
+    no corner.
 
     The jump of a bend that is only sharp falls with the distance, that of round-off grows.
     """
@@ -93,10 +96,13 @@ def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float,
 def _sharp_slope(
     profile: Profile, width: float, x: Array
 ) -> tuple[Callable[[Array], Array], float, float]:
-    """The slope, the distance at which its two sides can be told apart, and its round-off."""
+    """The slope as a function, the distance at which the two sides of a corner can be
+    distinguished, and the slope's round-off.
+    """
     if not profile.slope_is_derived:
         return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width, 0.0
-    # The derived slope fails near a corner; short differences of the height blur it by their step.
+    # The derived slope is wrong near a corner. Differences of the height over a short step h show
+    # the corner, smeared over h.
     h = 1e-6 * width
     rounding = 4 * EPS * float(np.max(np.abs(np.asarray(profile.height(x))))) / h
 
@@ -108,7 +114,9 @@ def _sharp_slope(
 
 
 def undeclared_corner(profile: Profile, intervals: Array) -> str:
-    """The first corner in intervals (n, 2) [m] that the profile does not declare, in words."""
+    """A message on the first corner in intervals (n, 2) [m] that the profile does not declare;
+    empty if there is none.
+    """
     for lo, hi in intervals.tolist():
         found = corner(profile, lo, hi)
         if found is not None:
@@ -118,10 +126,10 @@ def undeclared_corner(profile: Profile, intervals: Array) -> str:
 
 
 def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None:
-    """Place and jump of the slope at the clearest undeclared corner in an interval, or None."""
+    """Place and jump of the clearest undeclared corner in an interval; None if there is none."""
     function = profile.height if profile.slope_is_derived else profile.slope
-    # With this many samples in a length the smooth part of a difference is (2 pi / 256)^6. More
-    # samples show less of a corner of heights.
+    # With this many samples in the smallest length, the smooth part of a sixth difference is about
+    # (2 pi / 256)^6. With more samples, a corner of the heights would be less visible.
     per_length = DETAIL.samples_per_length**2
     count = per_length * (hi - lo) / (profile.resolution or hi - lo)
     count = int(np.clip(count, DETAIL.samples, DETAIL.max_samples))
@@ -134,8 +142,8 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
     if not rough[i] > CHECKS.stands_out * float(np.median(rough)):
         return None
     a, b = float(x[i]), float(x[i + last])
-    # The corner is enclosed more narrowly until round-off hides it. The width of the interval is a
-    # scale, too: a corner at 0 would be halved into underflow.
+    # The interval around the corner shrinks until round-off hides the corner. Its first width is a
+    # scale for this limit, too: a corner at 0 would otherwise be halved into underflow.
     while b - a > 64 * EPS * max(abs(a), abs(b), hi - lo):
         x = np.linspace(a, b, 4 * last + 1)
         rough, last = _roughness(function, x)
@@ -143,7 +151,7 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
         if not rough[i] > 64 * EPS * float(np.abs(function(x)).max()):
             break
         a, b = float(x[i]), float(x[i + last])
-    # A corner enclosed with 0 is at 0.
+    # If the last interval around the corner contains 0, the corner is taken to be at 0.
     at = np.array([0.0 if a <= 0.0 <= b else 0.5 * (a + b)])
     room = room_around(at, np.append(declared, (lo, hi)), hi - lo, periodic=False)
     seen = jumps_at(profile, at, room, nearest=4 * (b - a))
@@ -152,7 +160,9 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
 
 
 def _roughness(function: Callable[[Array], Array], x: Array) -> tuple[Array, int]:
-    """Deviation of each group of successive values from a smooth function, and a group's width."""
+    """Deviation of each group of seven successive values from a smooth function, and a group's
+    width in steps.
+    """
     values = np.asarray(function(x), dtype=np.float64)
     groups = np.lib.stride_tricks.sliding_window_view(values, len(PLACES))
     rough = deviations(groups.T)
@@ -160,7 +170,7 @@ def _roughness(function: Callable[[Array], Array], x: Array) -> tuple[Array, int
 
 
 def _repeated(profile: Profile, places: Array) -> Array:
-    """Places in the cell and in the cells next to it, ascending."""
+    """Places in the cell and in the two cells next to it, in ascending order."""
     if profile.period is not None:
         places = np.concatenate([places + turn * profile.period for turn in (-1, 0, 1)])
     return np.sort(places)

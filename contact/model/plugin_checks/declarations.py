@@ -19,7 +19,7 @@ from contact.model.profiles.derive import DETAIL
 from contact.model.profiles.noise import ROUND_OFF
 from sie import Array
 
-# Columns of the arrays that have one row a place.
+# Columns of the arrays that have one row for each place.
 _COLUMNS = {
     "kinks": ("position", "jump of the slope"),
     "jumps": ("position", "order", "jump of that derivative"),
@@ -33,7 +33,9 @@ _COLUMNS = {
 
 
 def require_declared(profile: Profile) -> None:
-    """SceneError that names the first attribute or method of the profile of a wrong form."""
+    """Raise a SceneError that names the first attribute or method of the profile that has a wrong
+    form.
+    """
     require_declarations(profile)
     x = _places(profile)
     _require_by_elements(profile, "height", x)
@@ -43,7 +45,9 @@ def require_declared(profile: Profile) -> None:
 
 
 def _require_tables(profile: Profile) -> None:
-    """SceneError where an author's `tables()` is not what a scene file can hold."""
+    """Raise SceneError if an author's method `tables` returns something that a scene file cannot
+    hold.
+    """
     if type(profile).tables is Profile.tables:
         return
     with of_author("profile.tables()", "profile"):
@@ -55,7 +59,7 @@ def _require_tables(profile: Profile) -> None:
 
 
 def _require_heights(profile: Profile, x: Array) -> None:
-    """SceneError where heights are no numbers, or larger than can be squared.
+    """Raise SceneError if heights are not numbers, or so large that their squares would overflow.
 
     x: where to look at a profile without ends.
     """
@@ -63,7 +67,8 @@ def _require_heights(profile: Profile, x: Array) -> None:
     x = np.linspace(*ends, DETAIL.samples + 1) if ends is not None else x
     with of_author("profile.height(x)", "height"):
         heights = np.asarray(profile.height(x.copy()), dtype=np.float64)
-    # Without ends, far places need not matter: they do where the contact is searched for.
+    # Without ends, heights far from 0 may be anything here. They are checked where the contact is
+    # searched for.
     if ends is not None:
         require_numbers(x, heights)
     central = heights if ends is not None else heights[np.abs(x) <= np.median(np.abs(x))]
@@ -81,7 +86,7 @@ def _require_heights(profile: Profile, x: Array) -> None:
 
 
 def require_numbers(x: Array, heights: Array) -> None:
-    """SceneError that names the first place at which a height is nan or -inf."""
+    """Raise a SceneError that names the first place at which a height is NaN or -inf."""
     lost = np.isnan(heights) | np.isneginf(heights)
     if lost.any():
         x, heights = x[lost], heights[lost]
@@ -94,7 +99,7 @@ def require_numbers(x: Array, heights: Array) -> None:
 
 
 def require_declarations(profile: Profile) -> None:
-    """SceneError that names the first attribute of the profile of a wrong form."""
+    """Raise a SceneError that names the first attribute of the profile that has a wrong form."""
     positive_or_none("profile.period", _read(profile, "period"))
     for name in ("support", "extent"):
         ends = _read(profile, name)
@@ -143,12 +148,12 @@ def _is_real(value: Any, axes: int) -> bool:
 
 
 def _places(profile: Profile) -> Array:
-    """Six places (2, 3) at which there should be a profile."""
+    """Six places, as an array (2, 3), at which the profile should have heights."""
     ends = profile.known if profile.period is not None else profile.support or profile.extent
     spread = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 3))
     if ends is not None:
         return np.asarray(0.5 * (ends[0] + ends[1]) + (ends[1] - ends[0]) * spread)
-    # Nobody says how large the shape is: the places are near and far, as 1, 1e-4 and 1e-8.
+    # The size of the shape is unknown: the places are at distances in the ratios 1, 1e-4 and 1e-8.
     return np.asarray((profile.resolution or 1.0) * spread * ROUND_OFF ** (np.arange(3) / 3))
 
 

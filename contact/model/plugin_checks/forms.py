@@ -24,7 +24,9 @@ from contact.model.substrates.base import Substrate
 
 
 class Form(NamedTuple):
-    """Form of an attribute: a test of its value, and the same in words."""
+    """Form of an attribute: a function that tests a value, and a text that describes the allowed
+    values.
+    """
 
     holds: Callable[[Any], bool]
     allowed: str
@@ -93,7 +95,7 @@ _BARE = Form(_is_or_none(Law), "None, or a law, such as contact.Frictionless()")
 _START = Form(_is_position, f"a position [m] {_NO_METHOD}")
 _PLACES = Form(_are_places, f"a one-dimensional array of positions [m] {_NO_METHOD}")
 
-# By kind of part: the forms of its attributes, and the arguments of its methods.
+# For each kind of part of a scene: the forms of its attributes, and the arguments of its methods.
 _ATTRIBUTES: dict[type, dict[str, Form]] = {
     Profile: {
         "name": _TEXT,
@@ -146,12 +148,14 @@ _METHODS: dict[type, dict[str, tuple[str, ...]]] = {
 
 
 def is_own(part: Any) -> bool:
-    """Whether the class of a part is a user's."""
+    """Whether the class of a part is a user's own, not one of this package."""
     return not type(part).__module__.startswith("contact.")
 
 
 def require_form(kind: type, part: Any) -> None:
-    """SceneError that names the first attribute or method of a wrong form. kind: the base class."""
+    """Raise a SceneError that names the first attribute or method of a wrong form. `kind` is the
+    base class of the part.
+    """
     if not is_own(part):
         return
     require_calls(kind, part)
@@ -159,7 +163,7 @@ def require_form(kind: type, part: Any) -> None:
 
 
 def require_calls(kind: type, part: Any) -> None:
-    """SceneError that names the first method of a part that does not take its arguments."""
+    """Raise a SceneError that names the first method of a part that does not accept its arguments."""
     place = kind.__name__.lower()
     for name, arguments in _METHODS[kind].items():
         with of_author(f"{place}.{name}", place):
@@ -168,7 +172,7 @@ def require_calls(kind: type, part: Any) -> None:
 
 
 def require_attributes(kind: type, part: Any) -> None:
-    """SceneError that names the first attribute of a part of a wrong form."""
+    """Raise a SceneError that names the first attribute of a part that has a wrong form."""
     place = kind.__name__.lower()
     for name, form in _ATTRIBUTES[kind].items():
         with of_author(f"{place}.{name}", place):
@@ -192,7 +196,9 @@ def _require_call(method: Any, place: str, arguments: tuple[str, ...]) -> None:
 
 
 def require_conjugate(profile: Profile) -> None:
-    """SceneError where the transform of the slope has another shape than its argument."""
+    """Raise SceneError if the Hilbert transform of the slope has another shape than its argument
+    x.
+    """
     if profile.period is None:
         return
     x = profile.x0 + profile.period * np.random.default_rng(0).random((2, 3))
@@ -206,7 +212,7 @@ def require_conjugate(profile: Profile) -> None:
 
 
 class AuthorMethod(NamedTuple):
-    """Calls of an author's method, checked.
+    """A method of a user's class, called with a check of the returned value.
 
     what: how messages name the method; part: the part of the scene that has it.
     """
@@ -215,7 +221,7 @@ class AuthorMethod(NamedTuple):
     part: str
 
     def value(self, method: Callable[..., Any], *arguments: Any) -> Any:
-        """The value that the method returns; SceneError where it raises.
+        """The value that the method returns; SceneError if the method raises an exception.
 
         The package's own methods are called directly: the guard takes a few microseconds.
         """
@@ -233,14 +239,14 @@ class AuthorMethod(NamedTuple):
         return such(self.what, self.value(method, *arguments), allowed, lambda number: True)
 
     def text(self, method: Callable[..., Any], *arguments: Any) -> str:
-        """The words that the method returns, empty for None."""
+        """The text that the method returns; empty if it returns None."""
         value = self.value(method, *arguments)
         if value is None or isinstance(value, str):
             return value or ""
         raise SceneError.of(self.what, value, "words that end a sentence, or None")
 
     def rows(self, kind: type, method: Callable[..., Any], *arguments: Any) -> tuple[Any, ...]:
-        """The objects of one kind that the method returns."""
+        """The tuple of objects that the method returns, all of the class `kind`."""
         value = self.value(method, *arguments)
         if isinstance(value, Iterable):
             value = tuple(value)
@@ -250,7 +256,9 @@ class AuthorMethod(NamedTuple):
 
 
 def require_law(law: Law, E_star: float) -> None:
-    """SceneError where the intensity or the tension of a law is not one of adhesion."""
+    """Raise SceneError if the intensity or the tension of a law has a value that adhesion cannot
+    have.
+    """
     allowed = "finite [Pa m^(1/2)]"
     if not is_own(law):
         finite("law.intensity(E_star)", law.intensity(E_star), allowed)
@@ -275,7 +283,8 @@ def require_law(law: Law, E_star: float) -> None:
 
 
 def held_by(control: Control, scene: Any) -> Held | None:
-    """The quantity that the solver prescribes under a control; None where it is searched for.
+    """The quantity that the solver prescribes under a control; None if the solver must search for
+    it.
 
     Raises SceneError where the control has neither `held` nor `of`.
     """

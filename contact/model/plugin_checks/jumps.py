@@ -21,7 +21,7 @@ from sie import Array, Mask
 
 @dataclasses.dataclass(frozen=True)
 class CheckOptions:
-    """Numbers by which true claims of users are distinguished from false ones.
+    """Options by which the checks distinguish true declarations of users from false ones.
 
     points: on either side of a place, and order of the differences that separate powers from
         smooth parts.
@@ -44,22 +44,22 @@ class CheckOptions:
 
 
 CHECKS = CheckOptions()
-# Steps of a ladder, each half of the one before, down to round-off.
+# Number of successively halved steps, down to round-off.
 _HALVINGS = int(-np.log2(ROUND_OFF))
-# Step of the differences that show the second derivative, over the window. A corner is seen from
-# no nearer, over the first distance.
+# Step of the differences that show the second derivative, relative to the checked interval. Also
+# the smallest distance from which a corner is examined, relative to the first such distance.
 BEND_STEP = np.sqrt(ROUND_OFF)
 
 
 def unlikely_border(profile: Profile) -> float:
-    """Left end of a cell at no likely place of a kink."""
+    """Left end of a cell, chosen where a kink is unlikely."""
     assert profile.period is not None
     return profile.x0 - (np.sqrt(2) - 1) * profile.period
 
 
 @dataclasses.dataclass(frozen=True)
 class JumpEstimates:
-    """Estimated jumps of f^(1), f^(2), f^(3), one place a row.
+    """Estimated jumps of the first, second and third derivatives of f, one row for each place.
 
     height: of the jumps; doubt: their errors; sharp: whether each stays when seen from nearer.
     """
@@ -70,15 +70,18 @@ class JumpEstimates:
 
 
 def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0) -> JumpEstimates:
-    """Jumps at places, seen from distances up to `reach`, one for each place.
+    """Estimated jumps at places, from values at distances up to `reach` (one number for each
+    place).
 
     nearest: the shortest step, for places that are not known to the last digit.
     """
-    # f' where the author gives it, else f: a derived slope takes its points from both sides.
+    # Values of f' are used if the author defines it, otherwise values of f: a derived slope mixes
+    # points from both sides of a jump.
     first = 0 if profile.slope_is_derived else 1
     function = profile.height if profile.slope_is_derived else profile.slope
     k = np.arange(1.0, CHECKS.points + 1)
-    # Row m of the inverse holds the weights of the m-th derivative at 0 over m!, for unit steps.
+    # For unit steps, row m of the inverse holds the weights of the m-th derivative at 0, divided by
+    # m!.
     taylor = np.linalg.inv(np.vander(k, increasing=True))
     shape = (_HALVINGS, len(places), 3)
     seen, rounding = np.zeros(shape), np.full(shape, np.inf)
@@ -91,7 +94,7 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
             for side in (1, -1)
         )
         size = np.maximum(np.abs(right), np.abs(left)).max(axis=1)
-        # The round-off of the place itself moves the values.
+        # The round-off of the place itself changes the values.
         moved = np.abs(places) / h * np.maximum(np.ptp(right, axis=1), np.ptp(left, axis=1))
         for order in (1, 2, 3):
             m = order - first
@@ -111,7 +114,7 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
 def slope_jumps(
     slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float
 ) -> list[tuple[float, float]]:
-    """Places and jumps of a function in an interval.
+    """Places and jumps of a function `slope` in the interval from lo to hi.
 
     Intervals of a fine grid are halved towards the larger change, down to `reach`; a change counts
     if it is not small over `scale`.
@@ -135,7 +138,9 @@ def slope_jumps(
 
 
 def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
-    """Faults of the declared jumps of f'' and f''', and such jumps that are not declared."""
+    """Messages about wrong jumps of f'' and f''': declared jumps that are false, and jumps that
+    are not declared.
+    """
     jumps = np.asarray(profile.jumps)
     if jumps.ndim != 2 or jumps.shape[1] != 3 or not np.isin(jumps[:, 1], (2, 3)).all():
         yield (
@@ -160,8 +165,9 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
         step = BEND_STEP * width
         room = room_around(found, np.concatenate((declared, found, ends)), width, periodic)
         seen = jumps_at(profile, found, room, nearest=100 * step)
-        # The slopes of both sides, continued to a place next to the jump, differ by the distance
-        # times the jump: the quotient moves the place onto the jump.
+        # The slopes of the two sides, continued to a place next to the jump, differ by the distance
+        # from the jump times the jump. Their quotient gives the distance, by which the place is
+        # corrected.
         distance = seen.height[:, 0] / np.where(seen.height[:, 1] == 0, np.inf, seen.height[:, 1])
         found = found - np.where(np.abs(distance) < 10 * step, distance, 0.0)
         seen = jumps_at(profile, found, room, nearest=step / 100)
@@ -169,7 +175,9 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _declared_places(profile: Profile, lo: float, width: float) -> Array:
-    """Places where a derivative may jump by the profile's own claims, with the cell's border."""
+    """Places at which the profile's declarations allow a derivative to jump, and the border of the
+    cell.
+    """
     tips = [] if profile.summits is None else [np.asarray(profile.summits, dtype=np.float64)]
     border = [lo] if profile.period is not None else []
     places = np.unique(
@@ -178,7 +186,7 @@ def _declared_places(profile: Profile, lo: float, width: float) -> Array:
         )
     )
     apart = np.diff(places, prepend=-np.inf) > _one_place(width)
-    # Derivatives of low powers are infinite at such points; `powers` checks these.
+    # At algebraic points of low powers these derivatives are infinite; `powers` checks such points.
     places = np.setdiff1d(places[apart], _rough(profile))
     if ends := ends_of(profile):
         places = places[(places > ends[0]) & (places < ends[1])]
@@ -186,18 +194,20 @@ def _declared_places(profile: Profile, lo: float, width: float) -> Array:
 
 
 def _one_place(width: float) -> float:
-    """Distance up to which two places in a window are one."""
+    """Distance below which two places in an interval of this width count as one."""
     return ROUND_OFF * width
 
 
 def _rough(profile: Profile) -> Array:
-    """Algebraic points at which the third derivative is not continuous."""
+    """Algebraic points whose power is at most 3, so that the third derivative is not continuous
+    there.
+    """
     points = np.asarray(profile.algebraic_points, dtype=np.float64)
     return np.asarray(np.unique(points[points[:, 1] <= 3.0, 0]))
 
 
 def powers(profile: Profile, x: Array) -> Iterator[str]:
-    """Faults of the declared algebraic points, by differences of high order on either side.
+    """Messages about wrong algebraic points, found by differences of high order on each side.
 
     In such differences smooth parts vanish faster than the powers.
     """
@@ -222,7 +232,8 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) -> float:
-    """Least part of declared powers that the differences do not show, over a ladder of steps.
+    """Least fraction of the declared powers that the differences do not show, over a sequence of
+    halved steps.
 
     It is 0 where round-off hides the powers, or hides them before smooth parts have vanished.
     """
@@ -233,20 +244,21 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
     weights = np.array([(-1.0) ** k * comb(order, k) for k in range(order + 1)])
     found = []
     for j in range(_HALVINGS):
-        # Not at s itself: of a low power the round-off of the place is seen there.
+        # The differences leave out s itself: if a power is low, the round-off of s changes its
+        # value there.
         y = abs(room) / (order + 1) * 0.5**j * np.arange(1, order + 2)
         values = np.asarray(function(s + np.sign(room) * y), dtype=np.float64)
         declared = float(weights @ (y[:, None] ** power @ size))
-        # Places next to s are rounded, too.
+        # The places next to s are rounded, too.
         rounding = EPS * float(np.abs(weights) @ np.abs(values)) * (1.0 + abs(s) / y[0])
         if abs(declared) > 10 * rounding / (2 * CHECKS.jump):
             found.append(abs(float(weights @ values) - declared) / abs(declared))
-    # Smooth parts still fall from step to step.
+    # If the last value is still decreasing from step to step, smooth parts have not vanished yet.
     return 0.0 if len(found) < 3 or found[-1] < 0.7 * found[-2] else min(found)
 
 
 def room_around(places: Array, others: Array, width: float, periodic: bool) -> Array:
-    """Distance from each place within which there is no other one."""
+    """Distance from each place within which there is none of the other places."""
     others = np.concatenate((others, others - width, others + width)) if periodic else others
     others = np.concatenate(([-np.inf], np.sort(others), [np.inf]))
     before = others[np.searchsorted(others, places - _one_place(width)) - 1]
@@ -258,7 +270,9 @@ def room_around(places: Array, others: Array, width: float, periodic: bool) -> A
 def _against_declared(
     profile: Profile, places: Array, seen: JumpEstimates, scale: float, width: float
 ) -> Iterator[str]:
-    """Faults of the declared jumps of f'' and f''' at places; `corners.kinks` checks f'."""
+    """Messages about wrong jumps of f'' and f''' at these places; `corners.kinks` checks the jumps
+    of f'.
+    """
     for order in (2, 3):
         listed = profile.jumps[profile.jumps[:, 1] == order]
         which = np.searchsorted(places, listed[:, 0] - _one_place(width))
@@ -285,7 +299,9 @@ def _against_declared(
 
 
 def _bends(profile: Profile, lo: float, width: float, scale: float) -> Array:
-    """Places where the second derivative seems to jump, to a few steps of its differences."""
+    """Places at which the second derivative seems to jump, accurate to a few steps of the
+    differences.
+    """
     h, periodic = BEND_STEP * width, profile.period is not None
     if periodic:
         lo = unlikely_border(profile)
@@ -297,13 +313,14 @@ def _bends(profile: Profile, lo: float, width: float, scale: float) -> Array:
     first, last = (lo, lo + width) if periodic else (lo + 2 * h, lo + width - 2 * h)
     size = float(np.max(np.abs(bend(np.linspace(first, last, DETAIL.samples)))))
     found = slope_jumps(bend, first, last, 2 * h, max(size, scale / width))
-    # A shape of noise seems to bend everywhere: a tenth of the samples is enough to see it.
+    # A noisy shape seems to bend everywhere. It is enough to examine at most a tenth as many places
+    # as there are samples.
     places = np.array([s for s, _ in found][: DETAIL.samples // 10])
     return np.asarray(profile.wrap(places), dtype=np.float64) if periodic else places
 
 
 def window_of(profile: Profile) -> tuple[float, float]:
-    """The interval [m] in which a profile is checked."""
+    """The interval [m] in which the checks examine a profile."""
     ends = profile.support or profile.extent or profile.known
     if ends is not None:
         return ends
@@ -316,7 +333,9 @@ def window_of(profile: Profile) -> tuple[float, float]:
 
 
 def _half_window(profile: Profile) -> float:
-    """Half width [m] of a window about 0 in which a shape is smooth and finite, else 1 m."""
+    """Half width [m] of an interval about 0 in which a shape is smooth and finite; 1 m if none is
+    found.
+    """
     half = 1.0
     for _ in range(_HALVINGS):
         with np.errstate(all="ignore"):
@@ -329,5 +348,5 @@ def _half_window(profile: Profile) -> float:
 
 
 def ends_of(profile: Profile) -> tuple[float, ...]:
-    """Ends of the body of a profile without a period; empty if it has none."""
+    """Left and right end of the body if the profile has no period; empty if the body has no ends."""
     return (profile.support or profile.extent or ()) if profile.period is None else ()

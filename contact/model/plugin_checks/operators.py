@@ -28,12 +28,13 @@ from contact.model.symbols import OPTIONS as SYMBOLS
 from contact.model.symbols import WAVES, checked
 from sie import Array
 
-# Lags over the scale, at which values are compared; all below half a period.
+# Distances x - xi, relative to the scale, at which values are compared. All are below half a
+# period.
 _LAGS = np.random.default_rng(0).uniform(0.0, 0.5, 5)
 
 
 def require_elastic(operator: Operator, scale: float) -> None:
-    """SceneError that names the first false claim of a user's interaction.
+    """Raise a SceneError that names the first false declaration of a user's interaction.
 
     scale: a length over which the contact varies [m].
     """
@@ -78,7 +79,9 @@ def _kernel(operator: Operator, unit: float) -> sie.Kernel:
 
 
 def _require_regular(kernel: sie.Kernel) -> None:
-    """SceneError that names the first fault of the smooth part, whose scale is 1."""
+    """Raise a SceneError that names the first fault of the kernel's smooth part, in lengths scaled
+    to 1.
+    """
     regular, potential = kernel.regular, kernel.regular_potential
     assert regular is not None
     if potential is None:
@@ -106,7 +109,7 @@ def _require_regular(kernel: sie.Kernel) -> None:
             raise SceneError(
                 f"{got}: it must be real, finite and of the shape of x - xi", "interaction"
             )
-        # Both places are moved by one shift.
+        # Adding the same length to x and xi must not change the value.
         _require_same(
             function(x + _LAGS[1], xi + _LAGS[1]),
             table,
@@ -121,17 +124,18 @@ def _require_regular(kernel: sie.Kernel) -> None:
         "is not odd in x - xi: what a load does elsewhere, one elsewhere does here",
     )
     nodes, weights = np.polynomial.legendre.leggauss(5)
-    # The error of the quadrature grows with the step, and round-off falls with it.
+    # The error of the quadrature grows with the step, whereas round-off decreases with it.
     half = 0.5 * np.sqrt(CHECKS.same)
     rise = potential(_LAGS + half, zero) - potential(_LAGS - half, zero)
     within = half * np.asarray(regular(_LAGS[:, None] + half * nodes, zero)) @ weights
-    # The rise is a difference of potentials: their round-off stays.
+    # The rise is a difference of two potentials, and has the round-off of the potentials.
     size = ROUND_OFF * float(np.abs(potential(_LAGS, zero)).max())
     _require_same(rise, within, "smooth part", "is not the derivative in x of its potential", size)
 
 
 def _require_symbol(operator: Operator, kernel: sie.Kernel) -> None:
-    """SceneError where the kernel's symbol is not above zero, or not the declared one.
+    """Raise SceneError if the symbol of the kernel is not positive, or differs from the declared
+    one.
 
     The symbol is L_n = 1 - 2 n int rest cos(2 pi n u) du.
     """
@@ -167,8 +171,9 @@ def _value(kernel: sie.Kernel, lag: Array) -> Array:
 
 
 def _require_same(one: Array, other: Array, what: str, fault: str, rounding: float = 0.0) -> None:
-    """SceneError that names the fault where two arrays differ by more than round-off."""
-    # A sum of large parts may vanish at one place: the size is that of all places.
+    """Raise a SceneError that names the fault if two arrays differ by more than round-off."""
+    # A sum of large parts may vanish at one place: the difference is compared with the largest
+    # value at all places.
     difference, size = np.abs(np.asarray(one) - other), np.abs(np.asarray(other))
     if not np.all(difference <= CHECKS.same * size.max() + rounding):
         k = int(np.argmax(difference))
@@ -177,7 +182,7 @@ def _require_same(one: Array, other: Array, what: str, fault: str, rounding: flo
 
 
 def require_body(substrate: Substrate) -> None:
-    """SceneError that names the first false claim of a substrate."""
+    """Raise a SceneError that names the first false declaration of a substrate."""
     values = checked(substrate.symbol, WAVES, "substrate")
     checked(substrate.symbol, WAVES[: 2 * (len(WAVES) // 2)].reshape(2, -1), "substrate")
     again = checked(substrate.symbol, WAVES[::-1], "substrate")[::-1]
@@ -214,7 +219,8 @@ def require_body(substrate: Substrate) -> None:
                 "compresses it",
             )
         return
-    # The height of the body [m] is about the inverse of the wave at which L rises to 1.
+    # The height of the body [m] is about 1/q, with q the wavenumber at which the symbol L rises to
+    # 1.
     found, height = long / wave, float(1 / WAVES[np.argmax(values > 0.5)])
     if not abs(found - compression) <= CHECKS.same * max(abs(compression), 1e-3 * height):
         raise SceneError.of(
@@ -225,9 +231,9 @@ def require_body(substrate: Substrate) -> None:
 
 
 def _require_fast(values: Array) -> None:
-    """SceneError unless L tends to 1 as an exponential does, not as a power of q."""
+    """Raise SceneError unless the symbol L tends to 1 exponentially with q, not as a power of q."""
     rest = np.abs(values - 1)
-    # The last wave at which L - 1 has digits.
+    # The largest wavenumber at which L - 1 has digits above round-off.
     digits = np.flatnonzero(rest > 2**16 * EPS)
     k = int(digits[-1]) if len(digits) else 0
     if k == 0 or rest[-1] >= 0.9 * rest[k // 2]:  # another limit is another fault

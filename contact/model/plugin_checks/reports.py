@@ -26,9 +26,11 @@ from sie import Array
 
 
 class Fault(ContactError, AssertionError):
-    """Error of a plug-in that contradicts itself; `report` has the whole list."""
+    """Error raised for a plug-in that contradicts itself; its `report` is the complete list of
+    faults.
+    """
 
-    # A report is a list.
+    # A report is a list, which must not be shortened as other error messages are.
     longest = 10**6
 
     def __init__(self, report: "Report") -> None:
@@ -37,16 +39,18 @@ class Fault(ContactError, AssertionError):
 
 
 class ProfileFault(Fault):
-    """Error of a profile that contradicts itself."""
+    """Error raised for a profile that contradicts itself."""
 
 
 class SubstrateFault(Fault):
-    """Error of a substrate that contradicts itself."""
+    """Error raised for a substrate that contradicts itself."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Report:
-    """The result of a check: names of the checks, faults, and notes on possible improvements."""
+    """The result of a check: names of the checks, faults found, and notes on possible
+    improvements.
+    """
 
     subject: str
     checked: tuple[str, ...]
@@ -70,7 +74,7 @@ class Report:
 def check_profile(
     profile: Profile, window: tuple[float, float] | None = None, raises: bool = True
 ) -> Report:
-    """Check what a profile says of itself against its height.
+    """Check the declarations of a profile against its height.
 
     Parameters
     ----------
@@ -130,8 +134,8 @@ def check_profile(
 
 
 def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
-    """Check a substrate: that its symbol is one of an elastic body, and that scenes can hold and
-    compare it.
+    """Check that a substrate's symbol is that of an elastic body, and that scenes can hold and
+    compare the substrate.
 
     Parameters
     ----------
@@ -185,14 +189,16 @@ def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
 
 
 def _reported(report: Report, fault: type[Fault] | None) -> Report:
-    """The report, or the fault that it is raised as."""
+    """Return the report if it has no faults or none are to be raised; otherwise raise it as this
+    error.
+    """
     if fault is not None and not report.ok:
         raise fault(report)
     return report
 
 
 def _points(profile: Profile, window: tuple[float, float] | None) -> Array:
-    """Seeded positions in the window, none on a kink."""
+    """Random positions in the interval, with a fixed seed; none of them is on a kink."""
     lo, hi = window_of(profile) if window is None else window
     x = np.sort(np.random.default_rng(1).uniform(lo, hi, DETAIL.samples))
     kinks = profile.kinks
@@ -255,8 +261,8 @@ def _shapes(profile: Profile, x: Array) -> Iterator[str]:
         size = float(np.max(np.abs(np.asarray(function(x.copy())))))
         if not np.array_equal(given, x[:6]):
             yield f"{name}(x) changes the array it is given"
-        # A derived slope chooses its steps from all its points, so single values may differ a
-        # little.
+        # A derived slope chooses its steps from all its points, so that values for fewer points may
+        # differ a little.
         tolerance = CHECKS.same * size
         tries: list[tuple[str, Any, Array]] = [
             ("an array of shape (2, 3)", x[:6].reshape(2, 3), whole.reshape(2, 3)),
@@ -371,7 +377,8 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
     given = profile.slope_conjugate(at)
     if given is None:
         return
-    # (1/L) PV int f'(x - s) cot(pi s/L) ds by the midpoint rule, which the pole falls between.
+    # (1/L) PV int f'(x - s) cot(pi s/L) ds, with L the period, by the midpoint rule. The pole lies
+    # between two of its points.
     per_length = DETAIL.samples_per_length
     n = per_length * ceil(profile.period / (profile.resolution or profile.period))
     n = max(DETAIL.max_samples, n)
@@ -379,7 +386,7 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
     slope = np.asarray(profile.slope(at[:, None] - profile.period * s))
     expected = slope @ (1 / np.tan(np.pi * s)) / n
     difference = np.abs(np.asarray(given) - expected)
-    # The error of the rule grows towards a kink.
+    # The error of the midpoint rule grows towards a kink.
     away = np.abs(at[:, None] - np.append(np.asarray(profile.kinks)[:, 0], np.inf)).min(axis=1)
     relative = 2 * CHECKS.jump + 4 * (profile.period / (n * away)) ** 2
     excess = difference - relative * max(float(np.abs(slope).max()), float(np.abs(expected).max()))

@@ -17,14 +17,15 @@ from contact.model.units import quantity
 from sie import Array
 
 FILLS = ("linear", "drop")
-# A shorter table may show a pattern, such as a count of rows or an even pitch, by chance.
+# Rows from which a table counts as long. A shorter table may show a pattern, such as an even pitch,
+# by chance.
 LONG_TABLE = 32
-# Words for a missing height, in lower case.
+# Words that stand for a missing height, in lower case.
 _WORDS = (
     "", "n/a", "n.a.", "na", "null", "none", "bad", "invalid", "missing", "masked", "nodata",
     "no data", "no_data", "undefined", "undef", "void",
 )  # fmt: skip
-# Error values of spreadsheets.
+# Error values of spreadsheets, such as #N/A.
 _ERRORS = r"#(?:n/a|nv|wert!|value!|valor!|div/0!|num!|zahl!|ref!|null!)"
 _NO_NUMBER = re.compile(
     rf"[-+]?(?:nan|inf|infinity|nan\(\w*\)|1\.#\w+)|[-*?.]+|{_ERRORS}", re.IGNORECASE
@@ -34,14 +35,18 @@ _COMMENT = re.compile(rf"\s*(?!{_ERRORS})#", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class WarningLimits:
-    """When heights are warned of; factors of two change none of the cases that were seen."""
+    """Limits above which heights cause a warning. Factors of two in them change none of the known
+    cases.
+    """
 
-    # Distance of a spike from its neighbours over the range of the other heights. Also the step
-    # from a mark (such as -32768) to its neighbours over the step of three in four points.
+    # Least distance of a spike from its neighbours, relative to the range of the other heights.
+    # Also the least step from a mark (such as -32768) to its neighbours, relative to the upper
+    # quartile of the other steps.
     far: float = 10.0
-    # Points of the running median: spikes are narrower than half of them.
+    # Number of points of the running median. Spikes are narrower than half of them.
     median_points: int = 9
-    # Larger parts of missing heights are warned of; larger parts of "spikes" are the surface.
+    # A larger fraction of missing heights causes a warning. A larger fraction of "spikes" belongs
+    # to the surface.
     max_part: float = 0.1
 
 
@@ -56,7 +61,9 @@ def no_height(cell: str, missing: Any) -> bool:
 
 
 def missing_number(missing: Any) -> float:
-    """The number that marks missing heights, from a number or a text; nan if it is a word."""
+    """The number that marks missing heights, given as a number or a text; NaN if the text is a
+    word.
+    """
     try:
         return nan if missing is None else float(str(missing).replace(",", "."))
     except ValueError:
@@ -64,7 +71,9 @@ def missing_number(missing: Any) -> float:
 
 
 def without_phrases(rows: list[Row], missing: Any) -> list[Row]:
-    """Rows with phrases such as "no data" replaced by nan: their blank might divide columns."""
+    """Rows in which phrases such as "no data" are replaced by nan: the blank in a phrase could be
+    taken for a delimiter of columns.
+    """
     given = missing.split() if isinstance(missing, str) else []
     phrases = [r"no\s+data"] + [r"\s+".join(map(re.escape, given))] * (len(given) > 1)
     phrase = re.compile(rf"(?<!\w)(?:{'|'.join(phrases)})(?!\w)", re.IGNORECASE)
@@ -72,14 +81,18 @@ def without_phrases(rows: list[Row], missing: Any) -> list[Row]:
 
 
 def is_comment(text: str) -> bool:
-    """Whether a row is a comment; a spreadsheet's #N/A is not."""
+    """Whether a row is a comment, which begins with #; an error value of a spreadsheet such as
+    #N/A is not one.
+    """
     return _COMMENT.match(text) is not None
 
 
 def filled(
     path: str | Path, x: Array, height: Array, lines: NDArray[np.int64], fill: str | None
 ) -> tuple[Array, Array, NDArray[np.int64], str]:
-    """Positions, heights and lines with missing heights filled or dropped, and a note on it."""
+    """Positions, heights and line numbers, with missing heights filled or dropped, and a note that
+    says so.
+    """
     lost = ~np.isfinite(height)
     if not lost.any():
         return x, height, lines, ""
@@ -113,12 +126,12 @@ def filled(
 
 
 def too_many(height: Array) -> bool:
-    """Whether so many heights are missing that much of the shape is invented."""
+    """Whether so many heights are missing that a large part of the shape would be invented."""
     return float(np.mean(~np.isfinite(height))) > _LIMITS.max_part
 
 
 def marks(height: Array) -> str:
-    """A warning of a value that may mark missing heights, such as 0 or -32768; or "".
+    """A warning about a value that may mark missing heights, such as 0 or -32768; or "".
 
     Such a value is 0, or a repeated lowest or highest height. It is far from all others, or its
     neighbours differ from it by much more than other neighbours differ.
@@ -139,15 +152,18 @@ def marks(height: Array) -> str:
 
 
 def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
-    """Whether all steps between marked heights and others are much larger than usual steps."""
+    """Whether every step between a marked height and another one is much larger than the usual
+    step.
+    """
     steps = np.abs(np.diff(height))
     border = here[1:] != here[:-1]
     inner = ~here[1:] & ~here[:-1]
-    # If most other steps are zero, equal heights are normal.
+    # If most of the other steps are zero, equal heights are normal and mark nothing.
     if not inner.any() or float(np.median(steps[inner])) == 0:
         return False
     usual = float(np.quantile(steps[inner], 0.75))
-    # Next to the top of a narrow bump all steps are large, not only the first.
+    # On the flanks of a narrow bump all steps are large, not only the step at its top: the steps
+    # that follow count, too.
     following = inner & (np.append(border[1:], False) | np.append(False, border[:-1]))
     if following.any():
         usual = max(usual, float(np.median(steps[following])))
@@ -155,7 +171,7 @@ def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
 
 
 def spikes(x: Array, height: Array) -> str:
-    """A warning of single points far from all others; or ""."""
+    """A warning about single points far from all others; or ""."""
     points = min(_LIMITS.median_points, height.size // 4 | 1)
     median = require("scipy.ndimage").median_filter(height, points, mode="mirror")
     level = np.polynomial.Polynomial.fit(x, median, 1)(x)
@@ -176,7 +192,7 @@ def spikes(x: Array, height: Array) -> str:
 def in_order(
     path: str | Path, x: Array, height: Array, lines: NDArray[np.int64], sort: bool = False
 ) -> tuple[Array, Array, NDArray[np.int64], str]:
-    """The points by increasing position, and a note on what was done.
+    """The points in the order of their positions, and a note that says what was done.
 
     Descending positions are reversed. Any other order is refused unless `sort` is set.
     """

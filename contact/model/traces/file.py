@@ -44,7 +44,7 @@ from contact.model.traces.readings import (
 from contact.model.traces.text import Layout, Row, at, rows_of
 from sie import Array
 
-# Names of delimiters; None stands for white space.
+# Delimiters by the names that a user may give; None stands for white space.
 _DELIMITERS = {";": ";", "\t": "\t", "tab": "\t", ",": ",", " ": None, "blank": None}
 _DECIMALS = (".", ",")
 _QUOTED = re.compile(r'"[+-]?\d*,\d+([eE][+-]?\d+)?"')
@@ -53,7 +53,7 @@ _GROUPED = re.compile(r"(?<![\d.,])\d{1,3}([.,' \xa0\u202f])\d{3}(\1\d{3})*[.,]\
 
 @dataclass(frozen=True)
 class Header:
-    """The header of the wanted columns.
+    """What the header of a file says about the wanted columns.
 
     line: the line with the units, 0 without any; units: of the columns, None for a column without
     one; depth: the name of the heights if it means depths; remark: line and word of a unit that
@@ -68,7 +68,9 @@ class Header:
 
 @dataclass(frozen=True)
 class Table:
-    """The wanted columns as in the file (n, 1 or 2), the line numbers, and the header."""
+    """The wanted columns with the numbers of the file (n, 1 or 2), their line numbers, and the
+    header.
+    """
 
     values: Array
     lines: NDArray[np.int64]
@@ -81,7 +83,9 @@ class Table:
 
 @dataclass(frozen=True)
 class _Found:
-    """A layout with which rows of numbers begin at row `first`; places: indices of the columns."""
+    """A layout with which rows of numbers begin at row `first`. `places` are the indices of the
+    wanted columns.
+    """
 
     layout: Layout
     places: tuple[int, ...]
@@ -96,7 +100,7 @@ def read_table(
     wanted: int = 2,
     missing: Any = None,
 ) -> Table:
-    """The wanted columns of a file: 2 for positions and heights, 1 for heights alone.
+    """Read the wanted columns of a file: 2 columns for positions and heights, 1 for heights alone.
 
     The data begin with the first two successive rows whose columns are numbers, and reach to the
     end of the file; empty lines and comments (#) are skipped. columns: indices from 0, or names of
@@ -132,7 +136,7 @@ def read_table(
 
 
 def in_metres(path: str | Path, table: Table, units: Any) -> tuple[Array, str]:
-    """The numbers of a table in metres, and the units as text.
+    """The numbers of a table in metres, and a text that says the units of the file.
 
     Given units must not contradict those of the header.
     """
@@ -166,7 +170,7 @@ def in_metres(path: str | Path, table: Table, units: Any) -> tuple[Array, str]:
 
 
 def _columns(columns: Any, wanted: int) -> tuple[int | str, ...]:
-    """The columns given by the user, checked; empty if none are given."""
+    """The columns that the user gives, after a check; empty if the user gives none."""
     allowed = (
         "two different column indices (from 0) or names"
         if wanted == 2
@@ -184,7 +188,7 @@ def _columns(columns: Any, wanted: int) -> tuple[int | str, ...]:
 
 
 def _asked(decimal: Any, delimiter: Any) -> tuple[tuple[str | None, ...], tuple[str, ...]]:
-    """The possible delimiters and decimal marks."""
+    """The delimiters and the decimal marks that are possible; one of each if the user gives it."""
     if decimal is not None and (not isinstance(decimal, str) or decimal not in _DECIMALS):
         raise SceneError.of("decimal", decimal, '"." or ","')
     if delimiter is not None and (not isinstance(delimiter, str) or delimiter not in _DELIMITERS):
@@ -199,7 +203,8 @@ def _find(
     """The layout with which rows of numbers begin earliest in the file."""
     names = [column for column in wanted if isinstance(column, str)]
     named = not names
-    # The data of most files begin early: ever more rows are searched.
+    # The data of most files begin early. So the first rows are searched, and twice as many in each
+    # further step.
     for power in range(len(rows).bit_length() + 1):
         among = rows[: 2**power]
         found = []
@@ -224,7 +229,8 @@ def _find(
 
 
 def _named(rows: list[Row], layout: Layout, names: list[str]) -> tuple[int | None, list[str]]:
-    """The index of the row after the header with all names, and the fields of the header.
+    """The index of the row after the header that has all these names, and the fields of the
+    header.
 
     The index is None without such a header, and 0 if there are no names.
     """
@@ -249,7 +255,7 @@ def _first_of_two(
 
 
 def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
-    """The data, extended upwards by points among rows with missing heights.
+    """The data, extended upwards by points that lie among rows with missing heights.
 
     Such points were not found as two successive rows of numbers. A row with an unknown word for a
     missing height is included and refused later. For heights alone, such a word ends the data,
@@ -264,7 +270,7 @@ def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
         if found.layout.numbers(cells, found.places) is not None:
             first = above
             continue
-        # A single number in a row may be something else, such as the number of points.
+        # A single number in a row may be something else than a point, such as the number of points.
         lone = last >= len(cells) and (found.layout.delimiter or "\n") not in text
         if lone or (others and found.layout.numbers(cells, others) is None):
             break
@@ -278,7 +284,7 @@ def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
 def _why_none(
     path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]
 ) -> str:
-    """Advice for a file without two rows of numbers in the wanted columns."""
+    """Advice for the error message if a file has no two rows of numbers in the wanted columns."""
     refuse_sideways(path, rows, layouts)
     if any(_GROUPED.search(line) for _, line in rows):
         return ": numbers with separators of thousands are not read, write them without"
@@ -305,13 +311,15 @@ def _why_none(
 def _tables(
     rows: list[Row], layouts: list[Layout], places: tuple[int, ...] = (0, 1)
 ) -> list[tuple[int, list[str]]]:
-    """Index and cells of the first row of numbers, for each layout that has one."""
+    """For each layout with which there are rows of numbers: the index of the first such row, and
+    its cells.
+    """
     starts = ((layout, _first_of_two(rows, 0, layout, places)) for layout in layouts)
     return [(i, layout.cells(rows[i][1])) for layout, i in starts if i is not None]
 
 
 def _no_names(rows: list[Row], layouts: list[Layout]) -> str:
-    """The names in the file's header, for the message that other names are missing."""
+    """The names in the file's header, for the error message that other names are missing."""
     for layout in layouts:
         for start, cells in _tables(rows, [layout]):
             for line, text in reversed(rows[:start]):
@@ -322,7 +330,7 @@ def _no_names(rows: list[Row], layouts: list[Layout]) -> str:
 
 
 def _data(path: str | Path, rows: list[Row], found: _Found, layouts: list[Layout]) -> Data:
-    """The rows of a table, with the decimal mark that fits all of them.
+    """The rows of the data, read with the decimal mark that fits all of them.
 
     The first decimal mark may come in a late row, as in "1;2" followed by "1,5;2".
     """
@@ -349,7 +357,7 @@ def _data(path: str | Path, rows: list[Row], found: _Found, layouts: list[Layout
 
 
 def _numbers(data: Data, i: int, missing: Any) -> list[float]:
-    """The numbers of a row; nan for a missing height."""
+    """The numbers in the wanted columns of row i; NaN for a missing height."""
     line, text = data.rows[i]
     cells = data.cells[i]
     values = data.layout.numbers(cells, data.places)
@@ -369,7 +377,8 @@ def _numbers(data: Data, i: int, missing: Any) -> list[float]:
 
 
 def _refuse_lost_lines(path: str | Path, lines: NDArray[np.int64]) -> None:
-    """Refuse empty lines and comments among heights alone: they may be missing points.
+    """Refuse empty lines and comments among heights without positions: they may stand for missing
+    points.
 
     Equal distances between all lines are accepted.
     """
@@ -381,7 +390,7 @@ def _refuse_lost_lines(path: str | Path, lines: NDArray[np.int64]) -> None:
 
 
 def _counts(data: Data, values: Array) -> bool:
-    """Whether the first column may be an index of the points: 0, 1, 2, ... or 1, 2, 3, ..."""
+    """Whether the first column may count the points: 0, 1, 2, ... or 1, 2, 3, ..."""
     whole = all(row[0].isdigit() for row in data.cells if row)
     x = values[:, 0]
     heights_too = np.all(values[:, 1] == np.rint(values[:, 1]))
@@ -389,7 +398,7 @@ def _counts(data: Data, values: Array) -> bool:
 
 
 def _number_above(data: Data) -> int:
-    """The line of a decimal number just above a single column of heights; 0 without one.
+    """Line number of a decimal number just above a single column of heights; 0 if there is none.
 
     Whole numbers are ignored: they are numbers of points.
     """
@@ -401,14 +410,15 @@ def _number_above(data: Data) -> int:
 
 
 def _header(data: Data) -> Header:
-    """The header of the wanted columns, from the rows before the data."""
+    """The header of the wanted columns, found in the rows before the data."""
     named = [(line, [fields[place] for place in data.places]) for line, fields in data.headers()]
     depth = next((cells[-1] for _, cells in named if is_depth(cells[-1])), "")
     said: Header | None = None
     past_names = False
     for i, (line, cells) in enumerate(named):
         above = next((other for upper, other in named[i + 1 :] if upper != line), [])
-        # Rows above the names of the columns are titles; words in brackets there are no units.
+        # Rows above the names of the columns are titles, and words in brackets in them are not
+        # units.
         units: tuple[Unit | None, ...] | None = units_row(cells, above)
         if units is None:
             units = (None,) * len(cells) if past_names else units_of(cells)
@@ -419,11 +429,11 @@ def _header(data: Data) -> Header:
         past_names = past_names or any(is_name(cell) for cell in cells)
     if said is not None:
         return said
-    # Units may also stand in the rows of data, as in "0.5 um  1.2 um".
+    # Units may also be given in the rows of data, as in "0.5 um  1.2 um".
     spoken = ((line, mentioned(text)) for line, text in [*data.before, data.rows[0]])
     remark = next(((line, word) for line, word in spoken if word), None)
     if remark is None and not named:
-        # A header that cannot be divided into columns may still have one unit per column.
+        # A header that cannot be divided into columns may still have one unit for each column.
         words = ((line, unit_words(text)) for line, text in data.before[-HEADER_ROWS:])
         remark = next(((line, w[0]) for line, w in words if len(w) == data.width > 1), None)
     return Header(0, (None,) * len(data.places), depth, remark)

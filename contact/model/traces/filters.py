@@ -18,9 +18,10 @@ from contact.model.units import quantity
 from sie import Array
 
 ALPHA = sqrt(log(2) / pi)
-# Half-width of the weights in cut-offs: beyond, they are below round-off of the largest.
+# Half width of the Gaussian weights, in cut-off wavelengths. Outside it, weights are below the
+# round-off of the largest one.
 _REACH = ALPHA * sqrt(-log(EPS) / pi)
-# Relative deviation from even distances that does not matter.
+# Largest relative deviation from equal spacing that does not matter.
 MAX_UNEVENNESS = 1e-3
 
 
@@ -32,7 +33,9 @@ def refuse_cut_offs(lambda_s: Any, lambda_c: Any) -> None:
 
 
 def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
-    """Low-pass filtered heights at even positions; name: of the cut-off, for error messages."""
+    """Low-pass filtered heights at evenly spaced positions; `name` of the cut-off is for error
+    messages.
+    """
     length = float(x[-1] - x[0])
     pitch = length / (x.size - 1)
     uneven = float(np.max(np.abs(x - np.linspace(x[0], x[-1], x.size))))
@@ -40,7 +43,7 @@ def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
         raise SceneError.of(
             name, cut_off, "left out where positions are not even: regrid = true makes them so"
         )
-    # Points at a pitch have no waves shorter than two pitches.
+    # Points at an even pitch represent no wavelengths shorter than two pitches.
     shortest = 2 * pitch
     if not shortest <= cut_off <= length:
         allowed = "two pitches at least and the length of the trace at most"
@@ -51,8 +54,9 @@ def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
     weight = np.exp(-pi * (t / ALPHA) ** 2)
     level = float(np.mean(height))
     ones = np.ones_like(height)
-    # Moments for the local straight line at every point: sums of the weights times 1, t, t^2, and
-    # of the heights times 1, t. A convolution reverses its kernel, hence the signs.
+    # Moments for the straight line fitted around each point: sums of the weights times 1, t and
+    # t^2, and of the weighted heights times 1 and t. The minus signs are there because a
+    # convolution reverses its kernel.
     s0, s2 = _convolved(ones, weight), _convolved(ones, weight * t**2)
     s1, h0, h1 = (
         -_convolved(ones, weight * t),

@@ -10,8 +10,8 @@ from typing import Any
 from contact.errors import SceneError, shown
 from contact.model.traces.text import unquoted
 
-# One row a unit: its length [m], nan if it is none of length; its names. Messages use the first.
-# Case, accents, a plural s and a dot at the end do not matter.
+# Each row is a unit's length in metres, NaN for units that are no lengths, and the names of the
+# unit. Messages use the first name. Case, accents, a plural s and a final dot do not matter.
 _TABLE = (
     (1e3, "km kilometer kilometre км километр 千米 公里"),
     (1.0, "m meter metre м метр 米 メートル"),
@@ -32,26 +32,28 @@ _TABLE = (
     (2.54e-8, "uin μin microin microinch microinches"),
     (nan, "px pix pixel V mV volt rad mrad urad μrad radian deg degree ° s ms sec second count"),
 )
-# Names of columns: they distinguish a row of names from a row of units below it.
+# Usual names of columns: they distinguish a row of names from a row of units below it.
 _NAMES = frozenset(
     "x y z r h pos position dist distance height heights profile lateral length depth path "
     "weg hohe tiefe abscisse hauteur altura высота длина координата 高度 位置 高さ".split()
 )
-# Words that follow a name in a header and are no units.
+# Words that may follow a name in a header and are not units.
 _NO_UNITS = frozenset(
     "raw data axis value values coord coordinate profile signal filtered corrected levelled "
     "leveled smoothed mean average abs rel left right top measured axe achse wert werte".split()
 )
-# Parts of names of heights that grow into the body.
+# Parts of the names of columns whose heights grow into the body.
 _DEPTHS = (
     "depth", "tiefe", "profondeur", "profundi", "profondit", "diepte", "djup", "глубин", "深",
 )  # fmt: skip
-# Units that also occur in remarks with another meaning, as in 3:45 pm.
+# Units that have another meaning in remarks, such as pm in 3:45 pm.
 _NOT_IN_REMARKS = ("pm", "dm", "km", "in")
 
 
 def folded(word: str) -> str:
-    """A word without accents, in one form of each letter (µ, ㎛), without a dot at its end."""
+    """A word without accents and without a final dot, with variants of a letter (µ, ㎛) replaced by
+    one form.
+    """
     letters = unicodedata.normalize("NFKD", word.strip())
     return "".join(c for c in letters if not unicodedata.combining(c)).removesuffix(".")
 
@@ -62,10 +64,12 @@ _LENGTHS = tuple(next(iter(names.split())) for scale, names in _TABLE if not isn
 
 
 def scale_of(word: str) -> float | None:
-    """The length of a unit [m], nan if it is none of length, None if the word is no known unit."""
+    """The length of a unit [m]; NaN for a unit that is no length, None for a word that is no known
+    unit.
+    """
     exact = folded(word)
     lower = exact.lower()
-    # A single letter has a meaning in its own case only: A is not a, m is not M.
+    # Upper and lower case of a single letter differ in meaning: A (angstrom) is not a, m is not M.
     tried = (exact,) if len(exact) < 2 else (exact, lower, lower.removesuffix("s"))
     return next((_SCALES[name] for name in tried if name in _SCALES), None)
 
@@ -79,7 +83,7 @@ def length_of(word: Any) -> float:
 
 
 def scales(units: Any) -> tuple[float, float]:
-    """The lengths [m] of one unit for positions and heights, or of two."""
+    """The lengths [m] of the units of positions and heights. One given unit counts for both."""
     both = (units, units) if isinstance(units, str) else units
     if not isinstance(both, Sequence) or len(both) != 2:
         raise SceneError.of("units", units, "one unit or two, for positions and heights")
@@ -87,7 +91,7 @@ def scales(units: Any) -> tuple[float, float]:
 
 
 def written(names: Sequence[str]) -> str:
-    """Units as a scene file and Python write them."""
+    """Units in the form in which a scene file and Python code give them."""
     if len(set(names)) == 1:
         return f'"{names[0]}"'
     return "[" + ", ".join(f'"{name}"' for name in names) + "]"
@@ -95,26 +99,28 @@ def written(names: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class Unit:
-    """A word in the place of a unit, and its scale as returned by `scale_of`."""
+    """A word in a place where a unit is expected, and its length as returned by `scale_of`."""
 
     word: str
     scale: float | None
 
     @property
     def why_not(self) -> str:
-        """Why the word is no unit of length; empty if it is one."""
+        """Reason why the word is not a unit of length; empty if it is one."""
         if self.scale is None:
             return f"{shown(self.word)}, which is no unit that is known ({', '.join(_LENGTHS)} are)"
         return f"{shown(self.word)}, which is no unit of lengths" if isnan(self.scale) else ""
 
 
 _WIDE = str.maketrans("（）［］｛｝〔〕【】／：，", "()[]{}()[]/:,")
-# A word in brackets: anywhere, first, last, or alone in a field.
+# Patterns for a word in brackets: anywhere in a field, at its start, at its end, and as the whole
+# field.
 _BRACKETS = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]")
 _BRACKETS_FIRST = re.compile(rf"^\s*{_BRACKETS.pattern}")
 _BRACKETS_LAST = re.compile(rf"{_BRACKETS.pattern}\s*$")
 _BRACKETS_ALONE = re.compile(rf"^{_BRACKETS.pattern}$")
-# Blanks between a name and brackets after it, and between brackets and a name after them.
+# Patterns for blanks between a name and brackets after the name, and between brackets and a name
+# after the brackets.
 _NAME_BRACKET = re.compile(r"(?<=[^\s\])>}])\s+(?=[\[(<{][^\])>}]*[\])>}])")
 _BRACKET_NAME = re.compile(r"(?<=[\])>}])\s+(?=[^\s\[(<{])")
 _TO_BRACKET = re.compile(r"[^\[(<{\])>}]+[\[(<{][^\])>}]*[\])>}]")  # words up to brackets
@@ -128,7 +134,7 @@ _NUMBER_FIRST = re.compile(r"[+-]?[\d.,]*\d")
 
 
 def unit_of(field: str, short: bool = False) -> Unit | None:
-    """The unit in a field of a header; None without one.
+    """The unit in a field of a header; None if there is none.
 
     A unit stands in brackets or after a slash, a comma, a colon or "in": "x [um]", "Weg/mm", "X,
     мм". The last word of other fields may be one: "Lateral um", "height_nm", "Zmm". short: a single
@@ -175,7 +181,7 @@ def units_of(cells: Sequence[str]) -> tuple[Unit | None, ...]:
 
 
 def _word_behind_name(field: str) -> str:
-    """The word behind a usual name, as in "Height_smoot"; empty where it may be no unit."""
+    """The word behind a usual name, as in "Height_smoot"; empty if this word cannot be a unit."""
     found = _NAME_WORD.match(field.strip())
     if found is None or not is_name(found[1]) or is_name(found[3]):
         return ""
@@ -183,41 +189,43 @@ def _word_behind_name(field: str) -> str:
 
 
 def units_row(cells: Sequence[str], above: Sequence[str]) -> tuple[Unit | None, ...] | None:
-    """The units in a row of nothing but units; None for another row. above: the row before it."""
+    """The units in a row that contains units only; None for other rows. `above` is the row before
+    it.
+    """
     words = [_BRACKETS.sub(r"\1", cell).strip(' "') for cell in cells]
     units = tuple(Unit(word, scale_of(word)) if word else None for word in words)
     named = any(is_name(cell) for cell in above) and not any(is_name(word) for word in words)
-    # Two columns do not have one name: a word that stands in both is a unit.
+    # Two columns do not have the same name: a word that is in both columns is a unit.
     unit_twice = len(words) > 1 and len(set(words)) == 1 and not is_name(words[0])
     known = all(unit is not None and unit.scale is not None for unit in units)
     return units if any(units) and (known or unit_twice or named) else None
 
 
 def is_name(field: str) -> bool:
-    """Whether a field is a usual name of a column."""
+    """Whether a field is a usual name of a column, such as x or height."""
     return any(word in _NAMES for word in re.split(r"[\s_]+", folded(bare_name(field)).lower()))
 
 
 def is_depth(field: str) -> bool:
-    """Whether a field is a name of heights that grow into the body."""
+    """Whether a field names heights that grow into the body, such as depth."""
     lower = folded(field).lower()
     return any(word in lower for word in _DEPTHS)
 
 
 def mentioned(line: str) -> str | None:
-    """The first unit of length other than the metre in a line; None without one."""
+    """The first word of a line that is a unit of length other than the metre; None without one."""
     for word in _WORDS.findall(unicodedata.normalize("NFKC", line)):
         scale = scale_of(word)
         if scale in (None, 1.0) or isnan(scale) or len(word) < 2 or word.lower() in _NOT_IN_REMARKS:
             continue
-        # Short words with a capital letter mean something else: Nm, MM.
+        # Short words that begin with a capital letter mean something else, such as Nm and MM.
         if len(word) > 3 or not word[0].isupper():
             return str(word)
     return None
 
 
 def unit_words(line: str) -> list[str]:
-    """The words of a line that stand where units stand, whatever they belong to."""
+    """The units in a line, found where a unit may follow a name, whatever column they belong to."""
     words = _NAME_MARK.sub(_with_mark, line).split()
     found = [unit_of(word) for word in words]
     return [unit.word for unit in found if unit is not None]
@@ -231,7 +239,7 @@ def bare_name(field: str) -> str:
 
 
 def header_fields(line: str, delimiter: str | None) -> Iterator[list[str]]:
-    """The fields of a header, divided as the data are and in other ways.
+    """The fields of a header, divided by the delimiter of the data and then by other delimiters.
 
     Units stay with their names: in brackets, after a slash, a comma, a colon or "in".
     """
@@ -260,7 +268,8 @@ def _with_mark(found: re.Match[str]) -> str:
 
 
 def in_pairs(fields: Sequence[str]) -> list[str]:
-    """Names and units that were divided, as in "Lateral um Raw nm", joined again.
+    """Names joined again with their units if the header's division had separated them, as in
+    "Lateral um Raw nm".
 
     It is empty unless all units are known or equal, or all names are usual ones.
     """

@@ -17,7 +17,8 @@ from contact.model.checks import finite_array, integer, one_of
 from contact.model.traces.text import at
 from sie import Array
 
-# File name endings of the formats of the package, without those of text tables.
+# File name endings of the formats that the package SurfaceTopography reads, without those of text
+# tables.
 FORMATS = tuple(
     (
         "x3p sur pro sdf di spm mdt opd opdx ibw mi datx tif tiff tmd vk3 vk4 vk6 vk7 zmg zon os3d "
@@ -25,15 +26,17 @@ FORMATS = tuple(
         "nms mat"
     ).split()
 )
-# Formats whose files may be text but are not tables.
+# Formats whose files may be text, but not text tables.
 _OF_TEXT = ("sdf", "bcr", "bcrf")
-# One manufacturer numbers its files by their endings.
+# One manufacturer uses numbers of three digits as file name endings.
 _NUMBERED = re.compile(r"\d{3}")
 ALONG = ("x", "y")
 
 
 def is_instrument_file(path: str | Path) -> bool:
-    """Whether a file is an instrument's, by its ending and, if needed, its first bytes."""
+    """Whether a file has an instrument's own format, by its ending and, if needed, its first
+    bytes.
+    """
     ending = Path(path).suffix[1:].lower()
     if ending not in FORMATS and not _NUMBERED.fullmatch(ending):
         return False
@@ -52,7 +55,7 @@ def is_instrument_file(path: str | Path) -> bool:
 def read_instrument(
     path: str | Path, channel: Any = None, line: Any = None, along: Any = None
 ) -> tuple[Array, Array, str]:
-    """Positions and heights [m] (nan if not measured), and a note on what was read."""
+    """Positions and heights [m] (NaN if not measured), and a note that says what was read."""
     package = require("SurfaceTopography")
     try:
         reader = package.open_topography(str(path))
@@ -63,11 +66,11 @@ def read_instrument(
     chosen = channels[_place(path, names, channel)]
     try:
         surface = chosen.topography()
-        # A map or scan without lengths has no unit.
+        # A map or scan without known lengths has no unit.
         if surface.unit is None:
             raise at(path, 0, "the file says no unit of its lengths: export it as text")
         surface = surface.to_unit("m")
-        # Only a line scan has positions; a map has physical sizes.
+        # Only a line scan has positions; a map has physical sizes instead.
         positions = (
             np.empty(0) if surface.dim == 2 else np.asarray(surface.positions(), dtype=float)
         )
@@ -88,7 +91,9 @@ def read_instrument(
 
 
 def _place(path: str | Path, names: list[str], channel: Any) -> int:
-    """The index of a channel given by name or number; without one, of the only height channel."""
+    """The index of the channel with this name or number. If none is given, the index of the only
+    channel of heights.
+    """
     listed = ", ".join(f"{place} {name!r}" for place, name in enumerate(names)) or "none"
     if channel is None and len(names) == 1:
         return 0
@@ -132,7 +137,7 @@ def _of_map(
 
 
 def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Array, str]:
-    """Heights on the straight line between two points, at about the pitch of the map."""
+    """Heights on the straight line between two points of a map, at about the map's pitch."""
     ends = finite_array("line", line, 2)
     nx, ny = heights.shape
     far = np.array([(nx - 1) * dx, (ny - 1) * dy])
@@ -151,7 +156,7 @@ def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Ar
     i, j = np.minimum(u.astype(int), nx - 2), np.minimum(v.astype(int), ny - 2)
     s, t = u - i, v - j
     corners = ((0, 0, (1 - s) * (1 - t)), (1, 0, s * (1 - t)), (0, 1, (1 - s) * t), (1, 1, s * t))
-    # A missing height matters only if its weight is positive.
+    # A missing height (NaN) at a corner matters only if the weight of the corner is positive.
     height = sum(
         np.where(weight > 0, weight * heights[i + a, j + b], 0.0) for a, b, weight in corners
     )

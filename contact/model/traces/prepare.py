@@ -38,24 +38,27 @@ from contact.model.traces.text import at
 from contact.model.units import quantity
 from sie import Array
 
-# Names of forms; the place of one is the degree of its polynomial.
+# Names of the forms to be subtracted; the index of a name is the degree of the polynomial ("none"
+# means no subtraction).
 _TRENDS = ("none", "line", "quadratic")
 
 
 @dataclass(frozen=True)
 class TraceLimits:
-    """Limits of the preparation, and of what is plausible for a measured trace."""
+    """Limits of the preparation, and limits of plausible values of a measured trace."""
 
-    # Degree of a form; higher waves are removed by a filter.
+    # Highest degree of a form; a filter should remove still shorter waves.
     max_trend: int = 12
-    # Points that regrid may create: linear interpolation adds corners and time, no information.
+    # Largest number of points that `regrid` may create. Linear interpolation adds corners and time,
+    # but no information.
     max_regrid: int = 20_000
-    # Smallest pitch and range of heights [m]: below the size of an atom.
+    # Smallest plausible pitch and range of heights [m]: less than the size of an atom.
     atom: float = 1e-11
-    # Longest trace and widest pitch of a surface [m]: of a guideway or a road.
+    # Longest plausible trace and widest plausible pitch [m]: those of a guideway or a road.
     max_length: float = 1.0
     max_pitch: float = 1e-3
-    # Part of both limits without given units, where metres are a guess: a trace in mm is longer.
+    # Fraction of these limits that counts if no units are given. Metres are then a guess: a trace
+    # in mm would look longer.
     guessed: float = 0.1
 
 
@@ -64,7 +67,7 @@ _LIMITS = TraceLimits()
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """The content of a file: positions and heights [m], line numbers, and units as text."""
+    """The content of a file: positions and heights [m], line numbers, and a text on the units."""
 
     path: str
     x: Array
@@ -80,7 +83,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Preparation:
-    """The steps of the preparation in their order, named like the keys of [profile]."""
+    """The steps of the preparation in their order. Their names are those of the keys of [profile]."""
 
     sort: bool = False
     invert: bool | None = None
@@ -98,7 +101,8 @@ class Preparation:
         if self.invert is not None and not isinstance(self.invert, bool):
             raise SceneError.of("invert", self.invert, "true or false")
         _degree(self.detrend)
-        # True means the number of points, or the measured length; false means left out.
+        # True stands for the number of points, or the measured length; False means that the step is
+        # left out.
         for name, check in (("regrid", partial(integer, least=MIN_POINTS)), ("period", positive)):
             given = getattr(self, name)
             if not (given is None or isinstance(given, bool)):
@@ -117,7 +121,9 @@ class Preparation:
 
 @dataclass(frozen=True)
 class Trace:
-    """A prepared trace: points [m], period or None, history, warnings, stages, and its source."""
+    """A prepared trace: points [m], period or None, history, warnings, intermediate stages and
+    source.
+    """
 
     x: Array
     height: Array
@@ -128,14 +134,14 @@ class Trace:
     source: tuple[Reading, Preparation] | None = None
 
 
-# Keys for text tables, and keys for the files of instruments, with their values if left out.
+# Arguments for text tables, and arguments for files of instruments, with their default values.
 _LAYOUT = {"columns": (), **dict.fromkeys(("units", "pitch", "decimal", "delimiter", "missing"))}
 _PLACE = dict.fromkeys(("channel", "line", "along"))
 _OF_INSTRUMENTS = "a table of text has columns, and channels and lines are an instrument file's"
 
 
 def load_trace(path: str | Path, **keys: Any) -> Trace:
-    """Read and prepare the trace of a file; keys: the arguments of `contact.read_trace`."""
+    """Read and prepare the trace of a file. `keys` are the arguments of `contact.read_trace`."""
     layout, place = (
         {name: keys.pop(name, usual) for name, usual in known.items()}
         for known in (_LAYOUT, _PLACE)
@@ -157,7 +163,7 @@ def load_trace(path: str | Path, **keys: Any) -> Trace:
 
 
 def prepared(reading: Reading, by: Preparation) -> Trace:
-    """The prepared trace of the points of a file."""
+    """The trace that results from preparing the points of a file."""
     path, x, height, lines, said = (
         reading.path,
         reading.x,
@@ -212,7 +218,7 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
 
 
 def _upside_down(reading: Reading, by: Preparation) -> bool:
-    """Whether heights are inverted; SceneError for depths without a given `invert`."""
+    """Whether heights must be inverted; SceneError for depths if `invert` is not given."""
     if reading.depth and by.invert is None:
         what = f"the heights are called {shown(reading.depth)}"
         choices = "invert = true if they grow into the body, invert = false if they grow out of it"
@@ -223,7 +229,9 @@ def _upside_down(reading: Reading, by: Preparation) -> bool:
 def _at_places(
     path: str, x: Array, height: Array, lines: NDArray[np.int64], count: bool | int | None
 ) -> tuple[Array, Array, str]:
-    """The points at their own, distinct positions, or at `count` even ones, and a note."""
+    """The points at their own positions, which must be distinct, or at `count` evenly spaced ones,
+    and a note.
+    """
     if count is None or _pitch_behind_rounding(x) is None:
         _refuse_repeated(path, x, lines)
     if count is None:
@@ -245,7 +253,7 @@ def _table(
     delimiter: Any,
     missing: Any,
 ) -> Reading:
-    """The content of a text file."""
+    """The content of a file that is a text table."""
     step = None if pitch is None else positive("pitch", pitch)
     if missing is not None and not (isinstance(missing, str) and missing.strip()):
         missing = finite("missing", missing, "a word or a number of the file")
@@ -292,7 +300,9 @@ def _measured_length(x: Array, height: Array) -> float:
 
 
 def _doubtful_heights(name: str, x: Array, height: Array, many: str) -> tuple[str, ...]:
-    """Warnings about the heights; many: a note on missing ones if they are a large part."""
+    """Warnings about doubtful heights. `many` is a note on missing heights if they are a large
+    part, else "".
+    """
     missing = [f"{many}, more than a tenth of them"] if many else []
     far = marks(height) or spikes(x, height)
     return tuple(f"{name}: {what}" for what in (*missing, far) if what)
@@ -323,7 +333,8 @@ def _doubts(reading: Reading, x: Array, height: Array, period: float | None) -> 
 
 
 def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
-    """Positions and heights at `count` even positions, and a note on what was done.
+    """Positions and heights at `count` evenly spaced positions, and a note that says what was
+    done.
 
     Positions printed with too few digits (0.0, 0.2, 0.3, 0.5 for a pitch of 0.156) give a spline
     false slopes. If rounding explains all deviations from an even pitch, the positions are replaced
@@ -349,12 +360,13 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
 
 
 def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
-    """Heights minus their least-squares line, parabola or polynomial of given degree."""
+    """Heights minus their least-squares line, parabola or polynomial of the given degree."""
     return np.asarray(height - np.polynomial.Polynomial.fit(x, height, _degree(kind))(x))
 
 
 def taper_ends(x: Array, height: Array, fraction: float) -> Array:
-    """Heights blended at both ends into their mean, with the weight (1 - cos(pi s))/2.
+    """Heights blended into their mean near both ends, with the weight (1 - cos(pi s))/2. s grows
+    from 0 at an end to 1.
 
     The slopes at the ends become 0.
     """
@@ -365,7 +377,7 @@ def taper_ends(x: Array, height: Array, fraction: float) -> Array:
 
 
 def _pitch_behind_rounding(x: Array) -> float | None:
-    """The even pitch of which the positions are the rounded values; None if there is none."""
+    """The even pitch from which the positions arise by rounding; None if there is no such pitch."""
     n = x.size
     length = float(x[-1] - x[0])
     if n < LONG_TABLE or length <= 0:
@@ -377,8 +389,8 @@ def _pitch_behind_rounding(x: Array) -> float | None:
         place = 10.0**power
         off = np.abs(x / place - np.rint(x / place))
         if np.max(off) <= 1e-6:
-            # Rounding moves a point by half a decimal place; the second term is the error of the
-            # fit.
+            # Rounding moves a point by at most half a decimal place; the second term is the error
+            # of the fit.
             allowed = place * (0.5 + 1 / np.sqrt(n))
             return slope if float(np.max(np.abs(x - fitted))) <= allowed else None
     return None

@@ -12,12 +12,13 @@ from contact.model.traces.header import header_fields, in_pairs, is_name, unit_o
 from contact.model.traces.text import Layout, Row, at
 
 _WHOLE = re.compile(r"[+-]?\d+([eE][+-]?\d+)?")
-# Names of columns that are an index of the points.
+# Names of columns that count the points.
 _COUNTS = (
     "", "#", "i", "n", "no", "nr", "idx", "index", "point", "points", "sample", "samples", "row",
     "count", "punkt", "messpunkt", "nummer", "number", "numero", "номер", "№", "序号", "番号",
 )  # fmt: skip
-# Rows just above the data that may be a header although they have other columns.
+# Number of rows just above the data that may be a header although they have another number of
+# columns.
 HEADER_ROWS = 3
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _NUMBER = re.compile(r"[+-]?[\d.,]")
@@ -25,13 +26,13 @@ _FREE_NUMBER = re.compile(r"(?<!\w)\d")
 
 
 def is_count(name: str) -> bool:
-    """Whether a column of that name is an index of the points."""
+    """Whether a column of this name counts the points."""
     return name.strip(".").lower() in _COUNTS
 
 
 @dataclass(frozen=True)
 class Data:
-    """The rows of data with their line numbers and cells, and the rows before them."""
+    """The rows of data with their line numbers and cells, and the rows before the data."""
 
     path: str | Path
     layout: Layout
@@ -46,11 +47,12 @@ class Data:
 
     @property
     def heading(self) -> str:
-        """The row before the first."""
+        """The text of the row just before the data; empty if there is none."""
         return self.before[-1][1] if self.before else ""
 
     def headers(self) -> Iterator[tuple[int, list[str]]]:
-        """Line number and fields of possible headers, the nearest to the data first.
+        """Line number and fields of each row that may be a header, beginning with the row nearest
+        to the data.
 
         A header has as many fields as the data have columns; a row of other numbers ends the
         search.
@@ -64,7 +66,7 @@ class Data:
             for i, fields in enumerate(header_fields(text, self.layout.delimiter)):
                 if len(fields) == 2 * self.width:
                     fields = in_pairs(fields)
-                # The last columns may have no name or no unit.
+                # The last columns of the header may have no name, or no unit.
                 columns = text.count(self.layout.delimiter or "\n") + 1
                 if i == 0 and len(fields) < columns == self.width:
                     fields = [*fields, *[""] * (self.width - len(fields))]
@@ -74,14 +76,15 @@ class Data:
 
     @property
     def names(self) -> list[str]:
-        """Names of the columns, from the nearest row that looks like names."""
+        """Names of the columns, from the nearest row above the data that looks like names."""
         found = [fields for _, fields in self.headers()]
         usual = (f for f in found if any(is_name(n) or n and is_count(n) or unit_of(n) for n in f))
         return next(usual, found[0] if found else [f"column {k}" for k in range(self.width)])
 
 
 def refuse_unclear_commas(data: Data) -> None:
-    """Refuse commas that may be delimiters, decimal marks or separators of thousands.
+    """Refuse commas whose meaning is unclear: delimiters, decimal marks or separators of
+    thousands.
 
     For example, 0,5,1,2 is 0 | 5 | 1 | 2 or 0.5 | 1.2; and 1,234 may be 1234.
     """
@@ -98,8 +101,8 @@ def refuse_unclear_commas(data: Data) -> None:
     if layout.delimiter != "," or any('"' in text for _, text in data.rows):
         return
     for (line, text), cells in zip(data.rows, data.cells, strict=True):
-        # In 1,000.5 and 0,05 the parts 000.5 and 05 are not numbers of their own, unless all
-        # numbers are padded with zeros.
+        # In 1,000.5 and 0,05 the parts 000.5 and 05 cannot be separate numbers, unless all numbers
+        # are padded with zeros.
         part = next((cell for cell in cells[1:] if re.match(r"0\d", cell)), None)
         if (
             part is not None
@@ -113,8 +116,8 @@ def refuse_unclear_commas(data: Data) -> None:
     if data.width <= wanted:
         return
     for (_, text), cells in zip(data.rows, data.cells, strict=True):
-        # A space behind a comma, a decimal point, or a sign in every field but the first shows that
-        # commas are delimiters.
+        # Commas are delimiters if a space follows one, if there is a decimal point, or if all
+        # fields after the first have a sign.
         if (
             re.search(r",\s+\S", text)
             or not _are_columns(cells)
@@ -127,7 +130,7 @@ def refuse_unclear_commas(data: Data) -> None:
 
 
 def _are_columns(cells: list[str]) -> bool:
-    """Whether a row may be two or more whole numbers divided by commas."""
+    """Whether a row may consist of two or more whole numbers separated by commas."""
     return len(cells) > 1 and all(_WHOLE.fullmatch(cell) for cell in cells)
 
 
@@ -163,7 +166,7 @@ def _refuse_unclear_thousands(data: Data) -> None:
 
 
 def refuse_unclear_columns(data: Data) -> None:
-    """Refuse a table with more columns of numbers than wanted if none are chosen."""
+    """Refuse a table that has more columns of numbers than wanted if the user chooses none."""
     layout, wanted, names = data.layout, len(data.places), data.names
     numeric = [
         k
@@ -194,7 +197,7 @@ def refuse_unclear_columns(data: Data) -> None:
 
 
 def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) -> None:
-    """Refuse a transposed table: a few rows of many numbers each."""
+    """Refuse a transposed table, which has a few rows of many numbers each."""
     for layout in layouts:
         counts = [
             (sum(layout.number(cell) is not None for cell in layout.cells(text)), line)
@@ -212,7 +215,7 @@ def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) ->
 
 
 def refuse_count(data: Data) -> None:
-    """Refuse a number of points among the first rows, which would be read as a point.
+    """Refuse a number of points among the first rows, since it would be read as a point.
 
     It is a whole number that equals the number of rows below it (in a long table, also below the
     next two rows). Evenly spaced positions such as 11, 10, 9 are accepted.

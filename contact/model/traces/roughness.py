@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Roughness:
-    """Roughness parameters; lengths in m, `depth` from the lowest to the highest point."""
+    """Roughness parameters of a trace, lengths in m; `depth` is the highest minus the lowest
+    height.
+    """
 
     points: int
     length: float
@@ -44,7 +46,8 @@ def roughness(trace: "Sampled") -> Roughness:
     knots = trace.x if trace.period is None else np.append(trace.x, trace.x[0] + trace.period)
     steps = np.diff(knots)
     length = float(knots[-1] - knots[0])
-    # Seven nodes are exact to degree 13; the fourth power of a cubic has degree 12.
+    # Seven Gauss nodes integrate polynomials exactly up to degree 13. The fourth power of a cubic
+    # has degree 12.
     nodes, weights = np.polynomial.legendre.leggauss(7)
     at = (knots[:-1, None] + 0.5 * steps[:, None] * (1 + nodes)).ravel()
     part = (0.5 * steps[:, None] * weights).ravel() / length
@@ -92,7 +95,8 @@ def power_spectrum(trace: "Sampled") -> tuple[Array, Array]:
 
 
 def height_distribution(trace: "Sampled", max_bins: int = 64) -> tuple[Array, Array]:
-    """Edges of equal bins [m], measured from the mean height, and the density of heights [1/m].
+    """Edges of equal bins [m], measured from the mean height, and the probability density of
+    heights [1/m].
 
     The number of bins is the root of the number of points, at most `max_bins`.
     """

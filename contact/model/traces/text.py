@@ -27,7 +27,7 @@ class Layout:
     quoted: bool = False
 
     def cells(self, line: str) -> list[str]:
-        """The cells of a row without empty ones at its end."""
+        """The cells of a row, without empty cells at the end of the row."""
         if '"' in line:
             parts = unquoted(line, self.delimiter)
         elif self.delimiter == self.decimal and not self.quoted:
@@ -40,7 +40,7 @@ class Layout:
         return parts
 
     def number(self, cell: str) -> float | None:
-        """The number in a cell (nan and inf included), or None."""
+        """The number in a cell (which may be NaN or infinite); None if the cell is no number."""
         if self.decimal == ",":
             if not _COMMA_NUMBER.fullmatch(cell):
                 return nan if cell.lower() == "nan" else None
@@ -51,7 +51,7 @@ class Layout:
             return _written_elsewhere(cell)
 
     def numbers(self, cells: list[str], places: Sequence[int]) -> list[float] | None:
-        """The numbers in given places of a row; None if one is not a number."""
+        """The numbers in the given columns of a row; None if one of the cells is not a number."""
         if len(cells) <= max(places):
             return None
         found = [self.number(cells[place]) for place in places]
@@ -59,7 +59,7 @@ class Layout:
 
 
 def _written_elsewhere(number: str) -> float | None:
-    """A number with a typographic minus sign or a Fortran exponent, or None."""
+    """A number with a typographic minus sign or a Fortran exponent; None if it is no such number."""
     try:
         return float(_FORTRAN.sub(r"\1e\2", number.replace("\u2212", "-")))
     except ValueError:
@@ -67,7 +67,7 @@ def _written_elsewhere(number: str) -> float | None:
 
 
 def rows_of(path: str | Path) -> list[Row]:
-    """The non-empty lines of a file with their numbers, for any kind of line ending."""
+    """The non-empty lines of a file with their line numbers, for any kind of line ending."""
     text = _text(path, _bytes(path))
     return [(i, line) for i, line in enumerate(re.split("\r*\n|\r", text), 1) if line.strip()]
 
@@ -115,7 +115,9 @@ def unquoted(line: str, delimiter: str | None) -> list[str]:
 
 
 def _is_decimals(line: str) -> bool:
-    """Whether every number of a row has decimals, so that both kinds of commas can be told."""
+    """Whether every number of a row has decimals, so that decimal commas and separating commas can
+    be told apart.
+    """
     return (
         re.fullmatch(
             rf"\s*{_COMMA_DECIMALS.pattern}(\s*,\s*{_COMMA_DECIMALS.pattern})*[\s,]*", line

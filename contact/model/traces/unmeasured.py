@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Kind(Enum):
-    """The kinds of intervals: a name, and advice if such an interval carries load."""
+    """The kinds of unmeasured intervals: a name, and advice if such an interval carries load."""
 
     TAPERED = (
         "the tapered ends",
@@ -42,7 +42,7 @@ class Kind(Enum):
 
 
 class Interval(NamedTuple):
-    """An interval [m] and its kind."""
+    """An unmeasured interval [m] and its kind."""
 
     left: float
     right: float
@@ -52,7 +52,9 @@ class Interval(NamedTuple):
 def intervals(
     source: tuple[Reading, Preparation] | None, x: Array, period: float | None
 ) -> tuple[Interval, ...]:
-    """The unmeasured intervals of points x [m]; source: None for points as measured."""
+    """The unmeasured intervals of points x [m]; `source` is None for points that come from no
+    file.
+    """
     found = [*_joined(x, period)]
     if source is not None:
         reading, by = source
@@ -61,7 +63,9 @@ def intervals(
 
 
 def _joined(x: Array, period: float | None) -> list[Interval]:
-    """The piece that closes the period, if it is longer than all pieces between two points."""
+    """The interval between the last point and the next period, if it is longer than all between
+    points.
+    """
     if period is None:
         return []
     left, right = float(x[-1]), float(x[0]) + period
