@@ -44,13 +44,13 @@ from contact.sweeps.path_table import Event
 from contact.sweeps.paths import Path
 from sie import Array
 
-# The controls that a path may have, and what their values are called.
+# The controls that a path may have, each with the name of its values in the plural.
 VALUES = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
 
 
 @dataclass(frozen=True, eq=False)
 class AdhesiveEvent(Event):
-    """A jump of surfaces that adhere, or a first touch.
+    """An event of surfaces that adhere: a jump, or a smooth change of the zones.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ class AdhesiveEvent(Event):
 
 @dataclass(frozen=True, eq=False)
 class AdhesivePath(Path):
-    """A path of surfaces that adhere, up and down.
+    """The path of surfaces that adhere, while a control rises and falls.
 
     Parameters
     ----------
@@ -152,14 +152,15 @@ class AdhesivePath(Path):
 
     @property
     def approaches(self) -> Array:
-        """Approach of each solution [m]; nan where there is none."""
+        """Approach of each solution [m]; nan for a solution that has no approach."""
         return np.array(
             [np.nan if s.approach is None else s.approach for s in self.solutions], dtype=float
         )
 
     @property
     def dissipated(self) -> float | None:
-        """Energy lost in all jumps [J/m], per period if there is one; None without an approach."""
+        """Energy lost in all jumps [J/m], per period of a periodic scene; None without an approach.
+        """
         lost = [event.lost for event in self.events if isinstance(event, AdhesiveEvent)]
         return (
             None
@@ -169,7 +170,7 @@ class AdhesivePath(Path):
 
     @property
     def work(self) -> float | None:
-        """Work of the load from the first value to the last [J/m].
+        """Work that the load does between the first value of the control and the last [J/m].
 
         It is the difference of their energies plus the dissipated energy. On a closed loop it
         equals the dissipated energy.
@@ -236,7 +237,7 @@ class AdhesivePath(Path):
         return figure
 
     def _surfaces(self) -> tuple[str, Array, Array, Array, Array]:
-        """(title, places, surface, body, zones) of the picture of the surfaces [m]."""
+        """Title, places, deformed surface, body and zones for the picture of the surfaces [m]."""
         parted = [
             event
             for event in self.events
@@ -333,12 +334,12 @@ def _width(zones: Array) -> float:
 
 
 def _with_images(zones: Array, period: float | None) -> Array:
-    """The zones and those of the periods on either side."""
+    """The zones and, on a periodic profile, their images in the two adjacent periods."""
     return zones if period is None else np.concatenate((zones - period, zones, zones + period))
 
 
 def _places(scene: Scene, zones: Array, count: int = 601) -> Array:
-    """Places at which surfaces are drawn: the zones with as much space again on either side.
+    """Places for drawing surfaces: the interval of all zones, with a margin of its width per side.
 
     They lie where the profile is known, and cover at most a period. count: number of places at even
     distances.
@@ -358,7 +359,7 @@ def _places(scene: Scene, zones: Array, count: int = 601) -> Array:
 
 
 class _PathRun:
-    """The state of a path that is being followed.
+    """One path while it is followed: its scene, its history and the equilibria recorded so far.
 
     scene: the scene at the value 0 of the control. give: compliance of the spring [m per N/m].
     """
@@ -374,7 +375,7 @@ class _PathRun:
         self.rises = 1.0
 
     def note(self, point: State | None, value: float = 0.0) -> None:
-        """Record an equilibrium between two values, or separate surfaces at a value."""
+        """Record an equilibrium, or the separate surfaces at a value of the control."""
         units = self.problem.units
         if point is not None:
             approach = -point.level * units.height if self.problem.operator.has_approach else np.nan
@@ -394,7 +395,7 @@ class _PathRun:
 
     @property
     def unit(self) -> float:
-        """Factor from the scaled control to its values."""
+        """Factor that converts a scaled value of the control to the value that the user gives."""
         unit = self.curve.control.unit(self.problem.units)
         return (
             unit / self.scene.profile.period
@@ -403,7 +404,7 @@ class _PathRun:
         )
 
     def refuse(self, values: Array) -> None:
-        """Raise OutOfRange for approaches that no equilibrium has."""
+        """Raise OutOfRange if some value is an approach at which there is no equilibrium."""
         if (
             self.control != "approach"
             or self.context.spring_compliance is not None
@@ -420,20 +421,23 @@ class _PathRun:
             )
 
     def first(self, value: float) -> PathState:
-        """The first state: separate surfaces below first touch, else the advancing contact."""
+        """The state at the first value: separate surfaces below first touch, else advancing
+        contact.
+        """
         scaled, first = value / self.unit, self.by.law.first
         if scaled < min(first, 0.0) or value < 0.0 == first:
             return PathState(scaled)
         if self.context.spring_compliance is not None or value < 0.0:
-            # Without adhesion, the contact at this approach of the far end may be wider. The path
-            # then starts from separate surfaces.
+            # With a spring, the contact without adhesion may be wider than the adhesive contact at
+            # the same approach of the spring's far end. The path then starts from separate
+            # surfaces.
             *_, found = self.history.to(PathState(min(-1.0, 2.0 * first)), scaled)
             assert isinstance(found, PathState)
             return found
         return self.by.started(self.scene.under(self.control, value), scaled)
 
     def solved(self, here: PathState, value: float, before: float) -> Solution:
-        """The solution at the present state of the path."""
+        """The solution for the state `here` of the path."""
         scene = self.scene.under(self.control, value)
         way = "advancing" if self.rises else "receding"
         described = (
@@ -485,8 +489,8 @@ class _PathRun:
         load_after, approach_after, energy_after, zones_after = self._state(jump.after)
         by_load = self.curve.control.load is not None
         if jump.kind == "pull-off" and by_load and approach is not None:
-            # A dead load separates the surfaces. The load moves slowly, so that the contact follows
-            # the approach until there is no contact at the approach.
+            # A prescribed load does not determine the approach after pull-off. The approach is
+            # taken at which the contact would separate under a prescribed approach.
             assert jump.before.point is not None
             apart = self.by.separation(jump.before.point)
             approach_after = None if apart is None else float(-apart.level * units.height)
@@ -522,7 +526,7 @@ class _PathRun:
         )
 
     def _state(self, standing: PathState) -> tuple[float, float | None, float | None, Array]:
-        """(load, approach, energy, zones) [N/m, m, J/m, m]."""
+        """Load [N/m], approach [m], energy [J/m] and zones [m] of a state of the path."""
         units, none = self.problem.units, np.zeros((0, 2))
         if (point := standing.point) is not None:
             fields = self.by.fields(point)

@@ -35,7 +35,7 @@ _NUMBERS = ("load", "max_pressure", "total_width")
 
 @dataclass(frozen=True)
 class TableLimits:
-    """Sizes that fit on a terminal of 80 columns."""
+    """Limit on the columns of a table, for a terminal 80 characters wide."""
 
     # Zones whose ends are shown, and columns of ends in one table; further zones are for a file.
     zone_ends: int = 4
@@ -55,7 +55,7 @@ class Attempt:
 
 
 def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> list[Attempt]:
-    """The results of all models; the exact one comes last."""
+    """The results of all models; the exact model comes last."""
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     models = _models(scene.interaction)
@@ -72,7 +72,7 @@ def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> 
 
 
 def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
-    """Relative difference of a positive quantity from the exact model's; None if undefined."""
+    """Relative deviation of a positive quantity from its value in the exact model, or None."""
     if attempt.solution is None or exact.solution is None:
         return None
     measure = total_width if quantity == "total_width" else attrgetter(quantity)
@@ -88,7 +88,7 @@ def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
 
 
 def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
-    """Largest error of a zone's end over the zone's width; None if the zones differ in number."""
+    """Largest error of an end, relative to its zone's width; None if the zones differ in number."""
     if attempt.solution is None or exact.solution is None:
         return None
     ours, zones = attempt.solution.zones, exact.solution.zones
@@ -98,7 +98,7 @@ def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
 
 
 def pressure_apart(attempt: Attempt, exact: Attempt, samples: int = 41) -> float | None:
-    """Largest pressure difference at equal normalised positions, over the exact peak.
+    """Largest difference of pressure at equal normalised positions, relative to the exact peak.
 
     Where the peak is infinite, the mean pressure on the zones takes its place. None if the zones
     differ in number. samples: number of Chebyshev points of a zone.
@@ -120,7 +120,7 @@ def pressure_apart(attempt: Attempt, exact: Attempt, samples: int = 41) -> float
 
 
 def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
-    """Tables as (title, columns): results, differences from the exact model, first zone ends.
+    """Tables (title, columns): results, differences from the exact model, ends of the first zones.
 
     Each has one line per model and is at most 80 columns wide.
     """
@@ -170,7 +170,8 @@ def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
 
 
 def refusals(attempts: list[Attempt]) -> list[str]:
-    """One line per reason for a missing solution, with the names of its models."""
+    """One line for each reason why a solution is missing, with the names of the models concerned.
+    """
     reasons: dict[str, list[str]] = {}
     for attempt in attempts:
         if attempt.refusal is not None:
@@ -189,7 +190,7 @@ def _percent(value: float | None, form: str = ".3g") -> str:
 
 
 def _models(own: Interaction) -> dict[str, Interaction]:
-    """The models by their names in the table."""
+    """The models, by the names that the table shows."""
     models = {
         "isolated": own if own.name == "isolated" else interaction("isolated"),
         "first-order": interaction("localized", closure="first-order"),

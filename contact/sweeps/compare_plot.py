@@ -28,8 +28,7 @@ _COLOURS = (
 
 
 def plot_comparison(attempts: list[Attempt]) -> Any:
-    """A matplotlib figure: the exact pressure, differences from it, and below them errors and
-    times.
+    """A matplotlib figure: exact pressure, differences from the exact pressure, errors and times.
     """
     figure = new_figure(8.4, 9.0)
     panels = [["p", "p"], ["d", "d"], ["e", "t"]]
@@ -41,7 +40,7 @@ def plot_comparison(attempts: list[Attempt]) -> Any:
     }
     exact = attempts[-1].solution
     if exact is None:
-        # Without an exact solution the pressures themselves are drawn.
+        # Without an exact solution, the pressures of the models themselves are drawn.
         _draw_pressures(
             top, {a.name: a.solution for a in attempts if a.solution is not None}, colours
         )
@@ -84,7 +83,7 @@ def _draw_pressures(axes: Any, solved: dict[str, Solution], colours: dict[str, s
 def _draw_differences(
     axes: Any, attempts: list[Attempt], exact: Solution, colours: dict[str, str]
 ) -> None:
-    """Draw |p - exact p| over the exact peak, at the sample points of both."""
+    """Draw the error of the pressure over the exact peak, at both solutions' sample points."""
     lo, hi = _stretch(exact)
     along, scale = _scale_positions(axes, lo, hi), top_pressure(exact)
     for attempt in attempts:
@@ -96,7 +95,7 @@ def _draw_differences(
         )
         with np.errstate(invalid="ignore"):
             apart = np.abs(attempt.solution.pressure(x) - exact.pressure(x)) / scale
-        # Differences within the stated errors are not drawn.
+        # Differences smaller than the stated errors of the solutions are not drawn.
         least = max(attempt.solution.error, exact.error)
         shown = np.where(np.isfinite(apart) & (apart > least), apart, np.nan)
         if np.isfinite(shown).any():
@@ -134,7 +133,7 @@ def _name_lines(axes: Any) -> None:
 
 
 def _stretch(solution: Solution) -> tuple[float, float]:
-    """The interval to draw: the period, or the peak's surroundings if its zone is too narrow."""
+    """The interval to draw: the whole, or only around the peak if no zone would be visible."""
     lo, hi = window(solution)
     visible = FIGURE.min_visible * (hi - lo)
     if len(solution.zones) == 0 or np.max(solution.zone_widths) >= visible:
@@ -154,7 +153,7 @@ def _draw_errors(axes: Any, attempts: list[Attempt]) -> None:
         "pressure": [pressure_apart(a, exact) for a in attempts[:-1]],
     }
     for (label, values), marker in zip(lines.items(), "osd^", strict=True):
-        # A zero has no place on a logarithmic axis.
+        # A zero cannot be drawn on a logarithmic axis.
         shown = [np.nan if not v else abs(v) for v in values]
         if np.isfinite(shown).any():
             axes.plot(

@@ -27,7 +27,7 @@ class Curve:
         self.known: dict[float, Solution] = {}
 
     def solve_in_closed_form(self, values: Array) -> None:
-        """Solve the values that have a closed form, all at once, and keep the solutions."""
+        """Solve for all values of the control that have a closed form; keep their solutions."""
         scenes = [self._scene(float(value)) for value in values]
         found = solve_all_closed(scenes, self.tol)
         self.known = {
@@ -39,14 +39,14 @@ class Curve:
     def at(self, value: float) -> Solution:
         """The solution at the next value, started from the previous solutions."""
         solution = self.known.get(value) or self.from_previous(value, self.previous)
-        # A secant through two solutions predicts the next one.
+        # Two solutions are kept, since the secant through them predicts the next solution.
         self.previous = (*self.previous[-1:], CurvePoint(solution))
         return solution
 
     def from_previous(
         self, value: float, previous: tuple[CurvePoint, ...], min_tol: float = 0.0
     ) -> Solution:
-        """The solution at a value, started from given ones (the nearest last).
+        """The solution at a value, started from given solutions, of which the last is the nearest.
 
         The tolerance is that of the curve, or `min_tol` if that is larger.
         """

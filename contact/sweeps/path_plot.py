@@ -72,7 +72,7 @@ def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, un
     for event, k in events:
         colour, mark = _MARKS.get(event.kind, (_EVENT, "o"))
         axes.axvline(event.load * along, color=colour, linewidth=0.6, alpha=0.45, zorder=0)
-        # Marks of a falling load are hollow, so that those of the rising load stay visible.
+        # Marks under a falling load are hollow, so that marks under the rising load stay visible.
         face = colour if loads[k] >= loads[k - 1] else "none"
         style = {
             "linestyle": "none",
@@ -103,7 +103,7 @@ def _is_geometric(loads: Array) -> bool:
 def _vertices(
     loads: Array, values: Array, passed: Passed, known: dict[str, float]
 ) -> tuple[Array, Array]:
-    """Loads and values of the curve's points, including events whose value is known."""
+    """Loads and ordinates of the curve's points, including events whose ordinate is known."""
     points: list[tuple[float, float]] = []
     for load, value, since in zip(loads, values, passed, strict=True):
         points += [(event.load, known[event.kind]) for event in since if event.kind in known]
@@ -113,7 +113,8 @@ def _vertices(
 
 
 def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
-    """The value at a load on the line through points, as drawn on the axes."""
+    """The ordinate at a load on the polyline through points that is straight on the axes' scales.
+    """
     order = np.argsort(x, kind="stable")
     to_x: Any = np.log if axes.get_xscale() == "log" else np.asarray
     to_y, back = (np.log, np.exp) if axes.get_yscale() == "log" else (np.asarray, np.asarray)
@@ -121,7 +122,7 @@ def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
 
 
 def _runs(loads: Array) -> list[tuple[int, int, bool]]:
-    """(start, stop, rising) of each monotone part of the path; neighbours share end points."""
+    """(start, stop, rising) of each monotone part of the loads; successive parts share an end."""
     runs: list[tuple[int, int, bool]] = []
     start = 0
     for k in range(1, len(loads)):
@@ -154,7 +155,7 @@ def draw_curve(
     jumps: Sequence[tuple[str, float, float, float, float]],
     label: str,
 ) -> None:
-    """Draw load over the abscissa `across`, with its jumps.
+    """Draw the load over the abscissa values `across`, and the jumps of the path.
 
     across [m] and load: (n,), nan at jumps; rises: whether the control rises, (n,); jumps: (kind,
     abscissa and load before, abscissa and load after); label: of the abscissa.
@@ -169,7 +170,8 @@ def draw_curve(
         (True, _UP, "-", "rising"),
         (False, _DOWN, (0, (5, 2)), "falling"),
     ):
-        # A point at which the direction changes belongs to both curves.
+        # A point at which the direction changes belongs to the rising curve and to the falling
+        # curve.
         mine = (rises == rising) | (np.append(rises[1:], rises[-1]) == rising)
         axes.plot(
             np.where(mine, across, np.nan) * x,

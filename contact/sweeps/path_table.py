@@ -52,13 +52,13 @@ Passed = Sequence[Sequence[Event]]
 
 
 def columns(solutions: Sequence[Solution]) -> dict[str, list[float]]:
-    """One list per name of NUMBERS; nan for quantities that the scene does not define."""
+    """One list for each name in `NUMBERS`; nan for quantities that the scene does not define."""
     rows = [numbers(solution) for solution in solutions]
     return {name: [row[name] for row in rows] for name in NUMBERS}
 
 
 def to_dict(solutions: Sequence[Solution], passed: Passed) -> dict[str, Any]:
-    """Columns, events, scene and units in plain types; None for undefined or infinite values."""
+    """Dictionary of columns, events, scene and units in plain types; None for undefined numbers."""
     scene = solutions[0].scene
     events = [{**_event(e), "point": point} for point, since in enumerate(passed) for e in since]
     data: dict[str, Any] = plain(
@@ -78,7 +78,7 @@ def to_dict(solutions: Sequence[Solution], passed: Passed) -> dict[str, Any]:
 
 
 def _event(event: Event) -> dict[str, Any]:
-    """The fields of an event, with the zones before and after given as counts."""
+    """The fields of an event, with the numbers of zones before and after the event."""
     fields = {
         field.name: getattr(event, field.name) for field in dataclasses.fields(event) if field.repr
     }
@@ -87,7 +87,7 @@ def _event(event: Event) -> dict[str, Any]:
 
 
 def to_csv(solutions: Sequence[Solution], passed: Passed) -> str:
-    """One row per load in full precision, `nan` for undefined values.
+    """CSV text with one row for each load, in full precision; `nan` for undefined values.
 
     The column `events` lists the events since the previous row as kind, load and position.
     """

@@ -46,28 +46,29 @@ from sie import Array, nearest_image
 
 @dataclass(frozen=True)
 class PathOptions:
-    """Numbers of the search for events between two loads; loads are compared relative to
-    themselves.
-    """
+    """Tolerances of the search for events between two loads; differences of loads are relative."""
 
-    # Loads that differ by less are equal. The same is the tolerance of ends, relative to their
-    # zone, in an event's condition and between two loads. An error of an end changes pressure and
-    # gap away from it by its square.
+    # Two loads are equal if their relative difference is below this. This number is also the
+    # tolerance of ends, relative to the width of their zone, while an event is located. An error of
+    # an end changes pressure and gap away from the end only by the square of that error.
     same: float = 1e-7
-    # Relative differences below this cannot change the number of zones: overlaps of two zones,
+    # Relative sizes below this are taken not to change the number of zones: overlaps of two zones,
     # errors of ends, and steps of the load in which a zone might be born and merge.
     negligible: float = 1e-3
-    # Above this ratio of two loads, the rates of the ends at both do not predict the motion.
+    # Above this ratio of two loads, the rates of the ends at these loads do not predict the motion
+    # of the ends.
     max_load_ratio: float = 1.3
-    # The same for the ratio of the two rates of one end.
+    # Above this ratio of an end's rates at the two loads, the rates do not predict its motion.
     max_rate_ratio: float = 1.5
-    # Relative error of a motion predicted by rates. Smooth ends leave several times less between
-    # loads that differ by less than a third.
+    # Largest relative error of a motion that is predicted by rates. For smooth ends, and loads that
+    # differ by less than a third, the error is several times smaller.
     rate_error: float = 0.1
 
     @property
     def retries_beyond(self) -> tuple[float, ...]:
-        """Relative distances beyond two equal loads at which an event's condition is tried.
+        """Relative steps outside the interval between two practically equal loads.
+
+        An event's condition is tried there, too, since certified signs may be wrong by round-off.
 
         Certified signs may be wrong by their round-off.
         """
@@ -75,7 +76,7 @@ class PathOptions:
 
     @property
     def rate_step(self) -> float:
-        """Relative load step over which the ends' rates replace a second solution.
+        """Relative load step over which ends are extrapolated by their rates.
 
         The error of such a step is about its square.
         """
@@ -83,7 +84,7 @@ class PathOptions:
 
 
 _OPTIONS = PathOptions()
-# Names of events for a falling load.
+# Name of an event under a falling load, for each name under a rising load.
 _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
 
 
@@ -112,7 +113,7 @@ class Path:
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """All events, in order."""
+        """All events, in the order of the path."""
         return tuple(event for events in self.passed for event in events)
 
     @property
@@ -142,11 +143,11 @@ class Path:
         return plot_path(self.solutions, self.passed, ax)
 
     def to_dict(self) -> dict[str, Any]:
-        """Numbers of each load, events, scene and units; None for infinite or undefined values."""
+        """The path as a dictionary in plain types; None for infinite or undefined values."""
         return path_table.to_dict(self.solutions, self.passed)
 
     def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
-        """Write one row per load to a .csv file, or `to_dict` to a .json file.
+        """Write one row for each load to a .csv file, or `to_dict` to a .json file.
 
         Raises
         ------
@@ -179,8 +180,8 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
                 raise OutOfRange(f"at the load {load:.6g} N/m: {error}") from error
             passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
-    # One warning for the highest load (slopes and pressures are largest there), attributed to the
-    # caller of `contact.path`.
+    # A single warning is given, for the highest load, where slopes and pressures are largest. It is
+    # attributed to the caller of `contact.path`.
     warn(curve_warnings(solutions), stacklevel=4)
     return Path(tuple(solutions), tuple(passed))
 
@@ -195,7 +196,7 @@ class _Path:
         self.events_found = 0
 
     def intermediate(self, load: float, start: Solution) -> Solution:
-        """A solution between two loads, good enough to count its zones.
+        """A solution at a load between two given ones, accurate enough to count its zones.
 
         Close to an event, a zone or gap may be too narrow for the tolerance; the best state is then
         used if its signs hold.
@@ -263,17 +264,17 @@ class _Path:
         return events
 
     def _to_full(self, low: Solution, full: Solution) -> list[Event]:
-        """The events up to full contact, where the last gap closes."""
+        """The events between a solution and full contact; the last one closes the last gap."""
         assert low.scene.period is not None
         load = self.curve.cache.full.onset_pressure * low.scene.period
-        # All gaps but the last are closed there.
+        # All gaps but the last are closed just below the load of full contact.
         last = self.intermediate(max(low.load, load * (1 - _OPTIONS.same)), low)
         return [*self._events(low, last), *_full_event(load, full, last)]
 
     def _event(
         self, change: Change, low: Solution, high: Solution, beyond: tuple[float, ...] = ()
     ) -> Event | None:
-        """The event of one change; None if its condition has no change of sign.
+        """The event of one change; None if the event's condition does not change sign.
 
         The condition is evaluated at both loads, and beyond them by the relative distances
         `beyond`: near an event the certificate accepts signs that are wrong by round-off.
@@ -282,7 +283,7 @@ class _Path:
         condition = _Condition(side.fields, change)
         load = condition.problem.units.load
         try:
-            # Each state starts from the zones of the previous one.
+            # Each evaluation of the condition starts from the zones of previous evaluations.
             known = {side.fields.load / load: condition.of(side.fields)}
             tried: list[tuple[float, ...]] = [
                 (low.load * (1 - part), high.load * (1 + part)) for part in (0.0, *beyond)
@@ -304,7 +305,7 @@ class _Path:
 
 
 def _just_beyond(change: Change, side: Solution, other: Solution) -> float | None:
-    """A load a little beyond the event, predicted from the solution on its other side, or None.
+    """A load close to the event, between the event and `other`, predicted from `other`; or None.
 
     The square of the width of a zone (a gap) is linear in the logarithm of the load as the zone
     appears (the gap closes). Its rate gives the load at which the width is zero.
@@ -338,7 +339,7 @@ class _Condition:
         return self.of(self.formal(load))
 
     def of(self, fields: Any) -> float:
-        """The condition's value for fields with its number of zones.
+        """Value of the condition for fields that have the condition's number of zones.
 
         It is the least gap around a zone to be born, or the least pressure between two zones that
         have merged.
@@ -355,7 +356,8 @@ class _Condition:
             if not isinstance(fields, GapFields)
             else GapForm(self.problem, fields.relief)
         )
-        # Zones (or gaps) by load: of each evaluation, and of a load next to the first by its rates.
+        # Zones (or gaps) for each load: those of each evaluation, and those at a load next to the
+        # first one, extrapolated by the rates of the ends.
         load, table = fields.load / fields.problem.units.load, fields.solved_zones.table
         self.tables: dict[float, Array] = {
             load: table,
@@ -364,7 +366,8 @@ class _Condition:
         self.where = _scaled(fields, change.where)
 
     def start(self, load: float) -> Array:
-        """Zones to start from: on the line through those of the two nearest loads.
+        """Initial zones (or gaps) at a load, extrapolated linearly from the two nearest known
+        loads.
 
         If that changes some zone or gap by more than a factor of two, the nearest zones are used.
         """
@@ -375,7 +378,8 @@ class _Condition:
         return np.asarray(table) if np.all((grown > 0.5) & (grown < 2.0)) else first
 
     def formal(self, load: float) -> Any:
-        """Fields with this number of zones (or gaps) at a load; their signs may be wrong.
+        """Fields at a load with the event's number of zones or gaps; pressure or gap may be
+        negative.
 
         Later calls start from them.
         """
@@ -385,7 +389,7 @@ class _Condition:
 
 
 def _moving(fields: Any) -> Array:
-    """Rates of the ends of a state's zones (or gaps) per unit of log load, scaled, (n, 2)."""
+    """Derivatives of the scaled ends of zones (or gaps), (n, 2), by the logarithm of the load."""
     outward = fields.spreading / fields.problem.units.length
     if not isinstance(fields, GapFields):
         return np.asarray(outward * (-1, 1))
@@ -393,7 +397,7 @@ def _moving(fields: Any) -> Array:
 
 
 def _scaled(fields: Any, places: tuple[float, float]) -> tuple[float, float]:
-    """Two places in scaled coordinates, in the same period as the fields' zones."""
+    """Two places in scaled coordinates, moved to the period in which the fields' zones lie."""
     zones, problem = fields.solved_zones, fields.problem
     middle = 0.5 * float(zones.a[0] + zones.b[-1])
     a, b = centred_on(np.array([problem.units.scaled(np.array(places))]), middle, problem.period)[
@@ -403,7 +407,7 @@ def _scaled(fields: Any, places: tuple[float, float]) -> tuple[float, float]:
 
 
 def _full_event(load: float, full: Solution, low: Solution) -> list[Event]:
-    """The event at which the last gap closes; none if it lies over a concave kink.
+    """The event at which the last gap closes; no event if that gap lies over a concave kink.
 
     The pressure at such a kink is minus infinity in full contact, so the gap never closes.
     """

@@ -4,7 +4,7 @@ from math import nan
 
 from contact.solution.solution import Solution
 
-# Name: (unit, description).
+# Unit and description of each number, by the name of the number.
 NUMBERS = {
     "load": ("N/m", "load, per period where there is one"),
     "mean_pressure": ("Pa", "load over the period"),
@@ -20,7 +20,7 @@ NUMBERS = {
 
 
 def numbers(solution: Solution) -> dict[str, float]:
-    """All of NUMBERS; nan for undefined ones, inf for an infinite pressure or stiffness."""
+    """Value of each number in `NUMBERS`: nan if undefined, inf for an infinite value."""
     own = {"total_width": total_width(solution), "zone_count": len(solution.zones)}
     values = {name: own[name] if name in own else getattr(solution, name) for name in NUMBERS}
     return {
@@ -30,7 +30,7 @@ def numbers(solution: Solution) -> dict[str, float]:
 
 
 def total_width(solution: Solution) -> float:
-    """Width in contact [m]: of all zones, the period in full contact, 0 without contact."""
+    """Total width of all zones [m]; the period in full contact, and 0 without contact."""
     if len(solution.zones) == 0:
         return (solution.contact_fraction or 0.0) * (solution.scene.period or 0.0)
     return float(solution.zone_widths.sum())

@@ -30,7 +30,7 @@ def solve_many(
     *,
     workers: int | None = 1,
 ) -> list[Solution]:
-    """Solve a scene at many values of one control, each started from its neighbours.
+    """Solve a scene at many values of a control; each solution starts from close ones.
 
     Each answer is that of `contact.solve`, with its own stated error and certificate. Work that the
     solves share is done once. For the loads at which the number of zones changes, use
@@ -94,13 +94,14 @@ def solve_many(
                 found[place] = solution
                 if progress is not None:
                     progress(name, len(found), len(given))
-        # The values that no other process has solved, in ascending order.
+        # The values that no other process has solved are solved here, in ascending order.
         for place in np.argsort(given, kind="stable"):
             if int(place) not in found:
                 if progress is not None:
                     progress(name, len(found), len(given))
                 found[int(place)] = curve.at(float(given[place]))
-    # One warning for the whole curve, for its highest load: slopes and pressures are largest there.
+    # A single warning is given for the whole curve, at the highest load, where slopes and pressures
+    # are largest.
     warn(curve_warnings(found.values()))
     return [found[k] for k in range(len(given))]
 
@@ -108,7 +109,7 @@ def solve_many(
 def _in_processes(
     curve: Curve, values: Array, workers: int | None
 ) -> Iterator[tuple[int, Solution]]:
-    """(index, solution) of the values without a closed form, in any order."""
+    """Index and solution for each value without a closed form, in any order."""
     left = [
         int(place)
         for place in np.argsort(values, kind="stable")
@@ -116,8 +117,8 @@ def _in_processes(
     ]
     solvers = min(workers or processors(), len(left) // 2)
     if solvers > 1:
-        # Every process gets every n-th value, so that each has neighbours to start from and all
-        # take about the same time.
+        # Each process gets every n-th value. So its values are close to one another, and all
+        # processes take about the same time.
         chunks = [
             Chunk.of_curve(curve.control, left[first::solvers], values) for first in range(solvers)
         ]

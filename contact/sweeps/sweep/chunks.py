@@ -26,19 +26,21 @@ from contact.sweeps.points import NUMBERS, numbers
 from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis, Value, varied
 from sie import Array, Mask
 
-# Numbers by name, `failed`, `reason` and `warning`. For a chunk of whole solutions it holds
-# `solution` or `raised` instead.
+# A row holds numbers by name, and `failed`, `reason` and `warning`. In a chunk of whole solutions,
+# a row holds `solution` or `raised` instead.
 Row = dict[str, Any]
 Rows = list[tuple[int, Row]]
 
 
 @dataclass(frozen=True)
 class ChunkOptions:
-    """The size of chunks; times depend on them only weakly."""
+    """The sizes of chunks; the computing time depends on these sizes only weakly."""
 
-    # Chunks per process, so that all processes end at about the same time.
+    # Number of chunks for each process; several, so that all processes finish at about the same
+    # time.
     per_process: int = 4
-    # A process sends its rows at least this often [s]: the most that is lost if it dies.
+    # A process sends its finished rows at least this often [s], so that no more work is lost if it
+    # dies.
     seconds: float = 20.0
 
 
@@ -47,7 +49,7 @@ CHUNKS = ChunkOptions()
 
 @dataclass(frozen=True)
 class Chunk:
-    """Points of a grid in the order in which they are solved.
+    """Points of a grid, in the order in which they are solved.
 
     places: flat indices of the points; settings: the values set at each; control: the control that
     varies along them, or ""; seconds: the time after which finished rows are sent; whole: whether
@@ -62,19 +64,19 @@ class Chunk:
 
     @classmethod
     def of_curve(cls, control: str, places: Sequence[int], values: Array) -> "Chunk":
-        """A chunk of whole solutions at some of the values of a control."""
+        """A chunk that returns whole solutions, at some of the values of a control."""
         settings: list[dict[str, Value]] = [
             {BRANCH: BRANCHES[0], f"control.{control}": float(values[place])} for place in places
         ]
         return cls(tuple(places), tuple(settings), control, CHUNKS.seconds, whole=True)
 
     def singly(self) -> "Iterator[Chunk]":
-        """One chunk for each of its points."""
+        """Yield one chunk for each point of this chunk."""
         for place, setting in zip(self.places, self.settings, strict=True):
             yield replace(self, places=(place,), settings=(setting,))
 
     def without(self, rows: Rows) -> "list[Chunk]":
-        """A list with the chunk of the points after the first `rows`; empty if none is left."""
+        """A list of one chunk with the points that are not in `rows`; empty if no point is left."""
         done = len(rows)
         return (
             [replace(self, places=self.places[done:], settings=self.settings[done:])]
@@ -86,7 +88,7 @@ class Chunk:
 def chunks_of(
     axes: Sequence[Axis], wanted: Mask, solvers: int | None, branch: str = BRANCHES[0]
 ) -> list[Chunk]:
-    """The wanted points of the grid as chunks for a number of processes.
+    """The wanted points of the grid, divided into chunks for a number of processes.
 
     wanted: flat mask; solvers: number of processes, None: one chunk per curve; branch: the branch
     if it is not varied.
@@ -120,7 +122,7 @@ def chunks_of(
 
 
 def solve_chunk(scene: Scene, chunk: Chunk, tol: float) -> Rows:
-    """The first row of a chunk and as many more as its seconds allow.
+    """The first row of a chunk, and further rows until the chunk's time limit is reached.
 
     An error at one point becomes the row of that point.
     """
@@ -133,7 +135,7 @@ def solve_chunk(scene: Scene, chunk: Chunk, tol: float) -> Rows:
 
 
 def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
-    """(place, row) of all points of a chunk, one after another."""
+    """Solve the points of a chunk one after another; yields the index and the row of each."""
     curve = _curve(scene, chunk, tol)
     for place, setting in zip(chunk.places, chunk.settings, strict=True):
         try:
@@ -146,7 +148,7 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
                 )
                 row = {"solution": solution} if chunk.whole else _row(solution)
         except Exception as error:
-            # Any error, also one of a user's own profile, fails this point only.
+            # Any error makes only this point fail, even an error in a user's own profile.
             row = (
                 {"raised": error}
                 if chunk.whole
@@ -156,7 +158,7 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
 
 
 def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
-    """The curve through the points of a chunk, or None.
+    """The `Curve` that solves the points of a chunk one after another; None if there is none.
 
     It is None if no control varies, if the branch is not the default one, or if no point is a valid
     scene. Points with a closed form are solved here.
@@ -191,7 +193,7 @@ def _row(solution: Solution) -> Row:
 
 
 def solve_sent(given: bytes, chunk: Chunk, tol: float) -> Rows:
-    """The rows of a chunk, for a scene received as bytes."""
+    """Solve a chunk for a scene received as bytes; returns the rows."""
     return solve_chunk(_received(given), chunk, tol)
 
 

@@ -16,7 +16,8 @@ from contact.model.scene import Scene
 
 Value = float | int | str
 
-# The parts of a scene that have one table each; the profile may have two.
+# The parts of a scene that have one table each. The profile is not among them, as it may have two
+# tables.
 PARTS = ("interaction", "substrate", "law")
 MODULUS = "material.E_star"
 # The branch is not a key of scene files: it chooses among several equilibria of one scene.
@@ -26,7 +27,7 @@ BRANCHES = ("advancing", "receding")
 
 @dataclass(frozen=True)
 class Axis:
-    """One key of a grid with its values in the given order, and their unit if it is known."""
+    """One varied key of a grid, its values in the given order, and their unit if it is known."""
 
     key: str
     values: tuple[Value, ...]
@@ -34,13 +35,13 @@ class Axis:
 
     @property
     def control(self) -> str:
-        """The name of the control, or "" for another key."""
+        """The name of the control that this key varies; "" if the key is no control."""
         table, _, name = self.key.partition(".")
         return name if table == "control" and name not in TURNING else ""
 
 
 def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
-    """The axes of a grid; refuses unknown keys, repeated values, and more than one control."""
+    """The axes of a grid; raises SceneError for unknown keys, repeated values, or two controls."""
     if not isinstance(over, Mapping) or not over:
         raise SceneError.of(
             "over",
@@ -98,7 +99,7 @@ def tables(scene: Scene) -> dict[str, dict[str, Any]]:
 
 
 def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
-    """The scene with other values; a control replaces the present one."""
+    """The scene with other values of some keys; a control among them replaces the present one."""
     changed: dict[str, Any] = {}
     others: dict[str, dict[str, Value]] = {}
     for key, value in settings.items():
@@ -115,7 +116,7 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
             )
         else:
             others.setdefault(table, {})[name] = value
-    # All values of a part are set at once: one by one they might contradict each other.
+    # All values of a part are set at once: if set one by one, they might contradict each other.
     for table in PARTS:
         if table in others:
             changed[table] = remade(getattr(scene, table), others[table])
@@ -159,7 +160,7 @@ def _value(value: Any, whole: bool) -> Value | None:
 
 
 def _unit(scene: Scene, key: str) -> str:
-    """The unit of a key as its class declares it, or ""."""
+    """The unit of a key, as its class declares it; "" if it has none."""
     table, _, name = key.partition(".")
     if key == BRANCH:
         return ""

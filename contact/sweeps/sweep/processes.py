@@ -39,7 +39,7 @@ from contact.sweeps.sweep.chunks import (
 )
 
 _ENDED = "the process that solved it ended, killed or out of memory"
-# Each process runs with one thread of the linear algebra libraries.
+# Environment variables that limit the linear algebra libraries to one thread in each process.
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -78,7 +78,8 @@ def solved_in_processes(
                         running[_submitted(pool, solve_sent, given, waiting[0], tol)] = waiting[0]
                         waiting.popleft()
                     done = wait(running, return_when=FIRST_COMPLETED).done
-                    # Finished chunks come first: a failed one may mean that a process has died.
+                    # Successful chunks are handled first, since a failed chunk may mean that a
+                    # process has died.
                     for future in sorted(done, key=lambda future: future.exception() is not None):
                         if why := _not_sent_back(future):
                             break
@@ -112,7 +113,7 @@ def _not_sent_back(future: Future[Rows]) -> str:
 
 
 def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
-    """The scene as bytes, and the reason why other processes cannot use it, or ""."""
+    """The scene as bytes; and the reason why other processes cannot use the scene, or ""."""
     script = getattr(sys.modules["__main__"], "__file__", None)
     if script is not None and not os.path.exists(script):
         return b"", f"import the script first, and {script} is no file"
@@ -130,7 +131,7 @@ def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
 
 
 def _point_by_point(given: bytes, lost: Sequence[Chunk], tol: float) -> Generator[Rows]:
-    """Rows of the chunks of a dead process, one point at a time in a process of its own."""
+    """Rows of the chunks of a dead process, solved one point at a time in a separate process."""
     points = deque(point for chunk in lost for point in chunk.singly())
     while points:
         with _pool(1) as pool:
@@ -161,7 +162,7 @@ def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _submitted(pool: ProcessPoolExecutor, *call: object) -> Future[Rows]:
-    """A submitted call; a process started for it has one thread and ignores Ctrl-C."""
+    """Submit a call; a process started for this call has one thread and ignores Ctrl-C."""
     unset = [name for name in _THREADS if name not in os.environ]
     os.environ.update(dict.fromkeys(unset, "1"))
     handler = (
@@ -202,12 +203,12 @@ def _not_in_a_copy_of_the_script() -> None:
             raise SystemExit(1)
 
 
-# Time granted to a scheduler to answer.
+# Longest time to wait for the answer of a scheduler.
 _CONNECTION_TIMEOUT = "10s"
 
 
 class Cluster:
-    """A Dask scheduler, given by its address or as a client; a client is not closed."""
+    """A connection to a Dask scheduler; a client given by the caller is not closed."""
 
     def __init__(self, scheduler: Any, progress: Progress | None) -> None:
         self._distributed = require("distributed")
@@ -239,22 +240,24 @@ class Cluster:
 
     @property
     def solvers(self) -> int:
-        """The number of workers' threads to cut chunks for: more may join later."""
+        """Assumed number of threads: several times the present ones, as more workers may join."""
         return CHUNKS.per_process * sum(self._client.ncores().values())
 
     def solved(self, scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
         """Rows solved by the workers, in any order."""
         client = self._client
-        # cloudpickle sends classes of the user's script by value.
+        # Unlike pickle, cloudpickle sends classes of the user's script by value, so that workers
+        # need not import the script.
         scene_sent = require("cloudpickle").dumps(scene)
         self._ask(scene_sent)
-        # The scene is a task of its own: it is sent once, and again if its worker is lost.
+        # The scene is a separate task. So it is sent only once, or again if the worker that holds
+        # it is lost.
         given = client.submit(_same, scene_sent, pure=False)
         running = {
             client.submit(solve_sent, given, chunk, tol, pure=False): chunk for chunk in chunks
         }
         try:
-            # Results are fetched at once, so that a worker lost later takes none with it.
+            # Each result is fetched as soon as it is ready, so that it is not lost with its worker.
             done = self._distributed.as_completed(
                 list(running), loop=client.loop, with_results=True, raise_errors=False
             )
@@ -285,7 +288,7 @@ class Cluster:
                 raise ContactError(f"the workers of the scheduler {why} (asked: {worker})")
 
     def _checked(self, future: Any, rows: Rows, chunk: Chunk) -> Rows:
-        """The rows of a finished task, or rows of failures if it killed its workers.
+        """The rows of a finished task; rows of failures if the task killed its workers.
 
         Raises ContactError if the cluster itself failed.
         """

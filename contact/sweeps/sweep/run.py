@@ -27,9 +27,9 @@ from sie import Mask
 
 @dataclass(frozen=True)
 class SavingOptions:
-    """The time for writing the table while a sweep runs."""
+    """Limit on the time that is spent on writing the table while a sweep runs."""
 
-    # Largest fraction of the time.
+    # Largest fraction of the running time that is spent on writing.
     max_share: float = 0.02
 
 
@@ -148,9 +148,9 @@ def sweep(
 def _solving(
     scene: Scene, table: Table, cluster: Cluster | None, solvers: int, retry: bool
 ) -> Generator[Rows]:
-    """Rows of the points that are not solved yet."""
+    """The rows of all points that are still to be solved."""
     wanted = _wanted(table, retry)
-    # A single process sends rows one by one, so curves need not be cut.
+    # A single process hands over its rows one by one, so its curves need not be cut into chunks.
     chunks = chunks_of(
         table.axes, wanted, solvers if cluster or solvers > 1 else None, table.branch
     )
@@ -162,14 +162,14 @@ def _solving(
 
 
 def _wanted(table: Table, retry: bool) -> Mask:
-    """Points that are not solved yet."""
+    """Mask of the points to solve: all unsolved points; failed points only with `retry`."""
     return np.asarray(~table.solved & (~table.failed | retry))
 
 
 def _fill(
     table: Table, path: Path | None, solving: Generator[Rows], progress: Progress | None, done: int
 ) -> None:
-    """Put rows into the table and save it now and then, also when an exception ends the sweep."""
+    """Put rows into the table and save it repeatedly, also when an exception ends the sweep."""
     due = time.monotonic()
     try:
         with closing(solving):
@@ -189,7 +189,7 @@ def _fill(
 
 
 def _check_values(scene: Scene, axes: Sequence[Axis]) -> None:
-    """Raise SceneError for a value that makes no valid scene with any of the other axes' values."""
+    """Raise SceneError if a value gives no valid scene, whatever the values on the other axes."""
     for number, axis in enumerate(axes):
         for value in axis.values:
             first: SceneError | None = None
@@ -211,7 +211,7 @@ def _check_values(scene: Scene, axes: Sequence[Axis]) -> None:
 
 def _checked(out: str | PathLike[str]) -> Path:
     """The path of the netCDF file, after a check of its name and of the needed packages."""
-    # An existing file is continued, so `overwrite` is not asked here.
+    # An existing file is allowed, since the sweep continues it.
     path = new_file(out, True, (".nc",), "out")
     for needed in ("h5netcdf", "h5py", "filelock"):
         require(needed)

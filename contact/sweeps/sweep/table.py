@@ -61,14 +61,14 @@ class Table:
             self.failed[place] = row["failed"]
 
     def point(self, place: int) -> str:
-        """The values of one point in words."""
+        """The keys of one point with their values, as text."""
         index = np.unravel_index(place, self.shape)
         return ", ".join(
             f"{axis.key} = {axis.values[i]}" for axis, i in zip(self.axes, index, strict=True)
         )
 
     def to_dataset(self) -> Any:
-        """The results on the grid, with units."""
+        """An xarray.Dataset of the results on the grid, with units."""
         dims = [axis.key for axis in self.axes]
         data: dict[str, Any] = {
             name: (
@@ -101,7 +101,7 @@ class Table:
         return require("xarray").Dataset(data, coords=coordinates, attrs=attributes)
 
     def save(self, path: Path) -> None:
-        """Replace the file in one step, so that no reader sees a half-written one."""
+        """Write the file in one step, so that no reader sees a half-written file."""
         temporary = path.with_name(f".{path.name}.{os.getpid()}")
         try:
             self.to_dataset().to_netcdf(temporary, engine="h5netcdf")
@@ -110,7 +110,7 @@ class Table:
             temporary.unlink(missing_ok=True)
 
     def take_over(self, path: Path) -> None:
-        """Read the results of a file; SceneError unless its scene and points fit this grid."""
+        """Read results from a file; SceneError unless the file's scene and points fit this grid."""
         known = _read(path)
         dims = [axis.key for axis in self.axes]
         if sorted(map(str, known.dims)) != sorted(dims):
@@ -174,7 +174,7 @@ def _read(path: Path) -> Any:
 
 
 def description(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
-    """The tables of a scene without the keys `but`; long arrays as shape and hash."""
+    """The tables of a scene without the keys in `but`; long arrays are given by shape and hash."""
     tables: dict[str, dict[str, Any]] = {"material": {"E_star": scene.E_star}}
     for table, values in tables_of(scene).items():
         body = scene.profile.bodies.get(table)
@@ -182,8 +182,8 @@ def description(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
         name = {"model" if body is None else "shape": part.name or type(part).__qualname__}
         if body is not None:
             prepared = {f"{table}.{key}" for key in body.preparation}
-            # If the preparation of a trace is varied, the raw points identify it; otherwise the
-            # prepared ones do.
+            # If the preparation of a trace is varied, the raw points identify the trace; otherwise,
+            # the prepared points do.
             hidden = (
                 set()
                 if prepared & but - {f"{table}.period"}
@@ -206,7 +206,7 @@ def description(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
 
 def _short(value: Any) -> Any:
     if callable(value):
-        # A function is described by its name, since its address changes from run to run.
+        # A function is described by its name, since its memory address changes from run to run.
         name = getattr(value, "__qualname__", type(value).__qualname__)
         return f"{getattr(value, '__module__', '')}.{name}"
     if not is_long(value):
@@ -218,12 +218,12 @@ def _short(value: Any) -> Any:
 
 @contextmanager
 def alone(path: Path) -> Iterator[None]:
-    """Lock a file against other sweeps; SceneError if another one has locked it.
+    """Lock a file against other sweeps; raises SceneError if another sweep has locked it.
 
     The operating system releases the lock when the process ends, however it ends. Other machines
     see the lock if their file system supports it.
     """
-    # All names of one file (links) share one lock.
+    # All names (links) of a file share one lock, at the file's resolved path.
     real = path.resolve()
     if not os.access(real.parent, os.W_OK):
         raise SceneError.of("out", str(path), "a file in a folder that can be written to")
@@ -240,8 +240,8 @@ def alone(path: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        # The lock file is removed before its release: a process that has opened it meanwhile
-        # notices and creates a new one.
+        # The lock file is removed before the lock is released. A process that has opened the
+        # removed file notices this and creates a new lock file.
         with suppress(OSError):
             os.unlink(lock.lock_file)
         lock.release()
