@@ -159,8 +159,7 @@ class AdhesivePath(Path):
 
     @property
     def dissipated(self) -> float | None:
-        """Energy lost in all jumps [J/m], per period of a periodic scene; None without an approach.
-        """
+        """Energy lost in all jumps [J/m], per period if there is one; None without an approach."""
         lost = [event.lost for event in self.events if isinstance(event, AdhesiveEvent)]
         return (
             None
@@ -339,7 +338,7 @@ def _with_images(zones: Array, period: float | None) -> Array:
 
 
 def _places(scene: Scene, zones: Array, count: int = 601) -> Array:
-    """Places for drawing surfaces: the interval of all zones, with a margin of its width per side.
+    """Places for drawing surfaces: the interval of all zones, with a margin on each side.
 
     They lie where the profile is known, and cover at most a period. count: number of places at even
     distances.
@@ -421,9 +420,7 @@ class _PathRun:
             )
 
     def first(self, value: float) -> PathState:
-        """The state at the first value: separate surfaces below first touch, else advancing
-        contact.
-        """
+        """The state at the first value: separate surfaces below first touch, else contact."""
         scaled, first = value / self.unit, self.by.law.first
         if scaled < min(first, 0.0) or value < 0.0 == first:
             return PathState(scaled)

@@ -37,7 +37,7 @@ _NUMBERS = ("load", "max_pressure", "total_width")
 class TableLimits:
     """Limit on the columns of a table, for a terminal 80 characters wide."""
 
-    # Zones whose ends are shown, and columns of ends in one table; further zones are for a file.
+    # Largest number of zones whose ends are printed, and of columns of ends in one table.
     zone_ends: int = 4
 
 
@@ -120,7 +120,7 @@ def pressure_apart(attempt: Attempt, exact: Attempt, samples: int = 41) -> float
 
 
 def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
-    """Tables (title, columns): results, differences from the exact model, ends of the first zones.
+    """Tables (title, columns): results, deviations from the exact model, ends of first zones.
 
     Each has one line per model and is at most 80 columns wide.
     """
@@ -170,8 +170,7 @@ def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
 
 
 def refusals(attempts: list[Attempt]) -> list[str]:
-    """One line for each reason why a solution is missing, with the names of the models concerned.
-    """
+    """One line for each reason why a solution is missing, with the names of the models."""
     reasons: dict[str, list[str]] = {}
     for attempt in attempts:
         if attempt.refusal is not None:
@@ -215,7 +214,7 @@ def _attempt(name: str, scene: Scene, model: Interaction, tol: float) -> Attempt
 
 
 def _under(scene: Scene, model: Interaction) -> Scene:
-    """The scene under another model.
+    """The same scene with another interaction model.
 
     A model that does not accept a mean pressure gets the load per period that it stands for.
     """

@@ -28,8 +28,7 @@ _COLOURS = (
 
 
 def plot_comparison(attempts: list[Attempt]) -> Any:
-    """A matplotlib figure: exact pressure, differences from the exact pressure, errors and times.
-    """
+    """A matplotlib figure: exact pressure, deviations from the exact pressure, errors, times."""
     figure = new_figure(8.4, 9.0)
     panels = [["p", "p"], ["d", "d"], ["e", "t"]]
     top, apart, errors, times = figure.subplot_mosaic(

@@ -113,8 +113,7 @@ def _vertices(
 
 
 def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
-    """The ordinate at a load on the polyline through points that is straight on the axes' scales.
-    """
+    """The ordinate at a load on the polyline through points, drawn on the axes' scales."""
     order = np.argsort(x, kind="stable")
     to_x: Any = np.log if axes.get_xscale() == "log" else np.asarray
     to_y, back = (np.log, np.exp) if axes.get_yscale() == "log" else (np.asarray, np.asarray)

@@ -58,7 +58,8 @@ class PathOptions:
     # Above this ratio of two loads, the rates of the ends at these loads do not predict the motion
     # of the ends.
     max_load_ratio: float = 1.3
-    # Above this ratio of an end's rates at the two loads, the rates do not predict its motion.
+    # If an end's rates at the two loads have a larger ratio, the rates do not predict the end's
+    # motion.
     max_rate_ratio: float = 1.5
     # Largest relative error of a motion that is predicted by rates. For smooth ends, and loads that
     # differ by less than a third, the error is several times smaller.
@@ -69,8 +70,6 @@ class PathOptions:
         """Relative steps outside the interval between two practically equal loads.
 
         An event's condition is tried there, too, since certified signs may be wrong by round-off.
-
-        Certified signs may be wrong by their round-off.
         """
         return tuple(np.geomspace(self.same, self.negligible, 5))
 
@@ -366,8 +365,7 @@ class _Condition:
         self.where = _scaled(fields, change.where)
 
     def start(self, load: float) -> Array:
-        """Initial zones (or gaps) at a load, extrapolated linearly from the two nearest known
-        loads.
+        """Initial zones (or gaps) at a load, extrapolated from those at the two nearest loads.
 
         If that changes some zone or gap by more than a factor of two, the nearest zones are used.
         """
@@ -378,8 +376,7 @@ class _Condition:
         return np.asarray(table) if np.all((grown > 0.5) & (grown < 2.0)) else first
 
     def formal(self, load: float) -> Any:
-        """Fields at a load with the event's number of zones or gaps; pressure or gap may be
-        negative.
+        """Fields at a load, with the event's number of zones or gaps; their signs may be wrong.
 
         Later calls start from them.
         """
