@@ -27,23 +27,23 @@ Value = Any
 
 
 def column(value: Value) -> Value:
-    """Returns the value in a shape that broadcasts against places along a row."""
+    """The value in a shape that broadcasts against places along a row."""
     return value if isinstance(value, float) else value[:, None]
 
 
 def least(values: Array) -> Value:
-    """Returns the minimum of each row; nan where the row has one."""
+    """The minimum of each row; nan where the row has one."""
     # For one row, argmin and item take half the time of min.
     return values.item(values.argmin()) if values.ndim == 1 else values.min(axis=-1)
 
 
 def largest(values: Array) -> Value:
-    """Returns the maximum of each row; nan where the row has one."""
+    """The maximum of each row; nan where the row has one."""
     return values.item(values.argmax()) if values.ndim == 1 else values.max(axis=-1)
 
 
 def choose(condition: Any, value: Value, other: Value) -> Value:
-    """Returns the first value where the condition holds, else the other."""
+    """The first value where the condition holds, else the other."""
     if isinstance(condition, np.ndarray):
         return np.where(condition, value, other)
     return value if condition else other

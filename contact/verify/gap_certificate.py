@@ -135,7 +135,7 @@ def _sampled(fields: GapFields) -> _Samples:
     step = x[1] - x[0]
     # In the middle of a zone even angles are as dense as the even places.
     counts = np.clip(np.pi * half / step, 2 * SAMPLING.min_points, SAMPLING.max_points).astype(int)
-    # The pressure varies more near a gap than the profile, within one shortest length of that.
+    # Near a gap the pressure varies more than the profile, up to one shortest length from the gap.
     is_wide = half > 2 * near_end
     wide = np.flatnonzero(is_wide)
     inside = located(zones, x)[0]

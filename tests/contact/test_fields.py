@@ -1,10 +1,13 @@
 """Every route to a contact returns the same fields, and they hold the same laws."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import contact
 from contact.model.laws.base import Equilibria, PressureRange, Routes
+from contact.search.find import found
 
 E = 1e9
 WAVE = contact.Sinusoid(1e-6, 1e-4)
@@ -108,3 +111,21 @@ def test_a_law_may_name_the_module_that_solves_its_scenes(monkeypatch):
     with pytest.raises(AttributeError):
         contact.solve(scene)
     assert [task.scene for task in asked] == [scene]
+
+
+def test_what_the_module_of_a_law_returns_is_not_refined(monkeypatch):
+    class Own(contact.Frictionless):
+        name = "own"
+        routes = Routes(False, False, module="contact.testing")
+
+    def loosely(context):
+        return found(replace(context, tolerance=1e-4))
+
+    monkeypatch.setattr(contact.testing, "found", loosely, raising=False)
+    rough = contact.Fourier(1e-4, [-1e-7, 4e-8], [3e-8, -2e-8])
+    scene = _periodic(rough, law=Own(), mean_pressure=1e6)
+    with pytest.raises(contact.NotConverged, match="above the tolerance") as failed:
+        contact.solve(scene, tol=1e-10)
+    best = failed.value.best
+    assert np.array_equal(contact.solve(scene, tol=2 * best.error).zones, best.zones)
+    assert contact.solve(replace(scene, law=contact.Frictionless()), tol=1e-10).error <= 1e-10

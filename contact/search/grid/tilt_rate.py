@@ -86,8 +86,8 @@ def balanced(
             return lean
         low, high = (max(low, tilt), high) if lean.centre < centre else (low, min(high, tilt))
         if miss <= before:
-            # Newton's step is tried next if the error was halved, if the bracket is still infinite,
-            # or if the rate has doubled because more places came into contact.
+            # Newton's step is tried next if the error was halved, or the bracket is still infinite.
+            # It is also tried if the rate has doubled, because more places came into contact.
             newton = (
                 miss <= 0.5 * before
                 or high - low == math.inf

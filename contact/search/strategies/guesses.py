@@ -52,8 +52,8 @@ class GuessOptions:
     # Smallest gap at the border of a strip, relative to the last gap of the tabulated branch: the
     # modes do not resolve narrower ones.
     narrowest_border_gap: float = 0.1
-    # Above this fraction of the largest width the closed form of one zone is a useless guess, and
-    # if zones fail the reason is narrow gaps.
+    # Above this fraction of the largest width the closed form of one zone is a useless guess. If
+    # zones of such a width fail, the reason is narrow gaps.
     almost_full: float = 0.99
 
 

@@ -33,7 +33,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class LoadControlOptions:
-    """How closely the load is bracketed before the contact is solved under the control itself."""
+    """When the zones of a similar solution are a better start than a grid."""
 
     # Change of the contact width, relative to the smaller of contact and its complement. From zones
     # whose width differs by more, Newton's method is no better than from a grid.

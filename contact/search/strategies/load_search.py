@@ -27,8 +27,8 @@ from contact.search.options import SEARCH
 from contact.solution.solution import Solution
 from contact.verify.tolerances import TOLERANCES
 
-# Relative step of the load for one-sided differences of second order: half of the digits are left
-# of a difference, and half are right.
+# Relative step of the load for differences: the fourth root of round-off, so that both the error of
+# the difference and that of the solutions, divided by the step, are small.
 RATE_STEP = math.sqrt(math.sqrt(EPS))
 
 

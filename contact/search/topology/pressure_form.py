@@ -146,8 +146,8 @@ class PressureForm:
         width = right - left
         middle, half = 0.5 * (left + right), 0.5 * NEW_ZONE * width
         narrow = SEARCH.doubtful_part * width
-        # Newton's method moves the other end of a narrow new zone outward. A zone with an end pinned
-        # at the corner may exist where one with two free ends would vanish.
+        # Newton's method moves the other end of a narrow new zone outward. A zone that is pinned at
+        # the corner may exist where one with two free ends would vanish.
         new = np.where(
             (left <= lo)[:, None],
             np.column_stack((left, left + narrow)),
