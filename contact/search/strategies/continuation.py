@@ -1,8 +1,9 @@
 """The contact from the previous ones on a curve of values of one control.
 
-The zones are extrapolated to the new value in the scaled problem of the last solution. Where the
-extrapolation has the wrong number of zones, the topology loop corrects it without a grid: zones are
-born where the gap is negative, and gaps that close are dropped.
+The zones are extrapolated to the new value in the scaled problem of the last solution. If Newton's
+method finds them far from the solution, the zones of a grid follow. If only their number is wrong,
+the topology loop corrects it without a grid: zones are born where the gap is negative, and gaps
+that close are dropped.
 """
 
 import math
@@ -31,14 +32,15 @@ from sie import Array
 
 @dataclass(frozen=True)
 class ContinuationOptions:
-    """When extrapolated zones are corrected, and when a grid is faster.
+    """When extrapolated zones are not tried.
 
-    Insensitive: 2 to 8 changes take the same time on curves of 5 to 80 values.
+    Insensitive: 2 to 8 changes take the same time on curves of 5 to 80 values. Without this limit
+    curves of many zones take a tenth longer.
     """
 
     # of successive values; beyond it the units of the last solution are unsuitable
     max_ratio: float = 16.0
-    max_changes: int = 4  # zones that come or go; with more a grid is faster than corrections
+    max_changes: int = 4  # zones that come or go; with more a grid is faster
 
 
 OPTIONS = ContinuationOptions()
@@ -57,22 +59,26 @@ def from_previous(context: SolveContext) -> Outcome | Failure:
     control = context.control(problem)
     if full := full_under(context, control):
         return full
-    # Under other controls a grid needs several loads.
-    grid_possible = context.scene.profile.period is not None and control.load is not None
+    has_grid = _has_grid(context, control)
     zones, changes = extrapolated(context.previous, math.log(value))
     if len(zones) == 0:
         return NOT_APPLICABLE
-    if grid_possible and changes > OPTIONS.max_changes:
+    if has_grid and changes > OPTIONS.max_changes:
         _decide(context, "a grid", changes)
         return _by_grid(context, problem, control)
     _decide(context, "the previous zones, extrapolated", changes)
     use_gaps = gaps_are_better(context, problem, float(np.diff(zones, axis=1).sum()))
     correct = _by_gaps if use_gaps else _by_zones
     outcome: Outcome | Failure = attempted(lambda: correct(context, problem, control, zones))
-    if isinstance(outcome, Failure) and grid_possible:
+    if isinstance(outcome, Failure) and has_grid:
         context.record_failure("the last zones, carried on", outcome)
         return _by_grid(context, problem, control)
     return outcome
+
+
+def _has_grid(context: SolveContext, control: Control) -> bool:
+    """Whether a grid gives first guesses at once; under other controls it needs several loads."""
+    return context.scene.profile.period is not None and control.load is not None
 
 
 def _decide(context: SolveContext, way: str, changes: int) -> None:
@@ -114,6 +120,7 @@ def _by_zones(
         zones,
         load_guess=0.0 if control.load is not None else load,
         max_rounds=SEARCH.max_attempts,
+        abandon_if_far=_has_grid(context, control),
         allow_loss=True,
     )
 
@@ -128,6 +135,7 @@ def _by_gaps(
         gap_tolerance(context),
         load_guess=context.previous[-1].solution.load / problem.units.load / period,
         max_rounds=SEARCH.max_attempts,
+        abandon_if_far=_has_grid(context, control),
         allow_loss=True,
     )
     with context.plan.timed("zone ends"):

@@ -98,7 +98,7 @@ class NewtonSettings:
     tolerance: of the ends. load_guess: the load, or the mean pressure, where the control does not
     give it. max_steps: limit of Newton steps; 0 leaves it to the formulation. max_rounds: limit of
     rounds of the loop. abandon_if_far: give up as soon as the intervals turn out to be far from the
-    solution, or their number to be wrong. initial_error: error of the given ends, divided by the
+    solution. Unless `allow_loss` is set, also give up if their number is wrong. initial_error: error of the given ends, divided by the
     widths of their intervals; 1 if unknown. modes_like: a solution on about the same intervals,
     whose numbers of modes are the first ones. unresolved_fraction: the fraction of all ends that
     may stay unconverged, after `patience` steps. allow_loss: intervals may vanish or merge. decay:
@@ -280,7 +280,8 @@ class _Loop(Generic[Kind]):
             )
             raise SceneError(reason) from fault
         form.refuse(table, free)
-        if self.newton.abandon_if_far and not free.converged:
+        may_lose = self.newton.allow_loss and (len(free.lost) or len(free.met))
+        if self.newton.abandon_if_far and not (free.converged or may_lose):
             raise WrongTopology(f"the {what}s are not near those of the solution", free)
         return free
 
@@ -370,9 +371,10 @@ class _Loop(Generic[Kind]):
         if not is_tight and _is_error(here):
             self.newton = tighter
             return table
-        if newton.abandon_if_far:
+        if newton.abandon_if_far and not newton.allow_loss:
             reason = here.certificate.note or f"there are other {form.what}s than these"
             raise WrongTopology(reason, free)
+        self.newton = replace(newton, abandon_if_far=False)
         corrected = form.corrected(free.density.zones, here.certificate)
         repeats = any(same(table, before) for at, before in self.tried if at == newton.tolerance)
         self.tried.append((newton.tolerance, table))
