@@ -42,7 +42,7 @@ def zone_solution(
     branch: str | None = None,
     find_pull_off: Callable[[ZoneFields], PullOff] | None = None,
 ) -> Solution:
-    """The solution from zones; raises NotConverged with it if its error exceeds the tolerance.
+    """The solution built from zones; NotConverged, with the solution, if the error is too large.
 
     branch, find_pull_off: see `Solution`.
     """
@@ -79,7 +79,7 @@ def zone_solution(
 
 
 def gap_solution(scene: Scene, found: SolvedGaps, plan: Plan, tol: float) -> Solution:
-    """The solution of a nearly full contact whose unknowns were the gaps.
+    """The solution of a nearly full contact that was solved for its gaps instead of its zones.
 
     Raises NotConverged with the solution if its error exceeds the tolerance.
     """
@@ -106,7 +106,8 @@ def full_contact_solution(
 ) -> Solution:
     """The solution in full contact.
 
-    Raises NotConverged with it if rounding of the heights makes its error exceed the tolerance.
+    Raises NotConverged, with this solution, if rounding of the heights makes the error exceed the
+    tolerance.
     """
     profile = scene.profile
     fields = FullFields(period_problem(scene), mean_pressure, full.relief, mean_height(scene))
@@ -122,8 +123,8 @@ def full_contact_solution(
     )
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
-    # Rounding of the closed form, divided by the peak pressure, or by the mean if the peak is
-    # infinite.
+    # Round-off of the closed form, relative to the peak pressure, or to the mean pressure if the
+    # peak is infinite.
     peak = (
         max(abs(fields.max_pressure), abs(least))
         if math.isfinite(fields.max_pressure)
@@ -142,7 +143,7 @@ def full_contact_solution(
 
 
 def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
-    """The solution for surfaces that do not touch. approach: given approach [m], or None."""
+    """The solution for surfaces that do not touch, at a given approach [m] or at none."""
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces are apart"
     gap, holds = (None, True) if approach is None else (-approach, approach <= 0.0)
@@ -160,7 +161,7 @@ def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan:
 
 
 def lawful(solution: Solution) -> Solution:
-    """The solution; raises NotConverged with it if it violates the law of its scene."""
+    """The solution itself; NotConverged, with the solution, if it violates its scene's law."""
     scene, certificate = solution.scene, solution.certificate
     checked = held_to_law(certificate, scene.law, solution.fields, scene.given_load)
     if checked is certificate:
@@ -177,8 +178,9 @@ def _full_contact_note(scene: Scene, least: float, unresolved: int) -> str:
         return "full contact: the pressure is nowhere negative"
     if scene.law.tension:
         return "full contact, under tension in places: nowhere above what the surfaces pull with"
-    # The closed surfaces separate at a flaw, an open part of half width c, if K = s sqrt(c/2) under
-    # the tension s reaches the intensity of the law, where w = (pi/E*) K^2 is the work of adhesion.
+    # A flaw is an open part of half width c. The closed surfaces separate at a flaw under the
+    # tension s if K = s sqrt(c/2) reaches the intensity of the law. This intensity K belongs to the
+    # work of adhesion w = (pi/E*) K^2.
     flaw = 2 * (scene.law.intensity(scene.E_star) / least) ** 2
     message = "full contact, under tension in places: what is closed stays closed"
     return f"{message}; a flaw there of half width {quantity(flaw, 'm', 3)} would open"
@@ -192,18 +194,18 @@ def period_problem(scene: Scene) -> Problem:
 
 
 def mean_height(scene: Scene) -> float:
-    """Mean f - min f over the period [m]."""
+    """Mean of f - min f over the period [m], where f is the height of the profile."""
     problem = period_problem(scene)
     return mean_shape(problem) * problem.units.height
 
 
 def in_cell(scene: Scene, table: Array) -> Array:
-    """Zones [m] with left ends in [x0, x0 + L), ascending."""
+    """Zones [m] in ascending order, with left ends in [x0, x0 + L), where L is the period."""
     return tables.in_cell(table, scene.profile.x0, scene.period)
 
 
 def profile_fault(scene: Scene, zones: Array | None = None) -> str:
-    """The first fault of a user's profile, in words; empty if there is none.
+    """The first fault of a user's profile, in words; an empty string if there is no fault.
 
     zones: zones of the contact [m]. Corners are searched for in them, and a shape on the whole line
     is checked around them.
@@ -226,7 +228,7 @@ def profile_fault(scene: Scene, zones: Array | None = None) -> str:
 
 
 def undeclared_corner(scene: Scene, zones: Array | None) -> str:
-    """Message on an undeclared corner of a user's profile in zones [m]; else empty."""
+    """Message on an undeclared corner of a user's profile in the zones; "" if there is none."""
     profile = scene.profile
     if zones is None or len(profile.bodies) > 1 or is_of_package(profile):
         return ""
@@ -252,7 +254,7 @@ def _record_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
 def _checked(
     tol: float, solution: Solution, free: sie.Free, of: str, positions: float = 0.0, cause: str = ""
 ) -> Solution:
-    """The solution; raises NotConverged with it if its error or its law forbids it.
+    """The solution itself; NotConverged, with the solution, if its error or its law forbids it.
 
     The error has to be at most the tolerance. cause: main cause of the error, in words, if the law
     or the profile adds most of it.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Decision:
-    """One choice between methods, with its reason.
+    """One choice between methods, with the reason for the choice.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class Decision:
 
     @property
     def reason(self) -> str:
-        """The reason with its numbers, as in "contact is 0.81 of the period, above 0.7"."""
+        """The reason with the numbers compared, as in "contact is 0.81 of the period, above 0.7"."""
         if self.measured is None:
             return self.because
         reason = self.because.format(f"{self.measured:.3g}")

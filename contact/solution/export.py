@@ -55,10 +55,10 @@ _FIELDS = {
 
 
 def to_dict(solution: Solution) -> dict[str, Any]:
-    """Zones and numbers of the solution in the types of JSON."""
+    """Zones and numbers of the solution as a dictionary, in the types of JSON."""
     values = {
         **{name: getattr(solution, name) for name in UNITS if name != "rotational_stiffness"},
-        # The rotational stiffness needs one more solve, and matters only with a tilt or a moment.
+        # The rotational stiffness costs one more solve, and is of use only with a tilt or a moment.
         "rotational_stiffness": solution.rotational_stiffness if solution.scene.turning else None,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
@@ -92,7 +92,7 @@ def plain(value: Any) -> Any:
 
 
 def zone_table(solution: Solution) -> list[tuple[float, ...]]:
-    """Rows for the zones from left to right, with the columns ZONE_COLUMNS in ZONE_UNITS."""
+    """One row for each zone, from left to right, with the columns ZONE_COLUMNS in ZONE_UNITS."""
     loads, widths = np.asarray(solution.zone_loads), np.asarray(solution.zone_widths)
     return list(
         map(
@@ -117,12 +117,12 @@ def zone_frame(solution: Solution) -> Any:
 
 
 def to_csv(solution: Solution) -> str:
-    """The zone table as CSV with a header line, in full precision."""
+    """The zone table as CSV text with a header line, in full precision."""
     return csv_of(ZONE_COLUMNS, zone_table(solution))
 
 
 def fields_to_csv(solution: Solution) -> str:
-    """Fields as CSV: FIELD_COLUMNS [m, Pa, m, m, m], with a header line, in full precision.
+    """The fields as CSV text with a header line: FIELD_COLUMNS [m, Pa, m, m, m].
 
     The spacing of the positions is smaller near the ends of zones.
     """
@@ -131,7 +131,7 @@ def fields_to_csv(solution: Solution) -> str:
 
 
 def csv_of(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A table as CSV with a header line, in full precision."""
+    """A table as CSV text with a header line, in full precision."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -142,24 +142,24 @@ def csv_of(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def write_csv(solution: Solution, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write the zone table as CSV."""
+    """Write the zone table to a CSV file."""
     new_file(path, overwrite).write_text(to_csv(solution), encoding="utf-8")
 
 
 def write_fields(solution: Solution, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write the table of the fields as CSV."""
+    """Write the table of the fields to a CSV file."""
     new_file(path, overwrite).write_text(fields_to_csv(solution), encoding="utf-8")
 
 
 def write_json(solution: Solution, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write the line of `to_json`."""
+    """Write the solution as one line of JSON to a file."""
     new_file(path, overwrite).write_text(to_json(solution) + "\n", encoding="utf-8")
 
 
 def new_file(
     path: str | PathLike[str], overwrite: bool, endings: Sequence[str] = (), field: str = "path"
 ) -> Path:
-    """The path of a file to be written; raises SceneError if it exists or has a wrong ending."""
+    """The path of a file to be written; SceneError if the file exists or its ending is wrong."""
     if not isinstance(path, (str, PathLike)) or (
         endings and Path(path).suffix.lower() not in endings
     ):
@@ -190,7 +190,7 @@ def _fields(solution: Solution) -> dict[str, Any]:
 
 
 def to_xarray(solution: Solution) -> Any:
-    """An xarray.Dataset of zones, their loads and peaks, the fields, and the scene.
+    """An xarray.Dataset of the zones, their loads and peak pressures, the fields, and the scene.
 
     The spacing of the fields' positions is smaller near the ends of zones.
     """
@@ -224,7 +224,7 @@ def to_xarray(solution: Solution) -> Any:
 
 
 def write_netcdf(solution: Solution, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write the data set of `to_xarray` as netCDF-4."""
+    """Write the data set of `to_xarray` to a netCDF-4 file."""
     path = new_file(path, overwrite)
     require("h5netcdf")
     require("h5py")
@@ -232,7 +232,7 @@ def write_netcdf(solution: Solution, path: str | PathLike[str], overwrite: bool 
 
 
 def describe(scene: Scene) -> dict[str, Any]:
-    """The scene as the tables of a scene file; long arrays are replaced by their shape."""
+    """The scene as the tables of a scene file; each long array is replaced by its shape."""
     return {
         place: {name: _short(value) for name, value in table.items() if value is not None}
         for place, table in tables(scene).items()
@@ -244,7 +244,7 @@ def _short(value: Any) -> Any:
 
 
 def is_long(value: Any, longest: int = 64) -> bool:
-    """Whether a value is replaced by its shape in a description of a scene.
+    """Whether a value is so long that a description of a scene shows only its shape.
 
     HDF5 stores the attributes of an object in a header of 64 KiB, so that long arrays do not fit.
     """
@@ -252,7 +252,7 @@ def is_long(value: Any, longest: int = 64) -> bool:
 
 
 def _attributes(solution: Solution) -> dict[str, Any]:
-    """The numbers of the solution, without those that are None, which netCDF lacks."""
+    """The numbers of the solution that are not None, as netCDF has no value for None."""
     values = {
         name: getattr(solution, name)
         for name in UNITS

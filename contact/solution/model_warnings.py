@@ -24,7 +24,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class ModelLimits:
-    """Values beyond which the model is doubtful, or a number is probably in another unit."""
+    """Limits beyond which the model is doubtful, or a number is probably in another unit."""
 
     steepest: float = 0.3  # slope; steeper surfaces are not nearly plane
     highest: float = 0.1  # pressure divided by E*; above this strains are large
@@ -32,7 +32,7 @@ class ModelLimits:
     stiffest: float = 2e12  # [Pa]: diamond on diamond
     in_pascals: float = 1e7  # [Pa]: diamond has 1.2e6 MPa, so that a larger number is in pascals
     smallest: float = 1e-11  # [m]: less than an atom
-    # [m]: machine parts; longer bodies of a tiny modulus are in units of their own
+    # [m]: size of machine parts; a longer body of a tiny modulus is probably given in other units
     longest: float = 1.0
 
 
@@ -40,18 +40,18 @@ _LIMITS = ModelLimits()
 
 
 def scene_warnings(scene: Scene) -> tuple[str, ...]:
-    """Warnings that need no solution."""
+    """Warnings about the scene that need no solution."""
     return (*_modulus_warnings(scene), *_length_warnings(scene))
 
 
 def _length(profile: Profile) -> float | None:
-    """Length of the period, or from end to end [m]; None for an infinite shape."""
+    """Length [m] of the profile: its period or its extent; None for an infinite shape."""
     ends = profile.extent or profile.support
     return profile.period if ends is None or profile.period is not None else ends[1] - ends[0]
 
 
 def _length_warnings(scene: Scene) -> tuple[str, ...]:
-    """Warnings about the length of a hand-written shape; those of files are given when read."""
+    """Warnings about the length of a hand-written shape; reading a file gives its own warnings."""
     profile, length = scene.profile, _length(scene.profile)
     if (
         not _LIMITS.in_pascals <= scene.E_star <= _LIMITS.stiffest
@@ -65,7 +65,7 @@ def _length_warnings(scene: Scene) -> tuple[str, ...]:
             f"{message} on E_star = {quantity(scene.E_star, 'Pa')} is not that of a surface: all "
             "lengths of a scene are in metres",
         )
-    # The height varies by at most half of the integral of |f'| over the period.
+    # The height varies by at most half of the integral of |f'| over the period, f' being the slope.
     depth = 0.5 * profile.slope_sizes[1] * length
     if 0.0 < depth < _LIMITS.smallest:
         return (
@@ -95,7 +95,7 @@ def _modulus_warnings(scene: Scene) -> tuple[str, ...]:
 
 
 def solution_warnings(solution: Solution) -> tuple[str, ...]:
-    """Warnings about the solution."""
+    """Warnings about the solution, without those that concern only its scene."""
     return (
         *_slope_warnings(solution),
         *_pressure_warnings(solution),
@@ -109,7 +109,7 @@ def scene_and_solution_warnings(solution: Solution) -> tuple[str, ...]:
 
 
 def curve_warnings(solutions: Iterable[Solution]) -> tuple[str, ...]:
-    """Warnings about many solutions of one scene: at the highest load, and about traces."""
+    """Warnings about many solutions of one scene: about the highest load, and about traces."""
     by_load = sorted(solutions, key=lambda solution: solution.load)
     highest = scene_and_solution_warnings(by_load[-1])
     at_highest = preparation_warnings(by_load[-1])
@@ -117,7 +117,7 @@ def curve_warnings(solutions: Iterable[Solution]) -> tuple[str, ...]:
 
 
 def all_warnings(solution: Solution) -> list[str]:
-    """All warnings about a solution, with those that were given when its trace was read."""
+    """All warnings about a solution, including warnings that were given when its trace was read."""
     return [
         *getattr(solution.scene.profile, "warnings", ()),
         *scene_and_solution_warnings(solution),
@@ -129,7 +129,7 @@ def _slope_warnings(solution: Solution) -> tuple[str, ...]:
     with np.errstate(all="ignore"):
         slopes = np.asarray(profile.slope(_places_on_zones(solution)), dtype=float)
         inside = np.abs(slopes - tilt if tilt else slopes)
-    # For few places argmax and item are faster than max.
+    # For a few places, argmax and item are faster than max.
     steepest = inside.item(inside.argmax()) if inside.size else 0.0
     if not math.isfinite(steepest):
         steepest = float(inside.max(initial=0.0, where=np.isfinite(inside)))
@@ -173,12 +173,12 @@ def _pressure_warnings(solution: Solution) -> tuple[str, ...]:
 
 
 def _places_on_zones(solution: Solution, per_zone: int = 8) -> Array:
-    """Places on every zone, a given number on each."""
+    """Places on all zones, the same number on each zone."""
     return np.asarray(np.asarray(solution.zones).dot(_weights_of_ends(per_zone)).ravel())
 
 
 @cache
 def _weights_of_ends(count: int) -> Array:
-    """Weights (2, count) of the left and the right end of a zone in its Chebyshev nodes."""
+    """Weights (2, count) by which a zone's left and right end give its Chebyshev nodes."""
     t = chebyshev_nodes(count)
     return 0.5 * np.stack((1.0 - t, 1.0 + t))

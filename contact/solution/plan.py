@@ -18,7 +18,7 @@ from contact.solution.decision import Decision
 
 @dataclass
 class Part:
-    """One part: its name, whether it ran and why, its size in words, and its time.
+    """One part of a solve: its name, whether and why it ran, its size in words, and its time.
 
     seconds: None if the part has not run.
     """
@@ -84,7 +84,7 @@ class Plan:
         measured: float | None = None,
         threshold: float | None = None,
     ) -> None:
-        """Store the answer to a question as a `Decision`; it replaces an earlier answer."""
+        """Store the answer to a question as a `Decision`, in place of an earlier answer."""
         self.decisions[question] = Decision(way, because, measured, threshold)
 
     @contextmanager
@@ -131,7 +131,7 @@ class Plan:
 
 
 def plan(scene: Scene) -> Plan:
-    """Return what solving the scene would run, without running it.
+    """Return the parts and choices of solving the scene, without solving it.
 
     Parameters
     ----------
@@ -213,12 +213,12 @@ def plan(scene: Scene) -> Plan:
 
 
 def _part(name: str, used: bool, why: str, why_not: str) -> Part:
-    """One part with the reason for or against it."""
+    """One part of the plan, with the reason why it is used or not used."""
     return Part(name, used, why if used else why_not)
 
 
 def _inverse(scene: Scene) -> Part:
-    """The plan's part that solves full contact, and nearly full contact by its gaps."""
+    """The part of the plan that solves full contact, and solves nearly full contact by its gaps."""
     operator, name = (
         scene.operator,
         scene.interaction.name if scene.operator.is_own else scene.substrate.name,
@@ -236,7 +236,7 @@ def _inverse(scene: Scene) -> Part:
 
 
 def _branch(scene: Scene) -> Part:
-    """The plan's part that follows one of several equilibria."""
+    """The part of the plan that follows one of several equilibria."""
     if not scene.law.equilibria.several:
         return Part(
             "branch",
@@ -251,7 +251,7 @@ def _branch(scene: Scene) -> Part:
 
 
 def _symmetry(scene: Scene) -> Part:
-    """The plan's part that solves one half of a symmetric contact."""
+    """The part of the plan that solves for one half of a symmetric contact."""
     if scene.turned:
         return Part("symmetry", False, "the body is turned")
     return _part(
@@ -260,7 +260,7 @@ def _symmetry(scene: Scene) -> Part:
 
 
 def _tilt(scene: Scene) -> Part:
-    """The plan's part that turns the body, by a given tilt or by an unknown one."""
+    """The part of the plan that turns the body, by a given tilt or by an unknown tilt."""
     if not scene.turned:
         return Part(
             "tilt",
@@ -277,7 +277,7 @@ def _tilt(scene: Scene) -> Part:
 
 
 def starts_from_one_zone(scene: Scene) -> bool:
-    """Whether the first guess is one zone about x = 0, as wide as on a half-plane.
+    """Whether the first guess is one zone about x = 0, whose width is that on a half-plane.
 
     That is so for one symmetric asperity with its tip at x = 0.
     """

@@ -45,14 +45,14 @@ _CLOSE = "#3d7a4a"
 
 @dataclass(frozen=True)
 class FigureOptions:
-    """Size below which details cannot be read on a printed figure."""
+    """Smallest size of a detail that can be seen on a printed figure."""
 
-    # relative to the width or the height of a panel
+    # Smallest size of a visible detail, relative to the width or the height of a panel.
     min_visible: float = 0.06
 
     @property
     def max_zones(self) -> int:
-        """The largest number of zones and equal gaps between them that are all visible."""
+        """The largest number of zones, with gaps of the same width between them, that are visible."""
         return int(0.5 / self.min_visible)
 
 
@@ -81,7 +81,7 @@ def plot(solution: Solution) -> Any:
 
 
 def summary(solution: Solution) -> str:
-    """The solution in one line: model, load or mean pressure, contact, peak."""
+    """A line of text on the solution: model, load or mean pressure, contact, and peak pressure."""
     scene = solution.scene
     parts = [
         f"{scene.profile.title}, {scene.interaction.name}",
@@ -105,7 +105,7 @@ def summary(solution: Solution) -> str:
 
 
 def _draw(top: Any, bottom: Any, solution: Solution, lo: float, hi: float) -> None:
-    """Draw both panels from lo to hi."""
+    """Draw the panel of the surfaces and the panel of the pressure from lo to hi."""
     x = positions(solution, lo, hi, POINTS.screen_points)
     zones = zones_within(solution, lo, hi)
     along, letter = prefix(max(abs(lo), abs(hi)))
@@ -126,8 +126,8 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     low, high = float(heights.min()), float(heights.max())
     reach = high - low or max(abs(high), 1e-12)
     up, letter = prefix(max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach)
-    # The height of a body is infinite outside its sharp corners; there it is drawn beyond the
-    # panel.
+    # The height of a body is infinite outside the body's sharp corners. There the outline is drawn
+    # outside the panel.
     outline, surface = np.where(seen, body, high + reach), np.where(below, surface, low - reach)
     ceiling = high + (0.22 if seen.all() else 0.6) * reach
     floor = low - (0.24 if below.all() else 0.6) * reach
@@ -140,7 +140,7 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     weight = 2.6 if len(zones) <= FIGURE.max_zones else 1.8
     axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
     axes.set(ylim=(floor * up, ceiling * up), ylabel=f"height [{letter}m]")
-    # The label is placed above a point in contact: whatever the outline, the body covers it there.
+    # The label is placed above a point in contact, as the body covers that place for any outline.
     middle = float(zones[len(zones) // 2].mean()) if len(zones) else float(0.5 * (x[0] + x[-1]))
     where = float(np.clip((middle - x[0]) / (x[-1] - x[0]), 0.06, 0.94))
     for place, height, side, style in (
@@ -186,13 +186,13 @@ def _draw_pressure(axes: Any, solution: Solution, x: Array, zones: Array, along:
             fontsize=9,
         )
     # The tension at the ends of adhesive zones is unbounded. It is drawn at most as far below zero
-    # as the peak is above.
+    # as the peak is above zero.
     lowest = max(float(np.min(pressure, initial=0.0)), -top)
     axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"pressure [{letter}Pa]")
 
 
 def _close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | None:
-    """The interval around the highest pressure with its zone and the next ones.
+    """The interval around the highest pressure, with the zone there and the next zones.
 
     None if the whole figure shows the zones well enough.
     """
@@ -211,7 +211,7 @@ def _close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] |
 
 
 def _mark_close_up(axes: Any, solution: Solution, lo: float, hi: float) -> None:
-    """Mark in the first column the interval of the second: shading behind, a pointer above.
+    """Mark, in the first column of panels, the interval that the second column enlarges.
 
     The pointer shows the interval even if it is no wider than the line of the peak in it.
     """
@@ -259,7 +259,7 @@ def panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
 
 
 def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
-    """Set axis labels and inner ticks, and a legend with each label once."""
+    """Set the axis labels, inner ticks, and a legend that shows each label once."""
     axes.set(xlabel=across, ylabel=up)
     axes.tick_params(direction="in", top=True, right=True)
     handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
@@ -268,7 +268,7 @@ def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
 
 
 def to_html(solution: Solution) -> str:
-    """HTML with numbers and units, stated error, certificate, and the figure as an image."""
+    """HTML table of numbers with units, error and certificate, and the figure as an image."""
     checked = solution.certificate.to_dict()
     rows = [
         ("zones", str(len(solution.zones))),

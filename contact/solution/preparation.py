@@ -15,7 +15,7 @@ from sie import Array
 
 
 class Borne(NamedTuple):
-    """Share of the load in intervals of one kind. highest: whether one holds the peak."""
+    """Share of the load that intervals of one kind carry. highest: whether one holds the peak."""
 
     place: str
     kind: Any
@@ -40,7 +40,7 @@ def preparation_warnings(
 
 
 def shares(solution: Solution, samples: int = 4096) -> list[Borne]:
-    """The share of each kind of interval, for every body that has such intervals.
+    """The share of the load on each kind of interval, for every body that has such intervals.
 
     samples: number over all zones, equally many in each; 4096 give three digits of the shares.
     """
@@ -53,7 +53,7 @@ def shares(solution: Solution, samples: int = 4096) -> list[Borne]:
         return []
     peak, found = int(np.argmax(pressure)), []
     for place, intervals in bodies.items():
-        # Each body has its own period and its own positions.
+        # Each body has its own period and its own coordinates.
         own = np.asarray(profile.bodies[place].wrap(profile.facing(at)[place]))
         for kind in dict.fromkeys(interval.kind for interval in intervals):
             of_kind = [interval for interval in intervals if interval.kind is kind]
@@ -81,7 +81,7 @@ def _sentence(borne: Borne, listed: int) -> str:
 
 
 def _places_in_contact(solution: Solution, samples: int) -> tuple[Array, Array, Array]:
-    """Places in contact, the modulus of the load that each represents, and the pressure there."""
+    """Places in contact, the modulus of the load that each place represents, and the pressure."""
     profile, zones = solution.scene.profile, np.asarray(solution.zones)
     if not len(zones):
         if profile.period is None or not solution.load > 0.0:  # the surfaces are apart
@@ -95,7 +95,7 @@ def _places_in_contact(solution: Solution, samples: int) -> tuple[Array, Array, 
     angle = np.tile(np.pi * (np.arange(count) + 0.5) / count, len(zones))
     at = zones[zone, 0] + widths[zone] * np.sin(0.5 * angle) ** 2
     pressure = np.nan_to_num(np.asarray(solution.pressure(at)), posinf=0.0, neginf=0.0)
-    # Gauss-Chebyshev weights, scaled to the load of each zone.
+    # The weights are those of Gauss-Chebyshev quadrature, scaled to the load of each zone.
     weight = np.abs(pressure) * np.sin(angle)
     sums = np.bincount(zone, weight, len(zones))
     scale = np.abs(np.asarray(solution.zone_loads)) / np.where(sums > 0.0, sums, 1.0)

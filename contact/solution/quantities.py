@@ -63,9 +63,10 @@ class Energy:
 
 @dataclass(frozen=True)
 class PeakOptions:
-    """Number of samples for the highest pressure of a zone; larger numbers give the same peaks."""
+    """Number of samples in the search for the highest pressure of a zone."""
 
-    # for each shortest length of the profile, in addition to those of a smooth zone
+    # Number for each shortest length of the profile, added to the samples for a smooth zone. Larger
+    # numbers give the same peaks.
     samples_per_length: int = 12
 
 
@@ -90,7 +91,7 @@ def peaks(scene: Scene, zones: Array, pressure_at: Callable[[Array, int], Array]
         def over_angle(angle: Array, zone: int = zone) -> Array:
             return pressure_at(np.clip(np.cos(angle), -1.0, 1.0), zone)
 
-        # As a function of the angle the pressure of a zone is smooth.
+        # The pressure of a zone is a smooth function of the angle.
         found[zone] = maximum(over_angle, np.linspace(0.0, np.pi, count + 1), levels=7)[1]
     return found
 

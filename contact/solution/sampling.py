@@ -17,7 +17,7 @@ from sie import Array, Mask
 
 @dataclass(frozen=True)
 class PointOptions:
-    """Numbers of positions that represent the fields of a solution by polylines."""
+    """Numbers of positions at which the fields of a solution are sampled for drawing."""
 
     screen_points: int = 6000  # evenly spaced over a picture: a few on each column of pixels
     zone_points: int = 97  # on each zone, in addition to the evenly spaced ones
@@ -66,12 +66,12 @@ def zones_within(solution: Solution, lo: float, hi: float) -> Array:
 
 
 def positions(solution: Solution, lo: float, hi: float, most: int = 20_000) -> Array:
-    """Ascending positions from lo to hi, close enough to draw every field by straight lines.
+    """Ascending positions from lo to hi, close enough to draw each field by straight lines.
 
     most: largest number of evenly spaced positions. All zones together get about as many, and each
     at least its ends and its middle.
     """
-    # A smooth profile counts as one with as many shortest lengths as a zone has points.
+    # If the profile is smooth, it counts as one whose number of shortest lengths is `zone_points`.
     lengths = max((hi - lo) / (solution.scene.profile.resolution or np.inf), POINTS.zone_points)
     even = int(min(PEAKS.samples_per_length * lengths, most))
     parts = _parts_between_kinks(solution, zones_within(solution, lo, hi))
@@ -83,7 +83,7 @@ def positions(solution: Solution, lo: float, hi: float, most: int = 20_000) -> A
 
 
 def on_zones(x: Array, zones: Array) -> Mask:
-    """Whether each position is in a zone, ends included; the zones ascend."""
+    """Whether each position lies in a zone or at its end; the zones are in ascending order."""
     if len(zones) == 0:
         return np.zeros(x.shape, dtype=bool)
     nearest = np.maximum(np.searchsorted(zones[:, 0], x, side="right") - 1, 0)
@@ -91,7 +91,7 @@ def on_zones(x: Array, zones: Array) -> Mask:
 
 
 def top_pressure(solution: Solution) -> float:
-    """The highest pressure [Pa], or four times the mean on the zones if it is infinite."""
+    """The highest pressure [Pa]; if it is infinite, four times the mean pressure on the zones."""
     if np.isfinite(solution.max_pressure):
         return solution.max_pressure
     return float(4.0 * abs(solution.load) / max(np.sum(solution.zone_widths), 1e-300))
@@ -105,7 +105,8 @@ def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
     profile = solution.scene.profile
     face = profile.counter_height(x)
     surface = face - np.max(face[np.isfinite(face)], initial=-np.inf) - solution.displacement(x)
-    # The body is drawn as rigid, so that the height of one point in contact fixes its position.
+    # The body is drawn as rigid, so that the height of one point in contact fixes the body's
+    # position.
     own = np.asarray(profile.bodies["profile"].height(x)) - (solution.tilt or 0.0) * x
     zones = zones_within(solution, float(x[0]), float(x[-1]))
     there = np.isfinite(surface) & np.isfinite(own)
@@ -116,7 +117,7 @@ def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
 
 
 def _parts_between_kinks(solution: Solution, zones: Array) -> Array:
-    """The zones cut at the kinks of the profile inside them, (m, 2).
+    """The zones, (m, 2), cut into parts at the kinks of the profile inside them.
 
     Next to a kink the pressure is logarithmic, so that each part has close positions at its ends.
     """
@@ -129,8 +130,8 @@ def _parts_between_kinks(solution: Solution, zones: Array) -> Array:
 
 
 def peak_position(solution: Solution, x: Array, pressure: Array) -> float:
-    """The middle of the zone with the highest sampled pressure, or its place in full contact."""
-    # Among peaks that differ only by rounding, the one nearest to the middle is taken.
+    """The middle of the zone with the highest sampled pressure; its place in full contact."""
+    # Among peaks that differ only by round-off, the peak nearest to the middle of x is taken.
     highest = x[pressure >= (1.0 - 1e-9) * np.max(pressure)]
     peak = float(highest[np.argmin(np.abs(highest - 0.5 * (x[0] + x[-1])))])
     for left, right in zones_within(solution, float(x[0]), float(x[-1])):

@@ -120,7 +120,7 @@ class Solution(sie.Kept):
         return state
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Contact pressure [Pa] at x [m], any shape; 0 outside the zones."""
+        """Contact pressure [Pa] at x [m], any array shape; 0 outside the zones."""
         return self.fields.pressure(real("x", x))
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
@@ -148,23 +148,23 @@ class Solution(sie.Kept):
         return self.fields.pressure_at(int(self._order[zone]), t)
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap [m] at x [m], any shape; 0 inside the zones, inf where there is no profile."""
+        """Gap [m] at x [m], any shape; 0 inside the zones, inf where no profile is given."""
         return self.fields.gap(real("x", x))
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement into the body [m]; without a datum it is measured from the approach."""
+        """Displacement into the body [m]; without a datum, it is relative to the approach."""
         return self.fields.displacement(real("x", x))
 
     @cached_property
     def _order(self) -> Index:
-        """The index in the order of `fields` for each zone of `zones`."""
+        """For each zone of `zones`, its index in the order of `fields`."""
         return np.argsort(
             wrapped(self.fields.zone_table[:, 0], self.scene.profile.x0, self.scene.period)
         )
 
     @property
     def load(self) -> float:
-        """Load [N/m], per period where there is one.
+        """Load [N/m], per period if the scene is periodic.
 
         It is exact if it was given. Otherwise its error is at most 3 error p times the width in
         contact.
@@ -179,15 +179,16 @@ class Solution(sie.Kept):
 
     @property
     def zone_loads(self) -> Array:
-        """Load of each zone (n,) [N/m]; the error is at most 3 error p times its width.
+        """Load of each zone (n,) [N/m].
 
-        Their sum is the load to rounding.
+        Its error is at most 3 `error` times the peak pressure times the width of the zone. The sum
+        of these loads is the load to rounding.
         """
         return np.asarray(self.fields.loads[self._order])
 
     @property
     def zone_remainders(self) -> Array:
-        """Exact minus rounded ends of `zones` (n, 2) [m]; 0 where they are unknown.
+        """Exact ends minus rounded ends of `zones` (n, 2) [m]; 0 where exact ends are unknown.
 
         Zones of very fine roughness may be only some units in the last digit of x wide. For them
         `error` is the error of the ends zones + zone_remainders.
@@ -202,13 +203,13 @@ class Solution(sie.Kept):
 
     @property
     def zone_widths(self) -> Array:
-        """Width of each zone (n,) [m]; the relative error is at most 2 error."""
+        """Width of each zone (n,) [m]; its relative error is at most twice `error`."""
         widths, rest = self.zones[:, 1] - self.zones[:, 0], self._remainders
         return widths if rest is None else widths + np.diff(rest)[:, 0]
 
     @cached_property
     def zone_peaks(self) -> Array:
-        """Highest pressure of each zone (n,) [Pa]; the error is at most error p.
+        """Highest pressure of each zone (n,) [Pa]; its error is at most `error` times the peak.
 
         It is inf at a sharp corner or a convex kink.
         """
@@ -216,7 +217,7 @@ class Solution(sie.Kept):
 
     @property
     def max_pressure(self) -> float:
-        """Highest pressure [Pa]; the relative error is at most `error`.
+        """Highest pressure [Pa]; its relative error is at most `error`.
 
         It is inf at a sharp corner or a convex kink.
         """
@@ -224,7 +225,9 @@ class Solution(sie.Kept):
 
     @property
     def approach(self) -> float | None:
-        """Approach [m]; the error is at most about 3 error p L / E*, with L the period.
+        """Approach of the bodies [m].
+
+        Its error is at most about 3 `error` p L / E*, with the peak pressure p and the period L.
 
         None for an isolated punch without a datum.
         """
@@ -242,7 +245,7 @@ class Solution(sie.Kept):
 
     @cached_property
     def energy(self) -> Energy | None:
-        """Elastic and surface energy [J/m], per period where there is one.
+        """Elastic and surface energy [J/m], per period if the scene is periodic.
 
         None without an approach, and for localized contact, whose strip is not the whole body.
         """
@@ -261,7 +264,7 @@ class Solution(sie.Kept):
 
     @property
     def stiffness(self) -> float | None:
-        """d load / d approach [N/m^2], at the given moment or else at the given tilt.
+        """Derivative of the load by the approach [N/m^2], at the given moment or else tilt.
 
         It is inf in full contact on a half-plane, None without an approach. The error of its
         inverse is about 4 error / E*, multiplied by the ratio of the width of zones to that of
@@ -271,7 +274,7 @@ class Solution(sie.Kept):
 
     @cached_property
     def pull_off(self) -> PullOff | None:
-        """The last equilibrium as the load (or the given approach) falls, under adhesion.
+        """The last equilibrium under adhesion as the load, or the given approach, falls.
 
         Parts of the contact may separate before it. It is None in full contact, which does not
         open, and for surfaces that are apart.
@@ -312,7 +315,7 @@ class Solution(sie.Kept):
 
     @property
     def tilt(self) -> float | None:
-        """Angle by which the body is turned [rad]: the gap at zero load is f(x) - tilt x.
+        """Angle by which the body is turned [rad]: at zero load, the gap is profile - tilt x.
 
         None for bodies that repeat.
         """
@@ -320,7 +323,7 @@ class Solution(sie.Kept):
 
     @property
     def moment(self) -> float | None:
-        """int p x dx about x = 0 [N]; None for bodies that repeat.
+        """Moment of the pressure p about x = 0, int p x dx [N]; None for bodies that repeat.
 
         Its error is that of the zone loads times their distances.
         """
@@ -328,7 +331,7 @@ class Solution(sie.Kept):
 
     @property
     def rotational_stiffness(self) -> float | None:
-        """d moment / d tilt at the given load [N]; None for bodies that repeat."""
+        """Derivative of the moment by the tilt at the given load [N]; None for bodies that repeat."""
         return self.fields.rotational_stiffness if self.scene.interaction.turns else None
 
     @property
@@ -394,12 +397,14 @@ class Solution(sie.Kept):
         require(_FILES).write_fields(self, path, overwrite)
 
     def to_dict(self) -> dict[str, Any]:
-        """The whole solution in plain types; None for what is infinite or undefined."""
+        """The whole solution as a dictionary of plain types; None for infinite or undefined
+        numbers.
+        """
         return require(_FILES).to_dict(self)
 
 
 def limit_of_approach(solution: Solution, tol: float) -> str:
-    """Message that the digits of a given approach do not fix the load to `tol`; else empty.
+    """Message if the digits of a given approach do not fix the load to `tol`; else "".
 
     Near full contact the approach is the mean of the profile minus the mean gap. The mean gap is
     proportional to the square of the width of narrow gaps over kinks, and to the fourth power of

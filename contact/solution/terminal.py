@@ -17,7 +17,7 @@ def show_table(
     close: bool = False,
     file_width: int = 200,
 ) -> None:
-    """Print a table; `numeric` columns align to the right.
+    """Print a table, in which the `numeric` columns are aligned to the right.
 
     close: one blank between columns instead of three. file_width: of a line where there is no
     terminal; it breaks no cell.
@@ -44,7 +44,7 @@ def show_columns(
     words: Iterable[int] = (),
     close: bool = False,
 ) -> None:
-    """Print a table given by columns, each a name and its cells; `words` align to the left."""
+    """Print a table given as columns (name, cells); the columns `words` align to the left."""
     names, cells = zip(*columns, strict=True)
     show_table(
         title, names, zip(*cells, strict=True), set(range(len(names))).difference(words), close
@@ -52,7 +52,7 @@ def show_columns(
 
 
 class Progress:
-    """The callable for `contact.solve(progress=...)`: a bar on stderr.
+    """A callable for `contact.solve(progress=...)` that shows a progress bar on stderr.
 
     It appears on a terminal only, once the work has lasted `patience` seconds.
     """
