@@ -49,8 +49,8 @@ from contact.sweeps.points import total_width
 @click.option("--show/--no-show", default=True, help="Open a browser.")
 @TOL
 def explore_command(scene: Path | None, port: int | None, show: bool, tol: float) -> None:
-    """Turn a SCENE by sliders in a browser: surfaces, pressure, load curve and stated error follow.
-    Without one: a wave.
+    """Show a SCENE with sliders in a browser: its surfaces, pressure, load curve and stated error
+    follow the sliders. Without a SCENE, a sine wave is shown.
 
     The page is served on this machine alone (127.0.0.1), with all that it loads; it ends with
     Ctrl-C.
@@ -63,7 +63,7 @@ def explore_command(scene: Path | None, port: int | None, show: bool, tol: float
 
 
 class Commands(click.Group):
-    """A click group that turns every error into an exit status and one line on stderr."""
+    """A group of click commands that turns each error into an exit status and one line on stderr."""
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
         run: Callable[..., Any] = super().main
@@ -71,8 +71,8 @@ class Commands(click.Group):
             return run(*args, standalone_mode=False, **extra)
         try:
             with warnings.catch_warnings():
-                # All warnings of the model are printed, one line each, unless Python's own options
-                # say otherwise.
+                # Every ModelWarning is printed, one line for each, unless Python's own warning
+                # options say otherwise.
                 warnings.filterwarnings("always", category=ModelWarning, append=True)
                 warnings.showwarning = _show_warning
                 status = run(*args, standalone_mode=False, **extra)
@@ -131,8 +131,8 @@ def _say_version(context: click.Context, _: click.Parameter, asked: bool) -> Non
 )
 @click.pass_context
 def main(context: click.Context) -> None:
-    """Exact elastic contact of rough and wavy bodies, from scene files in TOML; - for SCENE reads
-    it from standard input.
+    """Exact elastic contact of rough and wavy bodies, from scene files in TOML. If SCENE is -, the
+    scene is read from standard input.
 
     Exit status: 0 solved; 1 the reader of a pipe left; 2 bad input or out of range; 3 not
     converged; 130 interrupted.
@@ -194,7 +194,7 @@ def solve_command(
     quiet: bool,
     tol: float,
 ) -> None:
-    """Solve a SCENE and print its zones, loads and what was checked."""
+    """Solve a SCENE and print its zones, loads and checks."""
     problem = scene_of(scene)
     outputs = Outputs(overwrite)
     outputs.add("--save", save, {".nc": export.write_netcdf, ".json": export.write_json})
@@ -217,7 +217,7 @@ def solve_command(
 @click.option("--solve", "run", is_flag=True, help="Solve it, and say what each part took.")
 @TOL
 def plan_command(scene: Path, run: bool, tol: float) -> None:
-    """Say what a SCENE needs and what it leaves out, without solving it.
+    """Show which parts of the solver a SCENE needs and which it does not, without solving it.
 
     With --solve also the sizes, and where the time went.
     """
@@ -243,7 +243,7 @@ def plan_command(scene: Path, run: bool, tol: float) -> None:
 
 
 def _show_decisions(shown: Plan) -> None:
-    """Print each choice between ways with its reason."""
+    """Print each decision of the solver between alternatives, with the reason."""
     rows = [(question, choice.way, choice.reason) for question, choice in shown.decisions.items()]
     show_table("decisions", ("question", "way", "reason"), rows)
 
@@ -307,7 +307,7 @@ main.add_command(explore_command)
     help="Folder, made.",
 )
 def figures_command(numbers: tuple[str, ...], out: Path) -> None:
-    """Draw figures N (2A 2B 7 8 9 10 11 12 13; all if none is named) of the paper, with their
+    """Draw figures N of the paper (2A 2B 7 8 9 10 11 12 13; all if none is named), and write their
     numbers as CSV.
 
     Each has the exact solution beside the paper's curves; see docs/paper.
@@ -335,7 +335,7 @@ def figures_command(numbers: tuple[str, ...], out: Path) -> None:
     help="Folder for tables, CSV and figures, made.",
 )
 def bench_command(quick: bool, peers: bool, out: Path) -> None:
-    """Measure error against run time, and cost against size; see docs/benchmarks."""
+    """Measure error against run time, and cost against problem size; see docs/benchmarks."""
     suites = require("contact.studies.bench.run")
     require("matplotlib.figure")
     out.mkdir(parents=True, exist_ok=True)
@@ -352,7 +352,8 @@ def bench_command(quick: bool, peers: bool, out: Path) -> None:
     "--out", type=click.Path(path_type=Path), help="Folder for the table and a CSV, made."
 )
 def stability_command(quick: bool, out: Path | None) -> None:
-    """Solve stiff and extreme scenes and hold each error against what the scene's condition allows.
+    """Solve stiff and extreme scenes, and compare each error with the error that the scene's
+    condition number allows.
 
     Exit status 3 if any fails that is not known to.
     """
@@ -369,7 +370,7 @@ def stability_command(quick: bool, out: Path | None) -> None:
 def _listed(
     kind: str, known: Callable[[], Mapping[str, Any]], what: str, second: str = "parameters"
 ) -> None:
-    """Add the command that lists the names of one kind for scene files."""
+    """Add the command that lists all names of one kind that a scene file can give."""
 
     @main.command(kind, help=f"List the {what} a scene file can name.")
     def list_command() -> None:
@@ -391,7 +392,7 @@ _listed("controls", controls, "controls, with their units,", "unit")
 
 
 def _show_solution(solution: Solution, seconds: float, zones_shown: int = 20) -> None:
-    """Print a solution in tables, with its first zones."""
+    """Print a solution as tables; the table of zones is limited to the first ones."""
     scene = solution.scene
     show_profile(scene.profile)
     turning = (
@@ -446,7 +447,7 @@ def _show_solution(solution: Solution, seconds: float, zones_shown: int = 20) ->
 
 
 def _entry(value: Any) -> str:
-    """One entry of a certificate as text."""
+    """The value of one entry of a certificate as text."""
     if isinstance(value, Mapping):
         return ", ".join(f"{name} {_entry(item)}" for name, item in value.items())
     if isinstance(value, (bool, np.bool_)):
@@ -457,7 +458,9 @@ def _entry(value: Any) -> str:
 
 
 def _parameters(cls: Any) -> str:
-    """The parameters of a class as a scene file gives them, with their defaults."""
+    """The parameters of a class as text, by the names that a scene file uses, with their default
+    values.
+    """
     text = _arguments(cls)
     return (
         f"{text}; or file, {_arguments(cls.from_file, but='path')}"
@@ -474,5 +477,5 @@ def _arguments(function: Callable[..., Any], but: str = "") -> str:
 
 
 def _description(cls: type) -> str:
-    """The first paragraph of a class's documentation."""
+    """The first paragraph of a class's docstring, as one line."""
     return " ".join((inspect.getdoc(cls) or "").partition("\n\n")[0].split())

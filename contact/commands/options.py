@@ -31,17 +31,18 @@ TOL = click.option(
 
 
 def scene_of(name: Path) -> Scene:
-    """The scene of a file, or of standard input if the name is "-".
+    """The scene of a file, or the scene read from standard input if the name is "-".
 
     A scene from standard input names its files relative to the working folder.
     """
     if str(name) != "-":
         return load_scene(name)
-    # sys.stdin is None if it was closed.
+    # sys.stdin is None if standard input was closed.
     return read_scene(b"" if sys.stdin is None else sys.stdin.buffer.read(), "standard input")
 
 
-# A function of the result, the file, and whether an existing file may be replaced.
+# A function that writes a result to a file; its last argument says whether an existing file may be
+# replaced.
 Write = Callable[[Any, Path, bool], Any]
 OVERWRITE = click.option(
     "--overwrite",
@@ -51,7 +52,9 @@ OVERWRITE = click.option(
 
 
 def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = False) -> None:
-    """Raise SceneError if a file of that name cannot be written, or exists without `overwrite`."""
+    """Raise SceneError if a file of this name cannot be written, or exists and `overwrite` is
+    False.
+    """
     if path.suffix.lower() not in endings:
         raise SceneError.of(
             option, str(path), f"a file name that ends in {', '.join(sorted(endings))}"
@@ -65,7 +68,7 @@ def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = F
 
 
 class Outputs:
-    """The output files of a command, with a function that writes each.
+    """The output files of a command, each with the function that writes the file.
 
     A file that cannot be written is refused when it is added, before any work is done.
     """
@@ -75,7 +78,7 @@ class Outputs:
         self._writers: dict[Path, Write] = {}
 
     def add(self, option: str, path: Path | None, writers: Mapping[str, Write]) -> None:
-        """Add a file, written by the function for its ending; None adds nothing."""
+        """Add an output file; its ending selects the function that writes it. None adds nothing."""
         if path is None:
             return
         if path in self._writers:
@@ -97,7 +100,7 @@ class Outputs:
             write(made, path, self._overwrite)
 
     def finish(self, made: Any, as_json: bool, quiet: bool, show: Callable[[], None]) -> None:
-        """Write the files, then print the result as JSON or as tables, unless `quiet`."""
+        """Write the files, then print the result as JSON, or as tables unless `quiet` is set."""
         self.write(made)
         if as_json:
             click.echo(json.dumps(made.to_dict(), allow_nan=False))
@@ -111,12 +114,13 @@ class Outputs:
             click.echo(f"written: {path}", err=err)
 
 
-# More values than this are a typing error.
+# Largest number of values in a range; more are taken for a typing error.
 _MAX_VALUES = 100_000
 
 
 def values_of(option: str, text: str) -> Array:
-    """The values of A:B:N (even), A:B:N:log (even in the logarithm) or of numbers with commas.
+    """The values of a text A:B:N (evenly spaced), A:B:N:log (evenly spaced logarithms) or of
+    numbers separated by commas.
 
     A and B are among the values.
     """
@@ -139,7 +143,7 @@ def values_of(option: str, text: str) -> Array:
 
 
 def _between(parts: list[str]) -> Array:
-    """The values of a range given by its parts; none if the parts are invalid."""
+    """The values of a range A:B:N or A:B:N:log from its `parts`; empty if the parts are invalid."""
     logarithmic = len(parts) == 4 and parts[3] == "log"
     first, last, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) > 2 else 0
     if (
@@ -151,7 +155,7 @@ def _between(parts: list[str]) -> Array:
         return np.zeros(0)
     if logarithmic and (first <= 0 or last <= 0):
         return np.zeros(0)
-    # Rounded to 15 digits, so that 0.3 compares equal to a 0.3 written by hand.
+    # Values are rounded to 15 digits, so that a computed 0.3 equals a 0.3 written by hand.
     return np.array(
         [
             float(f"{value:.15g}")

@@ -20,7 +20,7 @@ from contact.sweeps.points import NUMBERS
 from contact.sweeps.solve_many import solve_many
 from sie import Array
 
-# Columns of the table with their digits; together they fit on 80 columns.
+# Columns of the table, each with its number of digits; together they fit into 80 characters.
 _SHOWN = {
     "load": 4,
     "mean_pressure": 4,
@@ -33,7 +33,7 @@ _SHOWN = {
     "zone_count": 5,
     "error": 2,
 }
-# The option that gives the values of a control.
+# For each control, the option of the command that gives its values.
 _OPTIONS = {"load": "loads", "mean_pressure": "pressures", "approach": "approaches"}
 _HEADS = {"zone_count": "zones", "stiffness": "stiff-\nness"}
 
@@ -105,8 +105,8 @@ def path_command(
     quiet: bool,
     tol: float,
 ) -> None:
-    """Solve a SCENE along loads, up and down, with what happens between them: zones are born,
-    merge, fill the period, snap apart.
+    """Solve a SCENE along increasing and decreasing loads, and find what happens between them:
+    zones appear, merge, fill the period or snap apart.
 
     The scene's own control is replaced by the loads. Without adhesion a load of 0, where nothing
     touches, is left out.
@@ -160,7 +160,7 @@ def path_command(
 
 
 def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[str, Array]:
-    """The control, and its values."""
+    """The name of the control, and the values that the command's options give for it."""
     names = [name for name, text in given.items() if text is not None]
     if len(names) != 1:
         if names:

@@ -152,7 +152,9 @@ def _show(table: Any, seconds: float) -> None:
 
 
 def _span(values: Any, unit: str) -> str:
-    """The least and the greatest value in one unit; words as they are; "" without values."""
+    """The least and the greatest value in a common unit; texts are listed unchanged, and no values
+    give "".
+    """
     flat = np.ravel(values)
     if flat.dtype.kind not in "iuf":
         return ", ".join(str(value) for value in flat)
@@ -167,7 +169,7 @@ def _span(values: Any, unit: str) -> str:
 
 
 def _stop_where_nothing_is_solved(table: Any) -> None:
-    """Raise the error of the first point if all points have failed."""
+    """Raise the error of the first point if all points of the sweep have failed."""
     if not bool(table["failed"].all()):
         return
     reasons = [str(reason) for reason in np.ravel(table["reason"].values)]

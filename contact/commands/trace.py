@@ -26,13 +26,13 @@ from contact.solution.plotting import new_figure
 from contact.solution.terminal import show_table
 from sie import Array
 
-# The scene that is written: steel on a rigid flat.
+# Material of the scene that the command writes: steel on a rigid flat.
 _STEEL_MODULUS = 210e9  # [Pa]
 _STEEL_POISSON_RATIO = 0.3
 
 
 def _number(text: str) -> Any:
-    """The TOML value of a text: true or false, a number, or the text itself."""
+    """The value of a text as in TOML: true or false, a number, or else the text itself."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     for kind in (int, float):
@@ -57,7 +57,8 @@ def _line(text: str) -> Any:
     return parts[0] if len(parts) == 1 else [parts[:2], parts[2:]]
 
 
-# Keys of [profile] as options: the parser of their text, its name, and a description.
+# Keys of [profile] as options of the command: the parser of an option's text, its placeholder in
+# the help, and its description.
 KEYS: dict[str, tuple[Callable[[str], Any], str, str]] = {
     "columns": (_list, "X,Z", "Columns of positions and heights: numbers from 0, or names."),
     "units": (_one_or_two, "U[,U]", "Unit of the file, or two: of positions, of heights."),
@@ -114,8 +115,8 @@ def trace_command(
     as_json: bool,
     **options: str | None,
 ) -> None:
-    """Read a trace from a FILE and print its length, pitch, heights and roughness, and what was
-    done to it.
+    """Read a trace from a FILE and print its length, pitch, heights and roughness, and the steps
+    of its preparation.
     """
     if file.suffix.lower() == ".toml":
         raise SceneError.of(
@@ -129,7 +130,7 @@ def trace_command(
         path.write_text(
             starting_scene(file, path.parent, keys, measured, read.period), encoding="utf-8"
         )
-        # Raises SceneError if the file is not a valid scene.
+        # Reading the file again raises SceneError if it is not a valid scene.
         load_scene(path)
 
     outputs = Outputs(overwrite)
@@ -155,7 +156,7 @@ def trace_command(
 
 
 def show_trace(title: str, measured: Roughness, history: tuple[str, ...]) -> None:
-    """Print the numbers of a trace and its preparation."""
+    """Print the roughness parameters of a trace and the steps of its preparation."""
     pitch = quantity(measured.pitch, "m")
     rows = [
         ("points", str(measured.points)),
@@ -173,7 +174,9 @@ def show_trace(title: str, measured: Roughness, history: tuple[str, ...]) -> Non
 
 
 def show_profile(profile: Profile) -> None:
-    """Print the traces of a profile that were read from files, and its two bodies if any."""
+    """Print the traces of a profile that were read from files, and a table of its bodies if there
+    are two.
+    """
     pair = len(profile.bodies) > 1
     if pair:
         rows = [
@@ -195,7 +198,7 @@ def show_profile(profile: Profile) -> None:
 
 
 def _parameters(table: Mapping[str, Any]) -> str:
-    """The parameters of a body as text; of a list, only its length."""
+    """The parameters of a body as text; a list of numbers is given by its length only."""
     given = {key: value for key, value in table.items() if key != "shape" and value is not None}
     return ", ".join(
         f"{key} {len(value)} numbers" if np.ndim(value) else f"{key} = {value}"
@@ -204,7 +207,7 @@ def _parameters(table: Mapping[str, Any]) -> str:
 
 
 def _together(profile: Profile) -> str:
-    """The common period of two bodies, or the interval on which they face each other."""
+    """The common period of two bodies, or the interval in which they face each other, as text."""
     if profile.period is not None:
         cells = [
             f"{round(profile.period / body.period)} of {place}"
@@ -226,7 +229,7 @@ def starting_scene(
     period: float | None,
     light_load: float = 0.01,
 ) -> str:
-    """The text of a scene file: the trace on a rigid flat under a light load.
+    """The text of a scene file with the trace pressed onto a rigid flat under a light load.
 
     light_load: mean pressure over E* times the rms slope.
     """
@@ -273,7 +276,8 @@ def plot_trace(
     heights: tuple[Array, Array],
     title_length: int = 90,
 ) -> Any:
-    """A matplotlib figure: one row per step; below, heights and spectrum of the last step.
+    """A matplotlib figure with one row for each step of the preparation. The last row shows the
+    distribution of heights and the power spectrum after the last step.
 
     title_length: number of letters after which the name of a step is cut.
     """

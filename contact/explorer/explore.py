@@ -20,7 +20,8 @@ ADDRESS = "127.0.0.1"
 
 
 def explore(scene: Scene | str | PathLike[str] | None = None, tol: float = 1e-8) -> Any:
-    """A page with sliders for a scene: surfaces, zones, pressure, load curve and stated error.
+    """A page with sliders for a scene; it shows surfaces, zones, pressure, load curve and stated
+    error.
 
     A notebook displays the returned object; elsewhere its `show()` opens a browser, and `contact
     explore SCENE` serves the same page. It needs the extra `explore`.
@@ -54,7 +55,7 @@ def explore(scene: Scene | str | PathLike[str] | None = None, tol: float = 1e-8)
     """
     page = require("contact.explorer.page")
     given = _given(scene)
-    # In a notebook the page brings its own scripts and loads none from the network.
+    # In a notebook the page contains its own scripts, and loads none from the network.
     require("panel").extension(inline=True)
     return page.Explorer(given[0], tolerance(tol), *given[1:]).layout
 
@@ -66,7 +67,8 @@ def serve(
     ready: Callable[[str], None],
     show: bool,
 ) -> None:
-    """Serve the page to this machine only, until it is interrupted; each tab has its own scene.
+    """Serve the page to this machine only, until it is interrupted. Each browser tab has its own
+    scene.
 
     port: None for a free one; ready: called with the page's address once it answers; show: whether
     a browser is opened.
@@ -78,7 +80,7 @@ def serve(
         return page.Explorer(given[0], tol, *given[1:]).layout
 
     port = port or _free()
-    # Pages from other addresses may not connect.
+    # Only pages from these addresses may connect to the server.
     origins = [f"{ADDRESS}:{port}", f"localhost:{port}"]
     try:
         server = panel.serve(
@@ -95,7 +97,7 @@ def serve(
         raise SceneError.of(
             "port", port, f"one that is free ({error.strerror or error})"
         ) from error
-    # Bokeh would log every closed tab.
+    # Without this, Bokeh would log every closed tab.
     logging.getLogger("bokeh").setLevel(logging.ERROR)
     server.start()
     address = f"http://{ADDRESS}:{port}/"
@@ -109,14 +111,14 @@ def serve(
 
 
 def _free() -> int:
-    """A free port of this machine."""
+    """The number of a free port of this machine."""
     with socket.socket() as probe:
         probe.bind((ADDRESS, 0))
         return int(probe.getsockname()[1])
 
 
 def _given(scene: Any) -> tuple[Scene, dict[str, Any] | None, Path]:
-    """The scene, the tables of its file (None without one), and the folder of its files."""
+    """The scene, the tables of its file (None without a file), and the folder of the file."""
     if scene is None:
         scene = Scene(Sinusoid(1e-6, 1e-4), 1.1e11, Periodic(), mean_pressure=1.7e9)
     if isinstance(scene, Scene):

@@ -31,9 +31,10 @@ from sie import Array
 
 @dataclass(frozen=True)
 class FrameOptions:
-    """The resolution of a frame."""
+    """Resolution of the curves in a frame."""
 
-    # Points while a slider moves: one per second pixel column, and those at the zones' ends.
+    # Number of points while a slider moves: one point for every second pixel column. Further points
+    # lie at the ends of zones.
     points_while_moving: int = 500
 
 
@@ -42,7 +43,7 @@ OPTIONS = FrameOptions()
 
 @dataclass(frozen=True)
 class Frame:
-    """The curves of a solution, in the units given by `names`.
+    """The curves of a solution, in the units that `names` gives.
 
     fields: rows of x, heights of the body, heights of the deformed surface, heights in contact, and
     pressure; zones: rows of ends; names: labels of x, height and pressure.
@@ -62,7 +63,7 @@ def solved(
     branch: str,
     points: int = POINTS.screen_points,
 ) -> Frame:
-    """The frame of a scene.
+    """Solve a scene and return its frame.
 
     The search starts from the previous solution if only the control has changed.
     """
@@ -80,7 +81,7 @@ _PARTS = ("profile", "interaction", "substrate", "law")
 
 
 def drawn(solution: Solution, seconds: float, points: int = POINTS.screen_points) -> Frame:
-    """The curves of a solution with about the given number of points."""
+    """The frame of a solution, with about `points` points in its curves."""
     lo, hi = window(solution)
     x = positions(solution, lo, hi, points)
     surface, body = surfaces(solution, x)
@@ -91,7 +92,8 @@ def drawn(solution: Solution, seconds: float, points: int = POINTS.screen_points
         min(surface[below].min(), body[seen].min()),
         max(surface[below].max(), body[seen].max()),
     )
-    # A flat punch is infinitely high outside its corners: its walls are as high as all the rest.
+    # A flat punch is infinitely high outside its corners. Its walls are drawn as high as the range
+    # of all other heights.
     span = high - low
     body, surface = np.where(seen, body, high + span), np.where(below, surface, low - span)
     along, up = (
@@ -102,7 +104,7 @@ def drawn(solution: Solution, seconds: float, points: int = POINTS.screen_points
     push = prefix(
         float(np.max(np.abs(pressure[np.isfinite(pressure)]), initial=0.0)) if top <= 0 else top
     )
-    # The pressure is infinite at corners and under adhesion; its curve is cut off there.
+    # The pressure is infinite at corners and at adhesive ends: its curve is cut off there.
     shown = np.clip(
         np.nan_to_num(pressure, nan=0.0, posinf=2 * top, neginf=-2 * top),
         -1.5 * abs(top),
@@ -117,7 +119,7 @@ def drawn(solution: Solution, seconds: float, points: int = POINTS.screen_points
 
 
 def numbers(frame: Frame) -> list[tuple[str, str]]:
-    """Names and values of a solution's numbers as text."""
+    """Names and values of the numbers shown for a solution, as text."""
     solution = frame.solution
     zones = len(solution.zones)
     rows = [
@@ -147,7 +149,7 @@ def numbers(frame: Frame) -> list[tuple[str, str]]:
 
 
 def message(error: Exception) -> str:
-    """The text shown in place of a solution."""
+    """The text that the page shows instead of a solution after this error."""
     if isinstance(error, NotConverged) and isinstance(error.best, Solution):
         return (
             f"{error}. The best that was reached has a stated error of {error.best.error:.1e}; "
@@ -160,7 +162,8 @@ def message(error: Exception) -> str:
 
 
 def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[str, str]]:
-    """A solution's point on the load curve: abscissa, ordinate, and for both (name, unit).
+    """The point of a solution on the load curve: abscissa, ordinate, and a pair (name, unit) for
+    each of the two.
 
     The abscissa is the approach, or the width in contact if there is no approach. The ordinate is
     the mean pressure, or the load without a period.
@@ -178,14 +181,14 @@ def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[
 def load_curve(
     scene: Scene, control: Handle, tol: float, branch: str, points: int = 33
 ) -> Iterator[Solution]:
-    """Solutions at rising values of the control; values without a solution are left out.
+    """Solutions at increasing values of the control. Values without a solution are left out.
 
     points: number of values.
     """
     name = scene.control[0]
     spaced = np.geomspace if control.log else np.linspace
     values = spaced(control.low, control.high, points)
-    # Under adhesion each value is solved by itself, on the chosen branch.
+    # Under adhesion each value is solved without the previous solution, on the chosen branch.
     curve = None if scene.law.pressure_range.has_tension else Curve(scene, name, tol)
     for value in values:
         try:
@@ -203,6 +206,8 @@ def load_curve(
 
 
 def same_curve(one: Scene, other: Scene) -> bool:
-    """Whether two scenes differ in the value of their control only."""
+    """Whether two scenes differ only in the value of their control, so that they have the same
+    load curve.
+    """
     name, value = other.control
     return one.control[0] == name and one.under(name, value) == other

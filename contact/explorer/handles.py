@@ -29,13 +29,14 @@ UNITS = {**TURNING, **dict.fromkeys(_LENGTHS, "m"), "E_star": "Pa", "work": "J/m
 
 @dataclass(frozen=True)
 class HandleOptions:
-    """Ranges and steps of the sliders."""
+    """Options for the ranges and steps of the sliders."""
 
-    # The largest value of a slider, relative to the present value; the smallest is its inverse.
+    # Largest value of a slider, relative to the present value. The smallest value is the present
+    # one divided by this.
     reach: float = 10.0
-    # The smallest and the largest number of samples.
+    # Smallest and largest number of samples that a slider can set.
     samples: tuple[int, int] = (8, 1024)
-    # Number of steps of a slider.
+    # Number of steps between the smallest and the largest value of a slider.
     steps: int = 400
 
 
@@ -44,7 +45,8 @@ SLIDERS = HandleOptions()
 
 @dataclass(frozen=True)
 class Handle:
-    """A number of a scene with its range; `at(scene, value)` is the scene with another value.
+    """A slider for one number of a scene, with its range; `at(scene, value)` is the scene with
+    another value.
 
     log: whether the slider is logarithmic. whole: whether values are integers, with 0 for "as it
     is".
@@ -61,7 +63,8 @@ class Handle:
 
 
 def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...]:
-    """The handles of a scene, its control first, in the order in which they are to be applied.
+    """The sliders of a scene, its control first, in the order in which their values must be
+    applied.
 
     solution: the scene's solution if it is known; its pull-off sets the range of the control.
     """
@@ -87,7 +90,7 @@ def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...
 
 
 def _named_apart(found: list[Handle]) -> tuple[Handle, ...]:
-    """The handles with equal names numbered."""
+    """The sliders, with a number added to names that occur more than once."""
     names = [handle.name for handle in found]
     numbered = [
         f"{name} {names[: place + 1].count(name)}" if names.count(name) > 1 else name
@@ -97,7 +100,7 @@ def _named_apart(found: list[Handle]) -> tuple[Handle, ...]:
 
 
 def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) -> Scene:
-    """The scene with the values of the handles that were moved."""
+    """The scene with the new values of the sliders that were moved."""
     for handle in known:
         if handle.name in moved and moved[handle.name] != handle.value:
             scene = handle.at(scene, moved[handle.name])
@@ -105,7 +108,9 @@ def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) 
 
 
 def _between(key: str, value: float, low: float, high: float, log: bool = False) -> Handle:
-    """A handle for the number with a key (`contact.sweeps.sweep.keys`)."""
+    """A slider from low to high for the number of the scene that this key names (see
+    `contact.sweeps.sweep.keys`).
+    """
     name = key.rpartition(".")[2]
     return Handle(
         name, UNITS.get(name, ""), value, low, high, lambda now, to: varied(now, {key: to}), log
@@ -113,7 +118,7 @@ def _between(key: str, value: float, low: float, high: float, log: bool = False)
 
 
 def _times(key: str, value: float, decades_down: int = 1) -> Handle:
-    """A logarithmic handle for a positive number."""
+    """A logarithmic slider for the positive number of the scene that this key names."""
     high, low = SLIDERS.reach * value, SLIDERS.reach**-decades_down * value
     return _between(key, value, low, high, log=True)
 
@@ -131,12 +136,13 @@ def _control(scene: Scene, solution: Solution | None) -> Handle:
         return _between(key, value, -1.2 * reach, 4 * reach)
     if value <= 0:
         return _between(key, value, -4 * abs(value) or -1.0, 4 * abs(value) or 1.0)
-    # The range is long downwards, since at ten times the load most contacts are full.
+    # The range goes down by three decades and up by one: at ten times the load most contacts are
+    # full.
     return _times(key, value, decades_down=3)
 
 
 def _numbers(scene: Scene, place: str) -> list[Handle]:
-    """Handles for the positive parameters of a part."""
+    """Sliders for the positive parameters of a part of the scene, such as its law."""
     numbers = {
         name: value
         for name, value in parameters(getattr(scene, place)).items()
@@ -146,7 +152,7 @@ def _numbers(scene: Scene, place: str) -> list[Handle]:
 
 
 def _allowed(scene: Scene, handle: Handle) -> Handle:
-    """The handle with its range cut at the largest value that makes a valid scene."""
+    """The slider with its range limited to the largest value that gives a valid scene."""
 
     def valid(value: float) -> bool:
         try:
@@ -165,7 +171,9 @@ def _allowed(scene: Scene, handle: Handle) -> Handle:
 
 
 def _stands(profile: Profile) -> list[Handle]:
-    """Handles for the position of one of two bodies: up to half its length to either side."""
+    """Sliders for the position of a body relative to another one: up to half its length to each
+    side.
+    """
     found = []
     for place, table in profile.tables().items():
         body = profile.bodies[place]
@@ -183,7 +191,9 @@ def _stands(profile: Profile) -> list[Handle]:
 
 
 def _shape(scene: Scene, place: str) -> list[Handle]:
-    """Handles for the positive numbers of a body's profile, and for its amplitude and length."""
+    """Sliders for the positive parameters of a body's profile, and for its amplitude and its
+    length.
+    """
     profile = scene.profile.bodies[place]
     given = {name: value for name, value in profile.parameters().items() if value is not None}
     lists = [name for name, value in given.items() if np.ndim(value) == 1 and np.size(value)]
@@ -198,7 +208,7 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
     lengths = [name for name in given if name not in high and (name in lists or name == "period")]
     long = _together(profile, given, lengths, lengths=2.0) if lists else ()
     if scene.profile.period is not None and len(scene.profile.bodies) > 1:
-        # Two bodies with a common period cannot be stretched one by one.
+        # If two bodies share a period, the length of one alone cannot be changed.
         given.pop("period", None)
     elif long:
         reach = profile.period or float(np.ptp(given[next(name for name in long if name in lists)]))
@@ -214,7 +224,7 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
 
 
 def _scale(place: str, name: str, size: float, parameters: tuple[str, ...]) -> Handle:
-    """A handle that scales several parameters of a body together."""
+    """A slider that multiplies several parameters of a body by the same factor."""
 
     def at(now: Scene, to: float) -> Scene:
         given = now.profile.bodies[place].parameters()
@@ -235,7 +245,8 @@ def _together(
     lengths: float = 1.0,
     places: int = 33,
 ) -> tuple[str, ...]:
-    """The smallest set of parameters whose doubling scales heights and lengths by given factors.
+    """The smallest set of parameters that, when doubled, multiply the heights by `heights` and
+    stretch lengths by `lengths`.
 
     places: number of places at which heights are compared.
     """
@@ -256,20 +267,21 @@ def _together(
 
 
 def _alike(a: Any, b: Any) -> bool:
-    """Whether two arrays are equal up to a constant and round-off."""
+    """Whether two arrays differ only by a constant and by round-off."""
     away = (a - a[0]) - (b - b[0])
     return bool(np.isfinite(away).all() and np.max(np.abs(away)) <= ROUND_OFF * np.ptp(a))
 
 
 def _depth(profile: Profile) -> float:
-    """The range of the heights, to four digits."""
+    """The range of the profile's heights, rounded to four digits."""
     lo, hi = profile.known or (-0.5, 0.5)
     height = np.asarray(profile.height(np.linspace(lo, hi, 2001)))
     return float(f"{np.ptp(height):.4g}")
 
 
 def _samples(profile: Profile) -> list[Handle]:
-    """A handle that replaces a shape by a spline through a number of evenly spaced samples.
+    """A slider for a number of samples: the shape is replaced by a spline through so many evenly
+    spaced points.
 
     It shows what a coarser instrument would measure. Empty for shapes that are not known
     everywhere.
@@ -291,5 +303,5 @@ def _samples(profile: Profile) -> list[Handle]:
 
 
 def rounded(value: float) -> float:
-    """A slider's value rounded to four digits, the resolution of the slider."""
+    """A slider's value rounded to four digits, which is the resolution of the slider."""
     return float(f"{value:.4g}") if math.isfinite(value) else value

@@ -35,20 +35,20 @@ from contact.solution.solution import Solution
 
 @dataclass(frozen=True)
 class PageOptions:
-    """Times of the page, and the longest text on it."""
+    """Waiting times of the page, and the length of the longest text that it shows."""
 
-    # Pause between two tasks [ms], in which events of the browser are handled.
+    # Pause between two tasks [ms]; events of the browser are handled in it.
     pause: int = 5
-    # Time without a change after which the page is completed with text and load curve [ms]. If one
-    # solution takes longer, the load curve is drawn on demand only.
+    # Time without a change after which the page adds the text and the load curve [ms]. If one
+    # solution takes longer than this, the load curve is drawn on demand only.
     settling_time: int = 300
-    # Longer scene files are not shown [characters].
+    # Longest scene file that the page shows [characters].
     max_text: int = 20_000
 
 
 _PAGE = PageOptions()
 
-# JavaScript for the text of a slider: the number with an SI prefix before its unit.
+# JavaScript that formats the number of a slider, with an SI prefix before the unit.
 _READOUT = """
 const value = log ? Math.pow(10, tick) : tick;
 if (whole) return value < least ? 'as it is' : value.toFixed(0);
@@ -60,7 +60,9 @@ return (value / Math.pow(10, power)).toPrecision(4) + ' ' + letter + unit;
 
 
 class Explorer:
-    """A scene and the page that shows it. `layout` is what Panel serves and notebooks show."""
+    """A scene and the page that shows it. `layout` is the object that Panel serves and notebooks
+    display.
+    """
 
     def __init__(
         self,
@@ -73,14 +75,15 @@ class Explorer:
         self.tol, self.directory = tol, directory
         self.frame: Frame | None = None
         self.moved: dict[str, float] = {}
-        # Whether a frame, the completion of the page, and a load curve are due.
+        # These flags say whether a frame, the completion of the page, and a load curve still have
+        # to be made.
         self._due = self._waits = self._curve_is_due = False
         self._rest_at = 0.0
         self._walk: Iterator[Solution] | None = None
         self._make()
         self._begin(scene, tables)
 
-    # The elements of the page.
+    # The next method makes the elements of the page.
 
     def _make(self) -> None:
         pn = self.pn
@@ -119,10 +122,12 @@ class Explorer:
             sizing_mode="stretch_width",
         )
 
-    # The scene.
+    # The next methods set the scene and its sliders.
 
     def _begin(self, scene: Scene, tables: Mapping[str, Any] | None) -> None:
-        """Start a new scene with its sliders and first frame; tables: those of its file."""
+        """Show a new scene with its sliders and first frame. `tables` are those of the scene's
+        file.
+        """
         self.base, self.tables = scene, tables or {}
         self.moved, self.known, self.frame = {}, handles(scene), None
         self.branch.visible = scene.law.pressure_range.has_tension
@@ -132,7 +137,7 @@ class Explorer:
         self.sliders.objects = [self._slider(handle) for handle in self.known]
 
     def _slider(self, handle: Handle) -> Any:
-        # A handle of integers starts at its low end, which means "as it is".
+        # A slider for integers starts at its low end, which means that the shape stays as it is.
         start = handle.low if handle.whole else handle.value
         low, high = handle.low, handle.high
         if handle.log:
@@ -156,7 +161,8 @@ class Explorer:
             sizing_mode="stretch_width",
         )
 
-        # Panel would wait 50 ms for further values; this page does its own waiting.
+        # By default Panel waits 50 ms for further values. The page sets this to 0, as it waits by
+        # itself.
         slider._debounce = 0
 
         def move(event: Any) -> None:
@@ -178,7 +184,7 @@ class Explorer:
         return rounded(value)
 
     def _read(self) -> None:
-        """Start the scene of the text area."""
+        """Read the scene in the text area and show it."""
         try:
             tables = tomllib.loads(self.text.value or "")
             scene = scene_from_tables(tables, self.directory)
@@ -189,16 +195,18 @@ class Explorer:
             return
         self._begin(scene, tables)
 
-    # Frames.
+    # The next methods draw frames.
 
     def _change(self) -> None:
-        """Schedule a frame after a change."""
+        """Schedule a new frame after a change, unless one is scheduled already."""
         if not self._due:
             self._due = True
             self._soon(self._show)
 
     def _soon(self, do: Callable[[], None], after: int = _PAGE.pause) -> None:
-        """Call a function after a pause for the browser's events; without a server, at once."""
+        """Call a function after a pause for events of the browser; without a server, call it at
+        once.
+        """
         if self._is_served:
             self.pn.state.curdoc.add_timeout_callback(do, after)
         else:
@@ -210,7 +218,7 @@ class Explorer:
         return document is not None and document.session_context is not None
 
     def _show(self) -> None:
-        """Show the frame of the present scene; it reaches the browser in one message."""
+        """Solve and draw the present scene. The browser gets the whole frame in one message."""
         self._due = False
         with self.pn.io.hold():
             self._show_all()
@@ -243,7 +251,7 @@ class Explorer:
             self._soon(self._settle, _PAGE.settling_time)
 
     def _settle(self) -> None:
-        """Complete the page after the last change: finer curves, the text, the load curve."""
+        """Complete the page after the last change: draw finer curves, the text and the load curve."""
         left = self._rest_at - time.monotonic()
         if left > 0 and self._is_served:
             self._soon(self._settle, 1 + int(1e3 * left))
@@ -273,7 +281,7 @@ class Explorer:
         across, up, (name, unit), (what, whose) = place_on_curve(frame.solution)
         curve = self.pictures.curve
         if not curve["points"][0]:
-            # The units of an existing curve are kept.
+            # The units of a load curve stay the same while points are added to it.
             self._across, self._up = prefix(abs(across)), prefix(abs(up))
             names = [f"{name} [{self._across[1]}{unit}]", f"{what} [{self._up[1]}{whose}]"]
             if names != curve["names"]:
@@ -288,7 +296,9 @@ class Explorer:
         }
 
     def _write(self, scene: Scene) -> None:
-        """Show the scene file; an unchanged trace is given by the name of its file."""
+        """Show the text of the scene file. In this text, the name of a file stands for a trace
+        that is unchanged.
+        """
         try:
             read = self.base.profile.bodies
             as_read = [
@@ -306,11 +316,11 @@ class Explorer:
             )
         self.text.value = text
 
-    # The load curve.
+    # The next methods draw the load curve. `_of_curve` is the branch of the present curve.
     _of_curve = ""
 
     def _forget_curve(self) -> None:
-        """Remove the load curve of another scene."""
+        """Remove the load curve of the previous scene, and note that a new one is due."""
         self._walk, self._curve_is_due = None, True
         self._of_curve = self.branch.value
         if self.pictures.curve["points"][0]:
@@ -325,7 +335,9 @@ class Explorer:
             self._soon(lambda: self._step(walk))
 
     def _step(self, walk: Iterator[Solution]) -> None:
-        """Add one point to the load curve, unless the scene has changed or a frame is due."""
+        """Add one point to the load curve; do nothing if the curve is outdated, and wait if a
+        frame is due.
+        """
         if walk is not self._walk:
             return
         here = None if self._due else next(walk, None)

@@ -23,7 +23,7 @@ canvas { display: block; width: 100%; height: 750px; touch-action: pan-y; }
 
 
 class Pictures(JSComponent):  # type: ignore[misc]
-    """The component that draws a frame.
+    """The component of the page that draws a frame and the load curve in the browser.
 
     frame: numbers and curves (`Explorer._paint`); curve: abscissas and ordinates of the load curve,
     and their names; refused: the reason why the scene has no frame, or "".
