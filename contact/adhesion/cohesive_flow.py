@@ -152,7 +152,7 @@ def _flow(curve: CohesiveCurve, table: Array, value: float, sign: float) -> Cohe
             return None
         if _is_near_rest(curve, here):
             return here
-        ahead, move = _step(curve, here, sign)
+        ahead, move = gradient_flow.moved_on(curve, here, sign)
         assert isinstance(ahead, CohesiveState)
         here = ahead
         if gradient_flow.at_rest(here, move):
@@ -282,75 +282,6 @@ def _widened(
     if joins.all():
         raise Closed from covered
     return curve.within(joined(table, joins, [], curve.problem.round))
-
-
-def _step(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, largest move of an end relative to the zone or gap next to it)."""
-    onward = sign * here.residual
-    if onward.min() < -MOVES.small_drive or (
-        here.growth >= 0.0 and onward.max() <= TOLERANCES.coarse < -onward.min()
-    ):
-        return _let_go(curve, here, sign)
-    limit, back = gradient_flow.limits(curve, here, sign)
-    lost, beyond = 0, np.zeros(len(limit))
-    size = curve.room(here.table)
-    back_again = 0
-    for _ in range(LIMITS.max_iterations):
-        if back_again >= LIMITS.patience and here.growth >= 0.0:
-            return _let_go(curve, here, sign)
-        step = gradient_flow.bounded_step(here, sign, limit, back) + beyond
-        try:
-            ahead = curve.at(here.moved(step), here.value, TOLERANCES.rough)
-        except (ContactLost, NotConverged):
-            lost += 1
-            if lost > LIMITS.patience:
-                raise
-            limit = _shorter(here, limit, step, MOVES.least_part)
-            continue
-        except EndsCovered as covered:
-            # Inward steps of covered ends are shortened. In an outward flow covered ends are moved
-            # farther out.
-            if sign < 0:
-                limit = _shorter(here, limit, step, np.where(covered.ends, 0.5, 0.9))
-            else:
-                beyond = np.where(covered.ends, 2 * beyond + MOVES.short_move * here.widths, beyond)
-            continue
-        passed = gradient_flow.overshoots(here, ahead, step, sign)
-        if not passed.any():
-            # After a failed step the move is inf, so that the ends are not taken to be at rest.
-            return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
-        limit, back_again = _shorter(here, limit, step, np.where(passed, 0.5, 0.9)), back_again + 1
-    raise NotConverged("no step of the ends keeps to the branch")
-
-
-def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array:
-    """Limits of a shorter step.
-
-    If the state is unstable, one factor shortens the limits of all ends in proportion.
-    """
-    if here.growth >= 0.0:
-        return np.asarray(float(np.min(by)) * limit * float((np.abs(step) / limit).max()))
-    return np.asarray(by * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths)))
-
-
-def _let_go(curve: CohesiveCurve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, inf): the longest step of the implicit Euler method within the limits.
-
-    It is taken where some ends are driven back while others advance, as under a fixed approach.
-    """
-    inward, outward = gradient_flow.inward_and_outward(curve, here)
-    onward, back = (outward, inward) if sign > 0 else (inward, outward)
-    size = curve.room(here.table)
-    onward, above = np.minimum(onward, 0.5 * np.maximum(size, 1e-3 * here.widths)), 1e-3
-    for _ in range(LIMITS.max_iterations):
-        step = here.damped_step(above)
-        if np.all(np.abs(step) <= np.where(sign * step > 0.0, onward, back)):
-            try:
-                return curve.at(here.moved(step), here.value, TOLERANCES.rough), np.inf
-            except EndsCovered:
-                pass
-        above *= 2.0
-    raise NotConverged("no step of the ends keeps to the branch")
 
 
 def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:

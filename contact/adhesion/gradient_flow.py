@@ -16,12 +16,15 @@ The steps are Newton's,
     -J ds = r,   J = dr/ds,
 
 with every end bounded by its limits. Where J has positive eigenvalues, mu D - J replaces -J: D is a
-diagonal damping and mu exceeds the largest growth rate.
+diagonal damping and mu exceeds the largest growth rate. The steps are the same for both kinds of
+law. The flow of a cohesive zone (contact.adhesion.cohesive_flow) differs in how its intervals
+change.
 """
 
 import numpy as np
 
 from contact.adhesion.curve import TOLERANCES, Closed, Curve, State
+from contact.adhesion.inner_contact import ContactLost, EndsCovered
 from contact.adhesion.intervals import joined
 from contact.adhesion.options import LIMITS, MOVES, SAMPLES
 from contact.adhesion.predictor import Predictor
@@ -74,7 +77,7 @@ def _flow(
             )
             continue
         ahead = None if predicted is None else _predicted_step(curve, here, sign, predicted)
-        here, move = (ahead, np.inf) if ahead is not None else _step(curve, here, sign)
+        here, move = (ahead, np.inf) if ahead is not None else moved_on(curve, here, sign)
         if at_rest(here, move, rest):
             return here
         if move == 0.0:
@@ -127,33 +130,74 @@ def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor
     return None
 
 
-def _step(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, largest move of an end relative to the width of its zone)."""
+def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
+    """(next state, largest move of an end relative to the zone or gap next to it)."""
+    onward = sign * here.residual
+    if onward.min() < -MOVES.small_drive or (
+        here.growth >= 0.0 and onward.max() <= TOLERANCES.coarse < -onward.min()
+    ):
+        return _let_go(curve, here, sign)
     limit, back = limits(curve, here, sign)
-    runaway: Mask | None = running_away(here)
-    if np.any(runaway) and float(np.abs(here.residual).max()) <= TOLERANCES.coarse:
-        # Near a turning point ends follow the growing motion; moved to their limits each, they
-        # would leave it.
-        runaway = None
+    accuracy = TOLERANCES.rough / max(1.0, float(np.abs(here.residual).max()))
+    lost, beyond = 0, np.zeros(len(limit))
+    size = curve.room(here.table)
+    back_again = 0
     for _ in range(LIMITS.max_iterations):
-        step = bounded_step(here, sign, limit, back, runaway)
-        # The accuracy is relative to the largest residual; ends at rest need it in absolute terms.
-        ahead = curve.at(
-            here.moved(step),
-            here.value,
-            max(1e-14, TOLERANCES.rough / max(1.0, float(np.abs(here.residual).max()))),
-        )
-        over = overshoots(here, ahead, step, sign)
-        if not over.any():
-            return ahead, float(np.abs(step / here.widths).max())
-        # The step of an end that has passed an equilibrium is shortened to nearly reach it. All
-        # other steps are shortened a little, since those ends may have caused the overshoot.
-        before, after = here.whole.residual, ahead.whole.residual
-        part = np.divide(
-            before, before - after, out=np.full(len(before), 0.5), where=before != after
-        )
-        shorter = np.where(over, np.clip(np.where(part > 0.0, part, 0.5), 0.01, 0.5), 0.9)
-        limit = shorter * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
+        if back_again >= LIMITS.patience and here.growth >= 0.0:
+            return _let_go(curve, here, sign)
+        step = bounded_step(here, sign, limit, back) + beyond
+        try:
+            # The accuracy is relative to the largest residual; ends at rest need an absolute one.
+            ahead = curve.at(here.moved(step), here.value, max(TOLERANCES.density, accuracy))
+        except (ContactLost, NotConverged):
+            lost += 1
+            if lost > LIMITS.patience:
+                raise
+            limit = _shorter(here, limit, step, MOVES.least_part)
+            continue
+        except EndsCovered as covered:
+            # Inward steps of covered ends are shortened. In an outward flow covered ends are moved
+            # farther out.
+            if sign < 0:
+                limit = _shorter(here, limit, step, np.where(covered.ends, 0.5, 0.9))
+            else:
+                beyond = np.where(covered.ends, 2 * beyond + MOVES.short_move * here.widths, beyond)
+            continue
+        passed = overshoots(here, ahead, step, sign)
+        if not passed.any():
+            # After a failed step the move is inf, so that the ends are not taken to be at rest.
+            return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
+        limit, back_again = _shorter(here, limit, step, np.where(passed, 0.5, 0.9)), back_again + 1
+    raise NotConverged("no step of the ends keeps to the branch")
+
+
+def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array:
+    """Limits of a shorter step.
+
+    If the state is unstable, one factor shortens the limits of all ends in proportion.
+    """
+    if here.growth >= 0.0:
+        return np.asarray(float(np.min(by)) * limit * float((np.abs(step) / limit).max()))
+    return np.asarray(by * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths)))
+
+
+def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
+    """(next state, inf): the longest step of the implicit Euler method within the limits.
+
+    It is taken where some ends are driven back while others advance, as under a fixed approach.
+    """
+    inward, outward = inward_and_outward(curve, here)
+    onward, back = (outward, inward) if sign > 0 else (inward, outward)
+    size = curve.room(here.table)
+    onward, above = np.minimum(onward, 0.5 * np.maximum(size, 1e-3 * here.widths)), 1e-3
+    for _ in range(LIMITS.max_iterations):
+        step = here.damped_step(above)
+        if np.all(np.abs(step) <= np.where(sign * step > 0.0, onward, back)):
+            try:
+                return curve.at(here.moved(step), here.value, TOLERANCES.rough), np.inf
+            except EndsCovered:
+                pass
+        above *= 2.0
     raise NotConverged("no step of the ends keeps to the branch")
 
 
@@ -218,39 +262,13 @@ def lost_zones(here: State, widths: Array, residual: Array) -> Mask:
     return np.logical_and(*np.split(driven & (here.widths < MOVES.vanished * widths), 2))
 
 
-def running_away(here: State) -> Mask:
-    """Mask of the ends that run away (2n,): with them fixed, the others are stable.
-
-    They belong to gaps that snap shut, or to zones that separate.
-    """
-    away = np.zeros(len(here.residual), dtype=bool)
-    if here.growth < -TOLERANCES.neutral:
-        return away
-    while not away.all():
-        stays = np.flatnonzero(~away)
-        growth, motions = here.motions(stays)
-        grows = growth >= -TOLERANCES.neutral
-        if not grows.any():
-            break
-        size = np.abs(motions[:, grows])
-        away[stays[(size > MOVES.least_part * size.max(axis=0)).any(axis=1)]] = True
-    return away
-
-
-def bounded_step(
-    here: State, sign: float, limit: Array, most_back: Array, runaway: Mask | None = None
-) -> Array:
-    """Bound-constrained Newton step; J is shifted by the damping mu D if it is indefinite.
-
-    runaway: ends that move as far as their limits, while the others follow by Newton's step.
-    """
+def bounded_step(here: State, sign: float, limit: Array, most_back: Array) -> Array:
+    """Bound-constrained Newton step; J is shifted by the damping mu D if it is indefinite."""
     rates, residual = here.rates, here.residual
-    if here.growth >= -TOLERANCES.neutral and runaway is None:
+    if here.growth >= -TOLERANCES.neutral:
         return _damped_step(here, sign, limit)
-    away = np.zeros(len(residual), dtype=bool) if runaway is None else runaway
-    free, released = ~away, np.zeros(len(residual), dtype=bool)
-    # An end that runs away may be just past an equilibrium: it is then moved back.
-    step = sign * np.where(sign * residual > -TOLERANCES.coarse, limit, -most_back)
+    step = np.zeros(len(residual))
+    free, released = step == 0.0, step != 0.0
     while True:
         step[free] = np.linalg.solve(
             -rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free]
@@ -264,9 +282,9 @@ def bounded_step(
         if not (far | back).any():
             # An end at its bound is released if, after the others were bounded, it is driven back.
             driven = np.sign(step) * (residual + rates @ step)
-            late = ~(free | away | released) & (driven < 0.0)
+            late = ~(free | released) & (driven < 0.0)
             if not late.any():
-                return np.asarray(step)
+                return step
             free, released = free | late, released | late
 
 
