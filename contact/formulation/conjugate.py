@@ -59,8 +59,8 @@ class ConjugateOptions:
 
 
 OPTIONS = ConjugateOptions()
-# Nearer to a kink, in periods, a closed form is extrapolated linearly. The error of that is about
-# the square of the distance; round-off next to the kink grows as one over the distance.
+# A closed form is extrapolated linearly at distances from a kink below this, in periods. The error
+# of the extrapolation is about the square of the distance. Round-off is EPS over the distance.
 _KINK_REACH = np.cbrt(EPS)
 
 

@@ -23,16 +23,17 @@ from sie import Array, Mask
 class CheckOptions:
     """Options by which the checks distinguish true declarations of users from false ones.
 
-    points: on either side of a place, and order of the differences that separate powers from
-        smooth parts.
-    unchanged: change of a jump seen from nearer, up to which it is the same jump; more round-off
-        hides the jump.
-    jump: jump of the slope over the largest slope; a smaller one may be a steep slope. Twice this
-        part of a declared power may be missing.
-    same: relative difference of values that agree.
-    stands_out: deviation over the median one at which a place is examined; 16 to 256 find the
-        same corners.
-    slowest_fall: L - 1 of a body's symbol must fall faster than this power of short waves q.
+    points: number of points on either side of a place. Also the order of the differences that
+        separate powers from smooth parts.
+    unchanged: largest relative change of a jump between two distances from which it is estimated.
+        Also the largest relative round-off of such an estimate.
+    jump: smallest jump of the slope that is a kink, over the largest slope. Smaller changes may be
+        a steep slope. Twice this part of a declared power may be missing.
+    same: largest relative difference of two values that agree.
+    stands_out: deviation from a smooth function, over the median deviation, above which a place is
+        examined. 16 to 256 find the same corners.
+    slowest_fall: power of the wave number q. L - 1 of a body's symbol L must fall faster for short
+        waves.
     """
 
     points: int = 6

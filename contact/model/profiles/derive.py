@@ -33,12 +33,13 @@ Function = Callable[[Any], Any]
 class VerdictOptions:
     """Options for comparing differences of heights with integrals of the slope.
 
-    nodes: Chebyshev points of an interval; insensitive, 7 to 13 decide the same.
-    ratio: an interval over the next smaller one; a checked interval covers sets of places that
-        are narrower by no more.
-    differs: least discrepancy of a contradiction, over truncation and round-off of both sides.
-    counts: least discrepancy of a contradiction, over the rise. Heights have digits if their
-        truncation is at most the root of this, over their variation.
+    nodes: number of Chebyshev points of an interval. 7 to 13 decide the same.
+    ratio: length of an interval over that of the next smaller one. A check of an interval also
+        holds for places on a part of it that is shorter by no more than this factor.
+    differs: smallest discrepancy that is a contradiction, over the truncation and round-off of
+        heights and slopes.
+    counts: smallest discrepancy that is a contradiction, over the rise of the height. Heights are
+        used if their truncation and round-off are below the square root of this, over their rise.
     """
 
     nodes: int = 9
@@ -52,12 +53,13 @@ class DifferenceOptions:
     """Options for central differences: their steps, each twice the one before, and the round-off
     of heights.
 
-    wider: number of steps above the scale of a place; heights with a large constant need wide ones.
-    sure: steps that agree before a run is sure; the last one has 2^-8 of the first's round-off.
-        Round-off stays level over as many steps before truncation shows.
-    margin: largest round-off over the median one. Also the round-off of an extrapolated quotient,
-        over that of a height over the least step.
-    together: places side by side that share their round-off; insensitive, 16 to 64.
+    wider: number of steps above the scale of a place. Heights with a large constant need wide
+        steps.
+    sure: number of successive steps whose quotients must agree. Over 8 steps round-off falls to
+        2^-8. Round-off of heights is measured over as many steps.
+    margin: largest round-off over the median round-off. Also the round-off of an extrapolated
+        quotient, over that of a height divided by the smallest step.
+    together: number of neighbouring places with one estimate of round-off. 16 to 64 are the same.
     """
 
     wider: int = 24
@@ -402,11 +404,11 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
 class DetailOptions:
     """Options for the search for a shape's smallest length, by a Chebyshev series of samples.
 
-    samples, max_samples: heights at first and at most; insensitive.
-    counts_of_sharp: terms of the slope that count, over the largest one, of a series that has not
-        ended.
-    samples_per_length: samples in the smallest length of a shape. A smooth shape varies over the
-        interval over this number at the most.
+    samples, max_samples: first and largest number of heights. A factor of two changes no answer.
+    counts_of_sharp: smallest term of the slope that counts, over the largest one, where the series
+        of a shape with corners has not converged.
+    samples_per_length: number of samples in the smallest length of a shape. The smallest length is
+        at most the interval divided by this number.
     """
 
     samples: int = 2**10
