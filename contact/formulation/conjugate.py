@@ -273,7 +273,7 @@ def _sampled_series(
     """
     # Fewer samples than the resolution of the profile asks for would cause aliasing.
     least = 2 ** np.ceil(np.log2(8 * length / (profile.resolution or length)))
-    n = int(np.clip(least, DETAIL.samples, OPTIONS.max_samples))
+    n = int(np.clip(least, DETAIL.min_samples, OPTIONS.max_samples))
     while True:
         x = profile.x0 + length * (np.arange(n) + 0.5) / n
         slope = np.asarray(profile.slope(x))

@@ -163,7 +163,7 @@ class ScaledRelief(sie.Kept):
         n = int(
             np.clip(
                 DETAIL.samples_per_length * self.period / self.spacing,
-                DETAIL.samples,
+                DETAIL.min_samples,
                 OPTIONS.max_samples,
             )
         )
@@ -202,7 +202,7 @@ def harmonics(profile: Profile, count: int) -> Complex:
 def height_noise(profile: Profile) -> float:
     """Largest noise of the heights of a periodic profile [m]."""
     x = period_samples(profile)
-    x = x[:: max(1, len(x) // DETAIL.samples)]
+    x = x[:: max(1, len(x) // DETAIL.min_samples)]
     return noise_at(profile.height, x, profile.resolution or profile.period or 1.0)
 
 
@@ -213,7 +213,7 @@ def period_samples(profile: Profile) -> Array:
     n = int(
         np.clip(
             DETAIL.samples_per_length * length / (profile.resolution or length / 16),
-            DETAIL.samples,
+            DETAIL.min_samples,
             OPTIONS.max_samples,
         )
     )

@@ -130,7 +130,7 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
     function = profile.height if profile.slope_is_derived else profile.slope
     # With this many samples in the smallest length, the smooth part of a sixth difference is about
     # (2 pi / 256)^6. With more samples, a corner of the heights would be less visible.
-    per_length = DETAIL.samples_per_length**2
+    per_length = DETAIL.min_samples
     count = per_length * (hi - lo) / (profile.resolution or hi - lo)
     count = int(np.clip(count, DETAIL.samples, DETAIL.max_samples))
     x = np.linspace(lo, hi, count + 1)

@@ -404,7 +404,9 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
 class DetailOptions:
     """Options for the search for a shape's smallest length, by a Chebyshev series of samples.
 
-    samples, max_samples: first and largest number of heights. A factor of two changes no answer.
+    samples: number of slopes whose largest one and mean square are taken, of places where values
+        must be numbers, and of places where claims are checked. A factor of two changes no answer.
+    max_samples: largest number of heights in a search.
     counts_of_sharp: smallest term of the slope that counts, over the largest one, where the series
         of a shape with corners has not converged.
     samples_per_length: number of samples in the smallest length of a shape. The smallest length is
@@ -415,6 +417,11 @@ class DetailOptions:
     max_samples: int = 2**15
     counts_of_sharp: float = 0.1
     samples_per_length: int = 16
+
+    @property
+    def min_samples(self) -> int:
+        """Number of samples of an interval in which the smallest length is largest."""
+        return self.samples_per_length**2
 
 
 DETAIL = DetailOptions()
@@ -427,7 +434,7 @@ def detail_of(
 
     It is that of the last term of the slope's Chebyshev series that counts.
     """
-    length, n, counts = hi - lo, options.samples, VERDICTS.counts
+    length, n, counts = hi - lo, options.min_samples, VERDICTS.counts
     while True:
         # The samples leave out the ends: an end may be a corner, outside which there is no body.
         x = lo + length * np.sin(0.25 * np.pi * (2 * np.arange(n) + 1) / n) ** 2
