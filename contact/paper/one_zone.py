@@ -23,7 +23,8 @@ from contact.reference.exact.wedge import IsolatedWedge, PeriodicWedge
 
 Periodic = PeriodicParabola | PeriodicWedge | Westergaard
 
-# For each isolated solution: the exact periodic solution, and the name of the shape's parameter.
+# The table gives for each isolated solution the exact periodic solution, and the name of the
+# parameter of the profile.
 _EXACT: dict[type, tuple[type[Periodic], str]] = {
     HertzLine: (PeriodicParabola, "radius"),
     IsolatedWedge: (PeriodicWedge, "wedge_slope"),
@@ -33,7 +34,7 @@ _EXACT: dict[type, tuple[type[Periodic], str]] = {
 
 @dataclass(frozen=True)
 class OneZone(LocalizedZone):
-    """A localized zone, compared with the exact one of the same half-width."""
+    """A localized zone, compared with the exact periodic solution of the same half-width."""
 
     @property
     def exact(self) -> Periodic:
@@ -47,17 +48,23 @@ class OneZone(LocalizedZone):
 
     @property
     def load_error(self) -> float:
-        """P/P_exact - 1 at the same half-width."""
+        """Relative error of the load at the same half-width: load / exact load - 1."""
         return self.load / self.exact.load - 1.0
 
     @property
     def isolated_load_error(self) -> float:
-        """P0/P_exact - 1 at the same half-width: the error of ignoring the neighbours."""
+        """Relative error of the isolated solution's load, in which the neighbours are ignored.
+
+        It is isolated load / exact load - 1 at the same half-width.
+        """
         return self.isolated.load / self.exact.load - 1.0
 
     @property
     def peak_error(self) -> float:
-        """p(0)/p_exact(0) - 1 at the same half-width; nan under a sharp tip."""
+        """Relative error of the pressure at x = 0, at the same half-width; nan under a sharp tip.
+
+        It is p(0) / exact p(0) - 1.
+        """
         if not np.isfinite(self.max_pressure):
             return float("nan")
         return self.max_pressure / self.exact.max_pressure - 1.0
@@ -66,7 +73,9 @@ class OneZone(LocalizedZone):
 def localized_wave(
     amplitude: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER
 ) -> OneZone:
-    """The sinusoid: equations (20)-(24) with k = 2 pi/L, s = sqrt(L^2 - 4a^2)/L.
+    """The localized zone of a sinusoid, equations (20)-(24) of the paper.
+
+    With k = 2 pi/L and s = sqrt(L^2 - 4a^2)/L,
 
     (20) p0 = (2 pi Delta E*/L) sqrt(1 - t^2) sum (-1)^j J_(2j+1)(ka) U_2j(t),  t = x/a,
     (23) mean pressure = (pi^2 Delta E*/L^2) a J_1(ka) (2 - s),
@@ -81,7 +90,9 @@ def localized_wave(
 def localized_wedge(
     wedge_slope: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER
 ) -> OneZone:
-    """The wedge: equations (26)-(27), wedge_slope = tan(beta), s = sqrt(L^2 - 4a^2)/L.
+    """The localized zone of a wedge, equations (26)-(27) of the paper.
+
+    With `wedge_slope` = tan(beta) and s = sqrt(L^2 - 4a^2)/L,
 
     (26) p = (E* tan(beta)/pi) arcosh(a/|x|)
              + (2 E* a tan(beta)/pi L) arctan(2 sqrt(a^2 - x^2)/(L s)),
@@ -95,7 +106,9 @@ def localized_wedge(
 def localized_parabola(
     radius: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER
 ) -> OneZone:
-    """The parabola: equations (29)-(30), s = sqrt(L^2 - 4a^2)/L.
+    """The localized zone of a parabola, equations (29)-(30) of the paper.
+
+    With s = sqrt(L^2 - 4a^2)/L,
 
     (29) p = (E*/2R) sqrt(a^2 - x^2) + (E* a^2/2RL) arctan(2 sqrt(a^2 - x^2)/(L s)),
     (30) P = (pi E* a^2/4R) (2 - s),

@@ -33,11 +33,14 @@ CENTRES = ("pair", "valley")
 
 
 class TwoZones(PairRow):
-    """Base of the three solutions, with the isolated and the exact solution of the same load."""
+    """Base class of three approximate solutions for pairs of asperities in a period.
+
+    It adds the isolated and the exact solution at the same load, for comparison.
+    """
 
     @property
     def isolated(self) -> IsolatedBiquadratic:
-        """The isolated pair (32)-(33) at the same load; its mean pressure is (39)."""
+        """The isolated pair (32)-(33) at the same load; the mean pressure of this pair is (39)."""
         return IsolatedBiquadratic(self.radius, self.spacing, self.E_star, self.load)
 
     @property
@@ -50,9 +53,9 @@ class TwoZones(PairRow):
 
 @dataclass(frozen=True)
 class LocalizedPair(TwoZones):
-    """The solution of (35) with the full artanh; (36) is evaluated by a Chebyshev series in x^2.
+    """The solution of equation (35) (head of this module) with the full artanh.
 
-    closure: the nominal pressure is the given mean ("self-consistent", as in the paper), or that of
+    The pressure (36) is evaluated by a Chebyshev series in x^2. closure: the nominal pressure is the given mean ("self-consistent", as in the paper), or that of
     the isolated pair of the same total width ("first-order"). centre: the strip is centred on the
     "pair" (as in the paper) or on the "valley" at L/2 between two pairs, which is the better choice
     if L < 4c, since the nearest asperities then belong to different pairs.
@@ -74,7 +77,7 @@ class LocalizedPair(TwoZones):
 
     @cached_property
     def pair(self) -> EvenPair:
-        """The solution as a function of s, the distance from the centre of the strip."""
+        """The solution as a function of the distance s from the centre of the strip."""
 
         def ratio(y: Array, middle: float, half: float) -> Array:
             s = np.sqrt(y)
@@ -88,10 +91,11 @@ class LocalizedPair(TwoZones):
         return pair_at_load(ratio, self.load, self.E_star, 0.25 * self.period**2)
 
     def _nominal(self, width: float) -> float:
-        """The nominal pressure outside the strip, for zones of a given width."""
+        """The nominal pressure outside the strip, if each zone has the given width."""
         if self.closure == SELF_CONSISTENT:
             return self.mean_pressure
-        # The isolated pair has a^2 + b^2 = 2c^2, so b - a determines h = (b^2 - a^2)/2.
+        # The ends a and b of the isolated pair have a^2 + b^2 = 2c^2, so that the width b - a
+        # determines `half` = (b^2 - a^2)/2.
         c = 0.5 * self.spacing
         half = 0.5 * width * sqrt(max(4.0 * c * c - width * width, 0.0))
         return pi * self.E_star * half * half / (8.0 * self.radius * c * c) / self.period
@@ -106,14 +110,14 @@ class LocalizedPair(TwoZones):
         )
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa] in the cell |x| < L/2; 0 outside the zones."""
+        """Pressure p(x) [Pa] at x in the cell |x| < L/2; 0 outside the zones."""
         r = np.abs(np.asarray(x, dtype=float))
         return super().pressure(r if self.centre == "pair" else 0.5 * self.period - r)
 
 
 @dataclass(frozen=True)
 class CubicPair(TwoZones):
-    """The solution with the cubic (37)-(38) and the relation of the ends that follows from it.
+    """The solution with the cubic (37) instead of artanh, and with the ends that follow from it.
 
     h' = alpha x^3 - beta x,  alpha = 1/2Rc^2 + 32 p/3 pi E* L^3,  beta = 1/2R - 8 p/pi E* L,
     p(x) = (E* alpha/2) |x| sqrt(Z),  P = pi E* alpha (b^2 - a^2)^2/16,  (a^2 + b^2)/2 = beta/alpha.
@@ -135,12 +139,12 @@ class CubicPair(TwoZones):
 
     @property
     def _middle(self) -> float:
-        """(a^2 + b^2)/2."""
+        """(a^2 + b^2)/2 for the inner end a and the outer end b."""
         return self.beta / self.alpha
 
     @property
     def _half(self) -> float:
-        """(b^2 - a^2)/2 from the load."""
+        """(b^2 - a^2)/2 for the inner end a and the outer end b, from the load."""
         return sqrt(4.0 * self.load / (pi * self.E_star * self.alpha))
 
     @property
@@ -155,7 +159,8 @@ class CubicPair(TwoZones):
 
     @property
     def max_pressure(self) -> float:
-        # The maximum of y (h^2 - (y - m)^2), y = x^2, is at 3(y - m) = -m + sqrt(m^2 + 3h^2).
+        # With y = x^2, the squared pressure is proportional to y (half^2 - (y - middle)^2). Its
+        # maximum is at 3 (y - middle) = -middle + sqrt(middle^2 + 3 half^2).
         middle, half = self._middle, self._half
         rise = half * half / (middle + sqrt(middle * middle + 3.0 * half * half))
         return (
@@ -163,7 +168,7 @@ class CubicPair(TwoZones):
         )
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa] in the cell |x| < L/2; 0 outside the zones."""
+        """Pressure p(x) [Pa] at x in the cell |x| < L/2; 0 outside the zones."""
         r = np.abs(np.asarray(x, dtype=float))
         a, b = self.ends
         root = np.sqrt(np.maximum((b - r) * (b + r) * (r - a) * (r + a), 0.0))
@@ -172,9 +177,9 @@ class CubicPair(TwoZones):
 
 @dataclass(frozen=True)
 class PrintedCubicPair(CubicPair):
-    """Equation (38) as printed, with a^2 + b^2 = 2c^2.
+    """The solution (38) as printed in the paper, whose ends have a^2 + b^2 = 2c^2.
 
-    These are the ends of the isolated pair; the pressure (36) is not bounded there.
+    These are the ends a and b of the isolated pair. The pressure (36) is not bounded at them.
     """
 
     @property

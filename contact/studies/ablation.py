@@ -40,9 +40,10 @@ from contact.studies.trace_kinds import self_affine_heights
 
 @dataclass(frozen=True)
 class Switch:
-    """One replacement: `target` is "module:attribute" or "module:Class.attribute".
+    """One replacement of the object `target` by another object.
 
-    `off` takes the present value and returns the new one.
+    `target` is "module:attribute" or "module:Class.attribute". `off` takes the present value of the
+    target and returns the new one.
     """
 
     target: str
@@ -60,7 +61,7 @@ class Switch:
         return owner, name
 
     def apply(self) -> None:
-        """Set the new value in its module, and wherever the old one was imported by name."""
+        """Replace the target in its module, and in every module that imported it by name."""
         owner, name = self.find()
         old = vars(owner)[name]
         new = self.off(old)
@@ -72,17 +73,20 @@ class Switch:
 
 
 def returning(value: Any) -> Callable[[Any], Any]:
-    """Return an `off` that replaces a function by one that returns this value."""
+    """Return a function `off` (see `Switch`) that replaces a function by a constant function."""
     return lambda old: lambda *args, **kwargs: value
 
 
 def with_fields(**changed: Any) -> Callable[[Any], Any]:
-    """Return an `off` that replaces an options instance by one with these fields changed."""
+    """Return a function `off` (see `Switch`) that changes these fields of an options instance."""
     return lambda old: dataclasses.replace(old, **changed)
 
 
 def without(name: str) -> Callable[[Any], Any]:
-    """Return an `off` that removes the entry of this name from a table of (name, function)."""
+    """Return a function `off` (see `Switch`) that removes a named entry from a table.
+
+    The rows of the table are (name, function).
+    """
 
     def off(old: tuple[tuple[str, Any], ...]) -> tuple[tuple[str, Any], ...]:
         left = tuple(entry for entry in old if entry[0] != name)
@@ -116,7 +120,7 @@ def _no_context(old: Any) -> Any:
     return lambda *args, **kwargs: contextlib.nullcontext()
 
 
-# This table has for every mechanism its description and the replacements that switch it off.
+# The keys describe mechanisms; the values are the replacements that switch each mechanism off.
 MECHANISMS: dict[str, tuple[Switch, ...]] = {
     "Newton steps of ends across a narrow gap": (
         Switch("sie.ends.step_models:gap_steps", _no_gap_steps),
@@ -176,7 +180,7 @@ COLUMNS = (
 
 
 def ordinary_scenes(count: int = 91, first: int = 10_000) -> list[contact.Scene]:
-    """The first random scenes that can be drawn, and four adhesive traces."""
+    """The first `count` random scenes that can be drawn, and four adhesive traces."""
     scenes: list[contact.Scene] = []
     seed = first
     while len(scenes) < count:
@@ -188,7 +192,7 @@ def ordinary_scenes(count: int = 91, first: int = 10_000) -> list[contact.Scene]
 
 
 def adhesive_scene(seed: int) -> contact.Scene:
-    """A rough trace of 400 points under JKR's or Dugdale's law, at a mean pressure, E* = 1 Pa."""
+    """A scene of a rough trace of 400 points under JKR's or Dugdale's law, with E* = 1 Pa."""
     rng = np.random.default_rng([5, seed])
     heights = self_affine_heights(rng, 400, 0.8, longest=10 + 5 * seed)
     period = 1.0
@@ -201,7 +205,7 @@ def adhesive_scene(seed: int) -> contact.Scene:
 
 
 def run_ordinary(scene: contact.Scene, patience: float) -> dict[str, Any]:
-    """Solve an ordinary scene to 1e-8; return the outcome, zones, error and seconds."""
+    """Solve a scene to a tolerance of 1e-8; return the outcome, zones, error and seconds."""
     found: dict[str, Any] = {"solved": False, "zones": [], "error": 0.0}
     start = time.process_time()
     try:
@@ -213,7 +217,7 @@ def run_ordinary(scene: contact.Scene, patience: float) -> dict[str, Any]:
 
 
 def measure(name: str, patience: float, ordinary_only: bool) -> dict[str, Any]:
-    """Run all scenes with one mechanism off, or with none off if the name is empty."""
+    """Run all scenes with one mechanism switched off, or with all on if the name is empty."""
     for switch in MECHANISMS.get(name, ()):
         switch.apply()
     with unwarned():
@@ -227,7 +231,10 @@ def measure(name: str, patience: float, ordinary_only: bool) -> dict[str, Any]:
 
 
 def changed(one: dict[str, Any], other: dict[str, Any]) -> bool:
-    """Whether ends differ, relative to widths, by more than the sum of both stated errors."""
+    """Whether the zone ends of two solutions differ by more than their stated errors together.
+
+    Differences are relative to the widths of the zones.
+    """
     zones, others = np.array(one["zones"]), np.array(other["zones"])
     if zones.shape != others.shape:
         return True
@@ -238,7 +245,7 @@ def changed(one: dict[str, Any], other: dict[str, Any]) -> bool:
 
 
 def row(name: str, on: dict[str, Any], off: dict[str, Any]) -> tuple[str, ...]:
-    """Return the table row of a mechanism, from the runs with it on and off."""
+    """Return the table row of a mechanism, from the runs with the mechanism on and off."""
     pairs = list(zip(on["ordinary"], off["ordinary"], strict=True))
     solved = [(a, b) for a, b in pairs if a["solved"] and b["solved"]]
     ratios = [b["seconds"] / max(a["seconds"], 1e-4) for a, b in solved]
@@ -256,7 +263,7 @@ def row(name: str, on: dict[str, Any], off: dict[str, Any]) -> tuple[str, ...]:
 
 
 def main(names: list[str], options: list[str], out: Path | None) -> None:
-    """Measure mechanisms; publish the table after each one, because a run takes long."""
+    """Measure mechanisms; publish the table after each mechanism, because a run takes long."""
 
     def run(name: str) -> dict[str, Any]:
         return measured("contact.studies.ablation", "--one", name, *options)

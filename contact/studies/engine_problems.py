@@ -47,7 +47,7 @@ LIMITS = JudgingLimits()
 
 
 class Parts(sie.Condition):
-    """Condition that prescribes the totals of some zones."""
+    """Condition that prescribes the total of the density on each of some zones."""
 
     def __init__(self, zones: list[int], values: Array) -> None:
         self.zones, self.values = zones, values
@@ -71,13 +71,13 @@ class Steps(Parts):
 
 
 def angles(count: int = 9) -> Array:
-    """Angles of each zone at which densities are compared."""
+    """Angles theta at which densities are compared, at positions cos(theta) of each zone."""
     return (np.arange(count) + 0.5) * np.pi / count
 
 
 @dataclass(frozen=True)
 class Design:
-    """A designed density phi = +-P |Y| on given zones, see the head of this module.
+    """A designed density phi = +-P |Y| on given zones, with P and Y of the head of this module.
 
     `ends` and `signs` are (n, 2). The signs are twice the exponents at the ends: -1 singular, 1
     bounded. `roots` and `factor` are those of P. Without a period the zones lie on a line.
@@ -90,14 +90,14 @@ class Design:
     period: float | None
 
     def y(self, distance: Array) -> Array:
-        """The function y(x) = x or sin(pi x/L) of distances, in extended precision."""
+        """The function y of distances in extended precision: y(x) = x, or periodic sin(pi x/L)."""
         scaled = np.asarray(distance, dtype=np.longdouble)
         return (
             scaled if self.period is None else np.sin(np.longdouble(np.pi) / self.period * scaled)
         )
 
     def product(self, start: Array, away: Array, skipped: int = -1) -> Array:
-        """The product P |Y| at start + away, accurate for small distances `away` from an end.
+        """The product P |Y| (head of this module) at start + away, accurate for small `away`.
 
         The factor of the end number `skipped` is left out.
         """
@@ -112,14 +112,14 @@ class Design:
         return out
 
     def orientation(self, zone: int) -> int:
-        """Sign of Y in the gap right of a zone.
+        """Sign of the product Y (head of this module) in the gap right of a zone.
 
         Each zone further right whose two ends are of one kind changes the sign.
         """
         return int(np.prod(np.where(self.signs[zone + 1 :, 0] == self.signs[zone + 1 :, 1], -1, 1)))
 
     def density(self, zone: int, angle: Array) -> Array:
-        """Density phi at angles of a zone, whose positions are t = cos(angle) in [-1, 1]."""
+        """Density phi at positions t = cos(angle) in [-1, 1] of a zone."""
         a, b = self.ends[zone]
         left, right = (b - a) * np.cos(angle / 2) ** 2, (b - a) * np.sin(angle / 2) ** 2
         start, away = np.where(left < right, a, b), np.where(left < right, left, -right)
@@ -135,10 +135,10 @@ class Design:
         step: float = 0.4,
         nodes: int = 230,
     ) -> float:
-        """Integral of P |Y| weight from an end to the next one, by the trapezoidal rule in s.
+        """Integral of P |Y| times a weight from an end to the next end (head of this module).
 
-        The error of the step is about exp(-2 pi^2/step) = 1e-21, that of the last node about
-        exp(-step nodes/2) = 1e-20.
+        The trapezoidal rule in s has an error of about exp(-2 pi^2/step) = 1e-21 by its step, and
+        of about exp(-step nodes/2) = 1e-20 by its last node.
         """
         s = step * np.arange(-nodes, nodes + 1, dtype=np.longdouble)
         width = np.longdouble(b) - np.longdouble(a)
@@ -151,12 +151,12 @@ class Design:
         return float(step * values.sum())
 
     def total(self, zone: int, weight: Callable[[Array], Array] = np.ones_like) -> float:
-        """Integral of phi times a weight over a zone."""
+        """Integral of the density times a weight over a zone."""
         a, b = self.ends[zone].tolist()
         return -self.orientation(zone) * int(self.signs[zone, 1]) * self.integral(a, b, weight)
 
     def step(self, zone: int) -> float:
-        """Level of the next zone less that of this zone."""
+        """Level of the next zone minus the level of this zone."""
         return self.orientation(zone) * self.integral(self.ends[zone, 1], self.ends[zone + 1, 0])
 
     def intensity(self, zone: int, side: int) -> float:
@@ -168,9 +168,9 @@ class Design:
         return -self.orientation(zone) * int(self.signs[zone, 1]) * scale * size
 
     def polynomial(self) -> list[float]:
-        """Coefficients of the right side g without a smooth kernel, lowest power first.
+        """Coefficients of the equation's right side without a smooth kernel, lowest power first.
 
-        g is minus the polynomial part of P Y far away.
+        The right side is minus the polynomial part of P Y (head of this module) far away.
         """
         if self.period is not None:
             turn = np.pi / self.period * (self.roots.sum() + 0.5 * (self.signs * self.ends).sum())
@@ -187,7 +187,7 @@ class Design:
 
 @dataclass(frozen=True)
 class Problem:
-    """A design, its equation, and the zones to start from."""
+    """A designed density, its equation, and the zones from which the solution starts."""
 
     design: Design
     equation: sie.Equation
@@ -195,7 +195,7 @@ class Problem:
 
 
 def problem(seed: int) -> Problem:
-    """Return the problem of a seed: random zones, kinds of ends, kernel and conditions."""
+    """Return the random problem of a seed: its zones, kinds of ends, kernel and conditions."""
     rng = np.random.default_rng([41, seed])
     moving = rng.random() < 0.4
     count = int(rng.choice([1, 2, 3, 5, 8, 30], p=[0.15, 0.25, 0.2, 0.2, 0.15, 0.05]))
@@ -236,7 +236,7 @@ def _end(design: Design, zone: int, side: int, moves: bool) -> sie.End:
 
 
 def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equation:
-    """The equation: kernel, right side, and as many conditions as the kinds of ends need."""
+    """Return the equation of a designed density: kernel, right side and `index` conditions."""
     g = np.polynomial.Polynomial(design.polynomial())
     rise, zones = g.integ(), range(len(design.ends))
     kernel = sie.cauchy() if design.period is None else sie.hilbert(design.period)
@@ -266,9 +266,9 @@ def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equat
 
 @dataclass(frozen=True)
 class Judged:
-    """The outcome of a problem, with the largest ratios of true to stated error.
+    """The outcome of a problem, with the ratios of true to stated error.
 
-    `ratio` is the ratio for all zones together, `zone_ratio` the largest one of a single zone.
+    `ratio` is the ratio for all zones together, `zone_ratio` the largest ratio of a single zone.
     """
 
     what: str
@@ -278,7 +278,10 @@ class Judged:
     message: str = ""
 
     def fault(self, slow_seconds: float = 20.0) -> str:
-        """The kind of fault; empty if there is none. A problem must take at most `slow_seconds`."""
+        """The kind of fault of a solved problem; empty if there is no fault.
+
+        A problem must take at most `slow_seconds`.
+        """
         if self.what == "exception":
             return self.what
         if max(self.ratio, self.zone_ratio) > 1.0:
@@ -287,7 +290,7 @@ class Judged:
 
 
 def judged(seed: int, tol: float = 1e-10) -> Judged:
-    """Solve one problem and compare its true errors with the stated ones."""
+    """Solve the problem of a seed and compare the true errors with the stated errors."""
     posed = problem(seed)
     what, message, began = "solved", "", time.process_time()
     try:
@@ -311,7 +314,7 @@ def judged(seed: int, tol: float = 1e-10) -> Judged:
     exact = np.array([design.density(zone, theta) for zone in range(len(width))])
     missed = (np.abs(found.density.at(each[:, None], *sides) - exact) * np.sin(theta)).max(axis=1)
     largest = max(ends.max(), missed.max() / found.state.size)
-    # Round-off of the designed density and its conditions counts as known.
+    # The round-off of the designed density and its conditions is added to the stated error.
     round_off = 16 * np.finfo(np.float64).eps
     ratio = largest / (found.error + round_off)
     sizes = np.maximum(found.state.zone_sizes, 1e-300)
@@ -321,7 +324,7 @@ def judged(seed: int, tol: float = 1e-10) -> Judged:
 
 
 def main() -> None:
-    """Judge the problems of some seeds and print the faults."""
+    """Judge the problems of the seeds given on the command line and print the faults."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("first", type=int)
     parser.add_argument("count", type=int)

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Judged:
-    """The contact that was found on a grid.
+    """A contact that was found on a grid.
 
     `level` is the approach, with a displacement of zero mean over a period. `settled` says whether
     the iterations converged.
@@ -63,7 +63,7 @@ def judge_period(
     load: float,
     n: int = 4096,
 ) -> Judged:
-    """Solve one period on n cells, for a substrate given by its symbol."""
+    """Solve the contact of one period on n cells, for a substrate given by its symbol."""
     h = (cell[1] - cell[0]) / n
     x = np.asarray(cell[0] + h * (np.arange(n) + 0.5), dtype=np.float64)
     q = 2 * np.pi / (n * h) * np.arange(1, n // 2 + 1)
@@ -83,9 +83,9 @@ def judge_line(
     load: float,
     n: int = 1024,
 ) -> Judged:
-    """Solve an isolated body in a window that holds its contact.
+    """Solve the contact of an isolated body on a grid over the interval `window`.
 
-    `rest` is the potential of the kernel less ln|lag|.
+    The interval must contain the contact. `rest` is the potential of the kernel minus ln|lag|.
     """
     h = (window[1] - window[0]) / n
     x = np.asarray(window[0] + h * (np.arange(n) + 0.5), dtype=np.float64)
@@ -109,7 +109,7 @@ def _solve(
     max_steps: int = 20_000,
     converged_step: float = 1e-9,
 ) -> Judged:
-    """Polonsky and Keer's iteration until the pressure changes by less than `converged_step`."""
+    """Iterate by Polonsky and Keer until the pressure changes by less than `converged_step`."""
     h = float(x[1] - x[0])
     allowed = np.isfinite(f)
     f = np.where(allowed, f, np.max(f[allowed]) + 1e3 * np.ptp(f[allowed]))
@@ -144,7 +144,7 @@ def _solve(
 def judge(
     scene: contact.Scene, load: float, window: tuple[float, float] | None = None, n: int = 4096
 ) -> Judged:
-    """Solve a scene of a `scene_families` model on a grid, under a load [N/m].
+    """Solve a scene with a model of `scene_families` on a grid, under a load [N/m].
 
     An isolated body needs a `window` that contains its contact.
     """
@@ -160,7 +160,10 @@ def judge(
 
 
 def fault(scene: contact.Scene, solution: contact.Solution, cells: int = 4) -> str:
-    """Return how a solution contradicts the grid; empty if they agree to `cells` per end."""
+    """Return a message if a solution contradicts the grid; empty if they agree.
+
+    They agree if the ends of zones differ by at most `cells` cells for each end on average.
+    """
     window = None
     if scene.period is None:
         lo, hi = float(solution.zones[0, 0]), float(solution.zones[-1, 1])
@@ -191,7 +194,7 @@ def fault(scene: contact.Scene, solution: contact.Solution, cells: int = 4) -> s
 
 
 def wrongly_refused(scene: contact.Scene, error: contact.ContactError, cells: int = 4) -> str:
-    """Return a message if a scene was refused as full contact but is far from it; else ''."""
+    """Return a message if a scene was wrongly refused as full contact; else ''."""
     load = scene.given_load
     if load is None or scene.period is None or "gives a kernel and no symbol" not in str(error):
         return ""

@@ -22,7 +22,7 @@ PLACE = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTAL
 
 
 def filled(page: str, folder: Path) -> str:
-    """Return the text of a page in which every table that the folder has is inserted."""
+    """Return the text of a page in which the tables found in the folder are inserted."""
 
     def table(found: re.Match[str]) -> str:
         file = folder / f"{found[2]}.md"

@@ -61,13 +61,13 @@ class Drawn:
 
     @property
     def model(self) -> str:
-        """Name of the interaction, with its closure."""
+        """Name of the interaction model, with its closure if it has one."""
         name = self.scene.interaction.name
         closure = getattr(self.scene.interaction, "closure", None)
         return name if closure is None else f"{name}, {closure}"
 
     def fault(self, solution: contact.Solution, tol: float) -> str:
-        """Return what is wrong with a solution; empty if nothing is."""
+        """Return a message that says what is wrong with a solution; empty if nothing is wrong."""
         return unsound(self.scene, solution, tol) or (
             ""
             if solution.certificate.undecided
@@ -76,7 +76,7 @@ class Drawn:
 
 
 def draw(seed: int) -> Drawn | contact.ContactError:
-    """Return the scene of a seed, or the error if the drawn parts do not fit together."""
+    """Return the random scene of a seed, or the error if its random parts are incompatible."""
     rng = np.random.default_rng(seed)
     length, modulus = 10.0 ** rng.uniform(-6, 1), 10.0 ** rng.uniform(5, 12)
     family = str(rng.choice(list(FAMILIES)))
@@ -114,7 +114,7 @@ def _interaction(
 def _value(
     rng: np.random.Generator, profile: contact.Profile, modulus: float, length: float, kind: str
 ) -> float:
-    """A random value of a control, from eight decades below full contact to just above it."""
+    """A random value of a control, from eight decades below full contact to above full contact."""
     if kind == "contact_fraction":
         return float(rng.choice([10 ** rng.uniform(-4, 0), 1 - 10 ** rng.uniform(-4, 0), 1.0]))
     if kind == "half_width":
@@ -134,15 +134,15 @@ def _value(
 
 
 class OutOfTime(BaseException):
-    """A scene has used up its time.
+    """Raised when a scene has used up its processor time.
 
-    It is no Exception: no handler between the solver and the study may catch it.
+    This class is no Exception: no handler between the solver and the study may catch it.
     """
 
 
 @contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Raise OutOfTime after this much processor time [s] within the block."""
+    """Raise OutOfTime in the `with` block after `seconds` of processor time."""
     if seconds == np.inf:
         yield
         return
@@ -160,7 +160,7 @@ def limited(seconds: float) -> Iterator[None]:
 
 
 def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
-    """Solve and judge a scene; return its line of the CSV."""
+    """Solve and judge a scene; return the scene's row of the CSV file."""
     kind, value = drawn.scene.control
     row: dict[str, Any] = dict(
         seed=drawn.seed,
@@ -215,7 +215,7 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
 
 
 def _reason(error: contact.ContactError) -> str:
-    """Return the phrase of an error message that names its kind, without its numbers."""
+    """Return a phrase that names the kind of an error, without the numbers of its message."""
     text = str(error)
     known = (
         "no symbol",
@@ -244,14 +244,14 @@ def _reason(error: contact.ContactError) -> str:
 
 
 def unsound(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
-    """Return what is wrong with a solution's certificate or stated error; else empty."""
+    """Return a message if the certificate or the stated error of a solution is wrong; else ''."""
     if not solution.certificate.holds and scene.interaction.exact:
         return f"not certified: {solution.certificate.note}"
     return "" if solution.error <= tol else f"stated error {solution.error:.2g}"
 
 
 def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
-    """Return how a solution differs from one at a thousandth of the tolerance; else empty."""
+    """Return a message if a solution contradicts one at a thousandth of the tolerance; else ''."""
     try:
         tight = contact.solve(scene, tol=max(1e-3 * tol, 1e-13))
     except contact.NotConverged as error:
@@ -275,10 +275,10 @@ def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: floa
 
 
 def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
-    """Return a zone or gap that a grid contradicts; empty if there is none.
+    """Return a message about a zone or gap that a grid contradicts; empty if there is none.
 
-    What a coarse grid finds must be confirmed by a fine one, because the coarse grid may have fewer
-    points than a measured trace.
+    A contradiction on a coarse grid must be confirmed by a fine grid, because the coarse grid may
+    have fewer points than a measured trace.
     """
     if isinstance(scene.interaction, OWN_MODELS):
         return grid_judge.fault(scene, solution)
@@ -296,7 +296,7 @@ def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
 def _against_cells(
     scene: contact.Scene, solution: contact.Solution, points: int, least_cells: int = 8
 ) -> str:
-    """Return a zone or gap that one grid of `points` cells contradicts; empty if none.
+    """Return a message about a zone or gap that a grid of `points` cells contradicts, or ''.
 
     Zones and gaps of fewer than `least_cells` cells are not compared.
     """
@@ -328,13 +328,13 @@ def _against_cells(
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Index pairs (start, stop) of every run of true entries."""
+    """Index pairs (start, stop), one for every run of true entries of a mask."""
     change = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
     return list(zip(change[::2].tolist(), change[1::2].tolist(), strict=True))
 
 
 def table(rows: list[dict[str, Any]]) -> list[str]:
-    """Return the number of scenes of every outcome and reason, one a line."""
+    """Return lines of text with the number of scenes for each outcome and reason."""
     counts = Counter((row["outcome"], row["reason"]) for row in rows)
     return [
         f"{count:6d}  {outcome:14s} {reason}" for (outcome, reason), count in counts.most_common()
@@ -356,7 +356,7 @@ def main(
     draw: Callable[[int], Drawn | contact.ContactError] = draw,
     description: str | None = __doc__,
 ) -> int:
-    """Judge the scenes of some seeds, print the outcomes, and return 3 if one is a fault."""
+    """Judge the scenes of some seeds and print the outcomes; return 3 if a scene is a fault."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("first", type=int)
     parser.add_argument("count", type=int)

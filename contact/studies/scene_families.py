@@ -25,7 +25,7 @@ Family = Callable[[np.random.Generator, float], contact.Profile]
 
 @dataclass(frozen=True, eq=False)
 class PiecewiseLinear(contact.Profile):
-    """A polygon with corners at the ascending positions `at`.
+    """A piecewise linear profile with corners at the ascending positions `at`.
 
     Without a period the first and last line continue to infinity.
     """
@@ -72,7 +72,7 @@ class PiecewiseLinear(contact.Profile):
 
 @dataclass(frozen=True, eq=False)
 class Mixed(contact.Profile):
-    """A sum of profiles that have the same period, or none."""
+    """A sum of profiles that all have the same period, or all have no period."""
 
     parts: tuple[contact.Profile, ...]
     period: float | None = None
@@ -107,7 +107,7 @@ def sinusoid(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def fourier(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A Fourier series of up to 40 harmonics k, some absent, falling as k^0 to k^-2.5."""
+    """A Fourier series of up to 40 harmonics; the k-th amplitude falls as k^0 to k^-2.5."""
     n = int(rng.integers(1, 41))
     k = np.arange(1, n + 1)
     size = k ** -rng.uniform(0, 2.5) * (rng.random(n) < rng.uniform(0.3, 1))
@@ -118,7 +118,7 @@ def fourier(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def polynomial(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A polynomial of even degree 2 to 8, which grows on both sides and has bumps between."""
+    """A random polynomial of degree 2, 4, 6 or 8, which grows on both sides."""
     degree = 2 * int(rng.integers(1, 5))
     c = rng.normal(size=degree + 1)
     c[-1] = abs(c[-1]) + 0.1
@@ -184,7 +184,7 @@ def flat(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def piecewise(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A polygon of 3 to 24 corners at random positions, or a sawtooth or trapezoid."""
+    """A piecewise linear profile of 3 to 24 corners, or a sawtooth or trapezoid."""
     n = int(rng.integers(3, 25))
     gaps = rng.dirichlet(np.full(n, rng.choice([0.7, 3.0, 30.0])))
     at = length * (
@@ -203,7 +203,7 @@ def piecewise(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def mixed(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A wave on top of a wedge, a parabola, a polygon or a noisy trace."""
+    """A Fourier series added to a wedge, a parabola, a polynomial, a polygon or a trace."""
     period = length if rng.random() < 0.6 else None
     if period is None:
         carrier = [wedge, parabola, polynomial][rng.integers(3)]
@@ -221,7 +221,7 @@ def mixed(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def designed(rng: np.random.Generator, length: float) -> contact.Profile:
-    """The profile of an inverse-designed contact of 1 to 12 zones."""
+    """The profile of a contact of 1 to 12 given zones, by inverse design."""
     period = length if rng.random() < 0.7 else None
     zones = int(rng.integers(1, 13 if period else 7))
     problem = random_problem(
@@ -258,11 +258,12 @@ FAMILIES: dict[str, Family] = {
 def with_counter_body(
     seed: int, family: str, profile: contact.Profile, length: float, share: float = 0.12
 ) -> tuple[str, contact.Profile]:
-    """Return (family, profile); a share of the profiles is combined with a counter body.
+    """Return (family, profile); for some seeds the profile is combined with a counter body.
 
-    The counter body comes from any family, at any shift, mirrored or not. Its cell has the length
-    of the profile's cell, or a half, a third, two thirds or twice that length. A random generator
-    of its own draws it, so that scenes without a counter body do not depend on it.
+    The fraction of these seeds is `share`. The counter body comes from any family, at any shift,
+    mirrored or not. Its cell has the length of the profile's cell, or a half, a third, two thirds
+    or twice that length. A separate random generator draws the counter body, so that scenes without
+    a counter body do not depend on it.
     """
     rng = np.random.default_rng([seed, 2])
     if rng.random() >= share:
@@ -276,7 +277,7 @@ def with_counter_body(
 
 @dataclass(frozen=True)
 class Waves(contact.Interaction):
-    """A substrate whose symbol is 1 + excess[n - 1] for the longest waves n, 1 for others."""
+    """A substrate whose symbol is 1 + excess[n - 1] for n waves in the period, 1 for large n."""
 
     excess: tuple[float, ...]
     name = "waves"
@@ -297,7 +298,7 @@ class Waves(contact.Interaction):
         return sie.hilbert(period) + sie.Smooth(value, potential)
 
     def multiplier(self, q: Array, period: float) -> Array:
-        """The symbol L at wave numbers q."""
+        """The symbol L(q) of the substrate at wave numbers q."""
         n = np.rint(q * period / (2 * np.pi)).astype(int)
         table = np.concatenate((np.zeros(1), self.excess))
         return np.asarray(1 + np.where(n < len(table), table[np.minimum(n, len(table) - 1)], 0.0))
@@ -305,7 +306,7 @@ class Waves(contact.Interaction):
 
 @dataclass(frozen=True)
 class Bed(contact.Interaction):
-    """A substrate of symbol L(q) = 1 + eps exp(-q depth), given by its kernel alone.
+    """A substrate of symbol 1 + eps exp(-q depth) at wave number q, given by its kernel alone.
 
     With r = exp(-2 pi depth/period), the kernel and its potential are series of r^n sin(n theta)
     and r^n cos(n theta)/n, which have closed forms.
@@ -331,13 +332,13 @@ class Bed(contact.Interaction):
         return sie.hilbert(period) + sie.Smooth(value, potential)
 
     def multiplier(self, q: Array, period: float) -> Array:
-        """The symbol L at wave numbers q."""
+        """The symbol L(q) of the substrate at wave numbers q."""
         return np.asarray(1 + self.eps * np.exp(-q * self.depth))
 
 
 @dataclass(frozen=True)
 class Coated(Bed):
-    """The same body as `Bed`, given by its symbol instead of its kernel."""
+    """The same substrate as `Bed`, given by its symbol instead of its kernel."""
 
     name = "coated"
     kernel = contact.Interaction.kernel
@@ -348,7 +349,7 @@ class Coated(Bed):
 
 @dataclass(frozen=True)
 class Buried(contact.Interaction):
-    """An isolated body with K = 1/r + eps r/(r^2 + depth^2), of symbol 1 + eps exp(-q depth)."""
+    """A substrate of an isolated body with kernel 1/r + eps r/(r^2 + depth^2) of the lag r."""
 
     eps: float
     depth: float
@@ -363,7 +364,7 @@ class Buried(contact.Interaction):
         )
 
     def rest(self, lag: Array) -> Array:
-        """The potential of the kernel less ln|lag|, at lags x - xi."""
+        """The potential of the kernel minus ln|lag|, at lags x - xi."""
         return np.asarray(0.5 * self.eps * np.log(lag**2 + self.depth**2))
 
 
@@ -373,9 +374,10 @@ OWN_MODELS = (Waves, Bed, Coated, Buried)
 def with_own_model(
     seed: int, interaction: contact.Interaction, length: float, share: float = 0.15
 ) -> contact.Interaction:
-    """Return the interaction; for a share of the seeds it is one of `OWN_MODELS` instead.
+    """Return the interaction; for some seeds one of `OWN_MODELS` is returned instead.
 
-    A random generator of its own draws the model, so that other scenes do not depend on it.
+    The fraction of these seeds is `share`. A separate random generator draws the model, so that
+    other scenes do not depend on it.
     """
     rng = np.random.default_rng([seed, 1])
     if rng.random() >= share or interaction.strip:

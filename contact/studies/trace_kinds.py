@@ -20,7 +20,7 @@ Rng = np.random.Generator
 def self_affine_heights(
     rng: Rng, n: int, hurst: float, longest: int = 1, shortest: float = 0.25
 ) -> Array:
-    """Heights of rms 1 whose amplitudes fall with the harmonic k as k^-(1/2 + hurst).
+    """Heights of rms 1 whose k-th harmonic has an amplitude proportional to k^-(1/2 + hurst).
 
     The phases are random. The harmonics go from `longest` to the fraction `shortest` of the number
     of points.
@@ -43,7 +43,7 @@ def rough(rng: Rng, n: int) -> Array:
 
 
 def ground(rng: Rng, n: int) -> Array:
-    """Many scratches of all depths, each with ridges at its sides, on a rough base."""
+    """Many scratches of all depths on a rough base, each scratch with ridges at its sides."""
     x, out = np.arange(n) / n, 0.1 * rough(rng, n)
     for at, depth, width in zip(
         rng.random(60), rng.exponential(1.0, 60), rng.uniform(2, 30, 60) / n, strict=True
@@ -72,13 +72,13 @@ def plateaus(rng: Rng, n: int) -> Array:
 
 
 def wear_flats(rng: Rng, n: int) -> Array:
-    """A rough surface cut off at one height: the plateaus are exactly flat."""
+    """A rough surface cut off at one height, so that its plateaus are exactly flat."""
     base = self_affine_heights(rng, n, rng.uniform(0.5, 1.0))
     return np.asarray(np.minimum(base, np.quantile(base, rng.uniform(0.5, 0.95))))
 
 
 def quantized(rng: Rng, n: int) -> Array:
-    """Heights quantized by a converter: steps of 1e-5 to 1e-2 of their range."""
+    """Rough heights quantized in steps of 1e-5 to 1e-2 of the range of the heights."""
     base = rough(rng, n)
     step = np.ptp(base) * 10 ** rng.uniform(-5, -2)
     return np.asarray(np.round(base / step) * step)
@@ -102,12 +102,12 @@ def steps(rng: Rng, n: int) -> Array:
 
 
 def white_noise(rng: Rng, n: int) -> Array:
-    """White noise: independent heights."""
+    """White noise: independent normally distributed heights."""
     return np.asarray(rng.normal(size=n))
 
 
 def turned(rng: Rng, n: int) -> Array:
-    """The arcs of a turning tool, with noise."""
+    """The parabolic arcs that a turning tool leaves, with noise."""
     t = (np.arange(n) * int(rng.integers(3, 30)) / n) % 1
     return np.asarray(4 * (t - 0.5) ** 2 + 10 ** rng.uniform(-5, -1) * rng.normal(size=n))
 
@@ -124,7 +124,7 @@ def texture(rng: Rng, n: int) -> Array:
 
 
 def staircase(rng: Rng, n: int) -> Array:
-    """Waves quantized to a few dozen steps, each flat over many points."""
+    """Waves whose heights are quantized to a few dozen steps, each step flat over many points."""
     return np.asarray(np.round(self_affine_heights(rng, n, 1.0, 1, 12 / n) * rng.uniform(3, 12)))
 
 
@@ -146,14 +146,15 @@ KINDS: dict[str, Callable[[Rng, int], Array]] = {
         staircase,
     )
 }
-# The kinds of positions are explained in `drawn`.
+# The docstring of `drawn` explains the kinds of positions.
 POSITIONS = ("even", "rounded", "uneven")
 
 
 def drawn(rng: Rng, kind: str, points: int, positions: str = "even") -> contact.Sampled:
-    """Return one trace of a kind.
+    """Return one random trace of a kind of surface.
 
-    Its positions are "even", "rounded" to a hundredth of the pitch, or "uneven" by up to 0.4 of it.
+    Its positions are "even", "rounded" to a hundredth of the pitch, or "uneven" by up to 0.4 times
+    the pitch.
     """
     pitch, height = 10.0 ** rng.uniform(-7, -6), 10.0 ** rng.uniform(-8, -5)
     at = np.arange(points, dtype=float)

@@ -39,7 +39,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 
 
 def chosen(numbers: Iterable[str]) -> list[str]:
-    """The names of the requested figures in the paper's order; all if none is requested."""
+    """Names of the requested figures, in the paper's order; all names if none is requested."""
     wanted = {str(number).upper() for number in numbers}
     for number in sorted(wanted - set(FIGURES)):
         raise SceneError.unknown("figure", number, FIGURES)
@@ -47,9 +47,9 @@ def chosen(numbers: Iterable[str]) -> list[str]:
 
 
 def write(number: str, folder: Path) -> list[Path]:
-    """Draw one figure and write its numbers; returns the files."""
+    """Draw the figure of this number and write its data; return the paths of the files."""
     with warnings.catch_warnings():
-        # The scenes are in units with E* = 1 and period 1, so warnings of large slopes and
+        # The scenes are in units with E* = 1 and period 1, so that warnings about large slopes and
         # pressures do not apply.
         warnings.simplefilter("ignore", ModelWarning)
         return FIGURES[number]().write(folder)

@@ -32,12 +32,12 @@ from sie import Array
 class AsperitiesOfThePaper:
     """The scenes of figures 7 to 12, with E* = 1, L = 1 and R = L."""
 
-    # Amplitude of the wave and slope of the wedge; they only scale the results.
+    # This is the amplitude of the wave and the slope of the wedge; it only scales the results.
     scale: float = 0.01
-    # Contact widths 2a/L of the pressure curves, and mean pressures over E*.
+    # The pressure curves are at these contact fractions 2a/L, or at these mean pressures over E*.
     fractions: tuple[float, float] = (0.4, 0.7)
     pressures: tuple[float, float] = (0.05, 0.15)
-    # Number of points of the curves over the contact width.
+    # Each curve over the contact width has this number of points.
     points: int = 49
 
     @property
@@ -53,11 +53,11 @@ class AsperitiesOfThePaper:
         return Parabola(radius=1.0, period=1.0)
 
     def widths(self) -> Array:
-        """Abscissas 2a/L from 0.02 to 0.98."""
+        """Contact widths 2a/L from 0.02 to 0.98, the abscissas of curves."""
         return np.round(np.arange(1, self.points + 1) / (self.points + 1), 10)
 
     def half_widths(self) -> Array:
-        """Abscissas a/L from 0.01 to 0.49."""
+        """Contact half-widths a/L from 0.01 to 0.49, the abscissas of curves."""
         return np.round(np.arange(1, self.points + 1) / (2.0 * (self.points + 1)), 10)
 
 
@@ -97,7 +97,10 @@ class _Pressures:
         return f"{self.what} {model} {self.given}={value}"
 
     def apart(self, value: float, model: str, form: Array, where: Any = ...) -> float:
-        """Largest relative difference from the values `form` of a closed form at x."""
+        """Largest relative difference of a model's pressure from that of a closed form.
+
+        `form` has the closed form's pressures at the abscissas `self.x`.
+        """
         return worst(self.columns[self.name(value, model)][where] * self.unit, form[where])
 
     def figure(
@@ -109,7 +112,7 @@ class _Pressures:
         label: str,
         top: float | None = None,
     ) -> Figure:
-        """The figure with one panel per value of the control."""
+        """The figure of these pressures, with one panel for each value of the control."""
 
         def draw(figure: Any) -> None:
             values = dict.fromkeys(value for value, _ in self.every)
@@ -132,7 +135,7 @@ class _Pressures:
 def _at_widths(
     profile: Profile, half_widths: Array, numbers: Mapping[str, Callable[[Solution], float]]
 ) -> dict[str, Array]:
-    """Numbers of all models at given half-widths; nan if a model has no such contact."""
+    """Columns of numbers for each model at given half-widths; nan if there is no such contact."""
     columns: dict[str, Array] = {}
     for model in MODELS:
         found = [solved(profile, model, half_width=a) for a in half_widths]
@@ -146,10 +149,10 @@ def _at_widths(
 def _draw_errors(
     axes: Any, columns: dict[str, Array], names: Mapping[str, float | None], up: str, most: float
 ) -> None:
-    """Draw the differences of the models from the exact one [%] over the first column.
+    """Draw the errors of the models relative to the exact model [%] over the first column.
 
-    names: the quantities, each with a line width or None for that of the model; up: label of the
-    ordinate; most: its limit.
+    names: the quantities, each with a line width, or None for the line width of the model; up:
+    label of the ordinate; most: limit of the ordinate.
     """
     across, x = next(iter(columns.items()))
     for model in (FIRST, SELF, ONE, ALONE):
@@ -165,7 +168,7 @@ def _draw_errors(
 
 
 def figure_7() -> Figure:
-    """Pressure on a wave at two contact widths."""
+    """Figure 7: pressure on a wave at two contact widths."""
     every = {
         (f, m): solved(_SCENES.wave, m, half_width=0.5 * f)
         for f in _SCENES.fractions
@@ -194,7 +197,7 @@ def figure_7() -> Figure:
 
 
 def figure_8() -> Figure:
-    """Mean and largest pressure on a wave over the contact width, with their errors."""
+    """Figure 8: mean and largest pressure on a wave over the contact width, and their errors."""
     numbers = {"mean/p*": lambda s: s.load / _P_STAR, "max/p*": lambda s: s.max_pressure / _P_STAR}
     columns = {"2a/L": _FRACTIONS, **_at_widths(_SCENES.wave, 0.5 * _FRACTIONS, numbers)}
     first = columns[f"mean/p* {FIRST}"]
@@ -237,7 +240,7 @@ def figure_8() -> Figure:
 
 
 def figure_9() -> Figure:
-    """Pressure on a wedge at two contact widths."""
+    """Figure 9: pressure on a wedge at two contact widths."""
     every = {
         (f, m): solved(_SCENES.wedge, m, half_width=0.5 * f)
         for f in _SCENES.fractions
@@ -270,7 +273,7 @@ def figure_9() -> Figure:
 
 
 def figure_10() -> Figure:
-    """Contact width of a wedge over the mean pressure."""
+    """Figure 10: contact width of a wedge over the mean pressure."""
     mean = "mean/(E* tan b)"
     columns = {
         "2a/L": _FRACTIONS,
@@ -306,7 +309,7 @@ def figure_10() -> Figure:
 
 
 def figure_11() -> Figure:
-    """Pressure on a parabola at two mean pressures, with the exact solution added."""
+    """Figure 11: pressure on a parabola at two mean pressures, with the exact solution added."""
     every = {
         (p, m): solved(_SCENES.parabola, m, mean_pressure=p)
         for p in _SCENES.pressures
@@ -340,7 +343,7 @@ def figure_11() -> Figure:
 
 
 def figure_12() -> Figure:
-    """Contact half-width of a parabola over the load."""
+    """Figure 12: contact half-width of a parabola over the load."""
     load = "P R/(L^2 E*)"
     columns = {"a/L": _SHARES, **_at_widths(_SCENES.parabola, _SHARES, {load: lambda s: s.load})}
     closed = [localized_parabola(1.0, 1.0, 1.0, a) for a in _SHARES]

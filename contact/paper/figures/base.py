@@ -17,7 +17,8 @@ from contact.solution.solution import Solution
 from contact.solver import solve
 from sie import Array
 
-# Far below what can be seen; differences from the closed forms are of this size.
+# Tolerance of the solutions, far below what can be seen in a figure. Differences from the closed
+# forms are of this size.
 TOL = 1e-9
 
 EXACT = "exact"
@@ -57,7 +58,10 @@ class Figure:
     size: tuple[float, float] = (8.4, 4.2)
 
     def write(self, folder: Path) -> list[Path]:
-        """Write figure-N.png and figure-N.csv to a folder, which is created; returns the files."""
+        """Write figure-N.png and figure-N.csv, N: the number; return the paths of the files.
+
+        The folder is created if it does not exist.
+        """
         folder.mkdir(parents=True, exist_ok=True)
         picture, numbers = (
             folder / f"figure-{self.number}.png",
@@ -79,7 +83,7 @@ class Figure:
 
 
 def solved(profile: Profile, model: str, **control: Any) -> Solution | None:
-    """The solution under one of MODELS with E* = 1; None if the model has no such contact."""
+    """The solution with one of the `MODELS` and E* = 1; None if this model has no such contact."""
     try:
         return solve(Scene(profile, 1.0, MODELS[model], **control), tol=TOL)
     except OutOfRange:
@@ -87,13 +91,13 @@ def solved(profile: Profile, model: str, **control: Any) -> Solution | None:
 
 
 def on_cell(solutions: Iterable[Solution | None], half: float) -> Array:
-    """Positions in [-half, half] that resolve all solutions."""
+    """Positions in [-half, half] that are dense enough to draw all solutions."""
     each = [positions(solution, -half, half) for solution in solutions if solution is not None]
     return np.unique(np.round(np.concatenate(each), 14))
 
 
 def pressures(solution: Solution | None, x: Array) -> Array:
-    """p(x); nan without a solution or where p is infinite."""
+    """Pressures of a solution at x; nan where they are infinite, or if there is no solution."""
     if solution is None:
         return np.full(x.shape, np.nan)
     p = solution.pressure(x)
@@ -101,7 +105,7 @@ def pressures(solution: Solution | None, x: Array) -> Array:
 
 
 def curve(axes: Any, x: Array, y: Array, model: str, label: str | None = None) -> None:
-    """Draw one line in the style of its model."""
+    """Draw y over x in the line style of a model."""
     axes.plot(x, y, label=label, **STYLE[model])
 
 
@@ -114,6 +118,6 @@ def label_panel(
 
 
 def worst(a: Array, b: Array) -> float:
-    """Largest |a - b| over the largest |b|, at the places where both are finite."""
+    """Largest |a - b| divided by the largest |b|; entries that are not finite are left out."""
     both = np.isfinite(a) & np.isfinite(b)
     return float(np.max(np.abs(a - b)[both]) / np.max(np.abs(b[both])))

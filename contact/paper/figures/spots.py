@@ -18,7 +18,7 @@ from contact.paper.figures.base import Array, Figure, label_panel
 class SpotsOfThePaper:
     """The scenes of figures 2A and 2B, with E* = 1 and R = 1."""
 
-    # The caption's 0.0044 is pi P/2E*R^2, a load per spot.
+    # The number 0.0044 in the caption is pi P/2E*R^2 with the load P of one spot.
     load: float = 0.0044 * 2.0 / pi
     spacings_a: tuple[float, ...] = (1.0, 0.25, 0.2)
     spacings_b: tuple[float, ...] = (1.0, 0.5, 0.2)
@@ -27,7 +27,8 @@ class SpotsOfThePaper:
 
 _SCENES = SpotsOfThePaper()
 _COLOURS = ("#2f7fb5", "#d98e04", "#b3261e")
-# Names of the models, their rings of neighbours at their places, and line styles.
+# Names of the models; numbers of rings of neighbouring spots that each model takes at their true
+# positions; line styles.
 _FIRST = "(1)-(4)"
 _ALL = "all neighbours"
 _HERTZ = "Hertz"
@@ -43,7 +44,7 @@ def _solved(spacing: float, rings: float, **control: float) -> Spot | None:
 
 
 def figure_2a() -> Figure:
-    """Pressure on one spot of a lattice under a given load per spot."""
+    """Figure 2A: pressure on one spot of a lattice, at a given load of each spot."""
     alone = solve_spot(Sphere(_SCENES.radius), 1.0, load=_SCENES.load)
     spots = {
         (name, s): _solved(s, rings, load=_SCENES.load)
@@ -93,7 +94,7 @@ def figure_2a() -> Figure:
 
 
 def figure_2b() -> Figure:
-    """Radius of the spots over the nominal pressure."""
+    """Figure 2B: radius of the spots as a function of the nominal pressure."""
     shares = np.concatenate([np.linspace(0.02, 0.9, 45), np.linspace(0.91, 0.95, 5)])
     columns: dict[str, Array] = {"a/A": shares}
     lines = []
@@ -109,7 +110,8 @@ def figure_2b() -> Figure:
         a = shares * own_radius(lattice.density)
         columns[f"a/R l/R={spacing}"] = a
         columns[f"p/E* Hertz l/R={spacing}"] = 4.0 / 3.0 * a**3 * lattice.density
-        # Heights scale as the square of lengths, so p R/(E* l) is one function of a/A for all l.
+        # The heights of a paraboloid scale as the square of lengths. Therefore p R/(E* l) is the
+        # same function of a/A for all spacings l of the lattice.
         for name, pressure in unit.items():
             columns[f"p/E* {name} l/R={spacing}"] = spacing * pressure
     for share in (0.2, 0.5, 0.8):

@@ -12,7 +12,7 @@ from contact.paper.figures.base import SELF, Figure, label_panel, on_cell, solve
 
 @dataclass(frozen=True)
 class PairOfAsperities:
-    """The scene of figure 13, with E* = 1; the paper gives L = 2.4 c only."""
+    """The scene of figure 13, with E* = 1; the paper gives only the period, 2.4 half spacings."""
 
     radius: float = 1.0
     half_spacing: float = 0.05
@@ -33,10 +33,10 @@ _STYLES: dict[str, dict[str, Any]] = {
 
 
 def figure_13() -> Figure:
-    """Pressure on one asperity of a pair, by several solutions.
+    """Figure 13: pressure on the asperities of a pair, by several solutions.
 
-    They are the relation printed in the paper, the relation that follows from its equations, and
-    the exact solution.
+    Among the solutions are the relation printed in the paper, the relation that follows from the
+    paper's equations, and the exact solution.
     """
     shape: dict[str, Any] = {
         "radius": _SCENE.radius,

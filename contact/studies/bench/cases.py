@@ -36,8 +36,8 @@ Array = NDArray[np.float64]
 class Case:
     """A periodic scene and its reference solution, which is computed on first use.
 
-    `single` says that it has one zone in the period, `localized` that the localized models run on
-    it too. Peers run on it only if the law is frictionless.
+    `single` says that the scene has one zone in the period, and `localized` that the localized
+    models run on this scene too. Peers run on a scene only if its law is frictionless.
     """
 
     name: str
@@ -70,7 +70,7 @@ def closed(name: str, profile: Profile, exact: Any) -> Case:
 
 
 def wave(fraction: float = 0.4, E_star: float = 1.1e11, period: float = 1e-4) -> Case:
-    """Westergaard's wave at a contact fraction."""
+    """A case of Westergaard's wave at a given contact fraction."""
     exact = Westergaard.from_contact_fraction(
         fraction, amplitude=1e-6, period=period, E_star=E_star
     )
@@ -78,22 +78,22 @@ def wave(fraction: float = 0.4, E_star: float = 1.1e11, period: float = 1e-4) ->
 
 
 def wedge(E_star: float = 1.1e11, period: float = 1e-4) -> Case:
-    """A periodic wedge at a contact fraction of 0.4."""
+    """A case of a periodic wedge at a contact fraction of 0.4."""
     exact = PeriodicWedge.from_contact_fraction(0.4, wedge_slope=0.05, period=period, E_star=E_star)
     return closed("wedge", Wedge(0.05, period), exact)
 
 
 def parabola(E_star: float = 1.1e11, period: float = 1e-4) -> Case:
-    """A periodic parabola at a contact fraction of 0.4."""
+    """A case of a periodic parabola at a contact fraction of 0.4."""
     exact = PeriodicParabola.from_contact_fraction(0.4, radius=1e-3, period=period, E_star=E_star)
     return closed("parabola", Parabola(1e-3, period), exact)
 
 
 def biquadratic() -> Case:
-    """Two tips with R = 1, c = 0.05, L = 2.4 c, at a mean pressure of 0.00109 E*.
+    """A case of two tips in a period, at a mean pressure of 0.00109 E*.
 
-    L = 2.4 c is that of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045, who leave the
-    load and c/R open.
+    The radius is R = 1, the spacing 2c = 0.1 and the period L = 2.4 c. The ratio of L to c is that
+    of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045, who leave the load and c/R open.
     """
     exact = PeriodicBiquadratic(
         radius=1.0, spacing=0.1, period=0.12, E_star=1.0, mean_pressure=0.00109
@@ -102,7 +102,7 @@ def biquadratic() -> Case:
 
 
 def designed(zones: int = 8, seed: int = 8, spread: float = 10.0) -> Case:
-    """A random inverse-designed problem."""
+    """A case of random given zones, by inverse design."""
     problem = random_problem(
         np.random.default_rng(seed), zones=zones, period=1.0, fraction=0.4, spread=spread
     )
@@ -118,7 +118,7 @@ def designed(zones: int = 8, seed: int = 8, spread: float = 10.0) -> Case:
 
 
 def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
-    """A self-affine profile of Hurst exponent 0.8 from the fourth harmonic on, period 1."""
+    """A rough profile of period 1, self-affine from the fourth harmonic on (Hurst exponent 0.8)."""
     rng = np.random.default_rng(seed)
     k = np.arange(1, harmonics + 1)
     amplitude = 1e-3 * np.maximum(k, 4) ** (-1.3)
@@ -127,7 +127,10 @@ def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
 
 
 def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
-    """A rough scene whose reference solves for the gap, while the solver solves for pressure."""
+    """A case of a rough profile whose reference solution has the slope of the gap as unknown.
+
+    The solver itself solves for the pressure.
+    """
     return Case(
         f"rough, {zones} zones",
         rough_profile(harmonics),
@@ -140,7 +143,7 @@ def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
 
 
 def adhesive(law: JKR | Dugdale) -> Case:
-    """An adhesive wave under half of the tensile load at pull-off."""
+    """A case of an adhesive wave under half of the pull-off load."""
     amplitude, E_star = 0.01, 1.0
     curve = (
         JKRWave(amplitude, 1.0, E_star, law.work)
@@ -162,7 +165,10 @@ def adhesive(law: JKR | Dugdale) -> Case:
 
 
 def rough_nearly_full() -> Case:
-    """A nearly full rough scene: the solver solves for the gap, the reference for pressure."""
+    """A case of a rough profile in nearly full contact.
+
+    The solver solves for the slope of the gap, and the reference solution for the pressure.
+    """
     return Case(
         "rough, nearly full",
         rough_profile(64),
@@ -175,7 +181,7 @@ def rough_nearly_full() -> Case:
 
 
 def best(scene: Scene, tol: float) -> Solution:
-    """Return the solution at a tolerance, or the best one that was found."""
+    """Return the solution at a tolerance, or the best solution if the tolerance is not reached."""
     try:
         return solve(scene, tol)
     except NotConverged as error:
@@ -186,7 +192,7 @@ def best(scene: Scene, tol: float) -> Solution:
 
 
 def suite(quick: bool) -> list[Case]:
-    """Return the scenes of the study of work and precision."""
+    """Return the cases of the study of error against time."""
     cases = [
         wave(0.4),
         wave(0.9),

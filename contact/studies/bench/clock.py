@@ -35,9 +35,9 @@ def seconds(call: Callable[[], Any], patience: float = 0.3, most: int = 25) -> f
 
 
 def short_seconds(call: Callable[[], Any], patience: float = 0.05) -> float:
-    """Least processor time [s] of a call of microseconds.
+    """Least processor time [s] of a call that takes only microseconds.
 
-    The clock is read before and after many calls, as its resolution is too low for one.
+    The clock is read before and after many calls, as its resolution is too low for a single call.
     """
     call()
     start = time.process_time()
@@ -70,10 +70,10 @@ class TooLong(Exception):
 
 
 def limited(call: Callable[[], T], seconds: float) -> T:
-    """Return the call's result, or raise TooLong after this processor time [s].
+    """Return the result of `call()`, or raise TooLong after `seconds` of processor time.
 
     There is no limit on systems without the signal SIGPROF, or outside the main thread. A call of
-    numpy cannot be interrupted: the exception is raised when it returns.
+    numpy cannot be interrupted: the exception is raised when this call returns.
     """
     if not hasattr(signal, "SIGPROF") or threading.current_thread() is not threading.main_thread():
         return call()

@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 
 def scaled(scene: Scene) -> Problem:
-    """The scaled problem of a periodic scene."""
+    """The problem of a periodic scene in scaled units."""
     profile = scene.profile
     assert profile.period is not None
     x = profile.x0 + profile.period * np.arange(1024) / 1024
@@ -58,7 +58,7 @@ def scaled(scene: Scene) -> Problem:
 
 
 def _mean_pressure(scene: Scene) -> float:
-    """Mean pressure [Pa] of a scene that prescribes it or the load."""
+    """Mean pressure [Pa] of a scene that prescribes the mean pressure or the load."""
     assert scene.period is not None
     if scene.mean_pressure is not None:
         return scene.mean_pressure
@@ -67,7 +67,10 @@ def _mean_pressure(scene: Scene) -> float:
 
 
 def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
-    """Intervals with left ends in [x0, x0 + L), ascending, and the order that sorts them."""
+    """Intervals shifted into the profile's cell and sorted, and their original numbers.
+
+    The left ends lie in [x0, x0 + L), where x0 is the start of the cell and L the period.
+    """
     assert scene.period is not None
     table = begun_from(table, scene.profile.x0, scene.period)
     order = np.argsort(table[:, 0])
@@ -102,7 +105,7 @@ class Formulated:
 
 
 def solved_by_gaps(scene: Scene, moved: float = 1e-3, tol: float = 2e-15) -> Formulated:
-    """Solve a scene for the slope of the gap; raise NotConverged if that fails."""
+    """Solve a scene for the slope of the gap; raise NotConverged if the iteration fails."""
     problem = scaled(scene)
     units = problem.units
     assert problem.period is not None
@@ -124,14 +127,14 @@ def solved_by_gaps(scene: Scene, moved: float = 1e-3, tol: float = 2e-15) -> For
 
 
 def solved_by_zones(scene: Scene, moved: float = 1e-3, tol: float = 2e-15) -> Formulated:
-    """Solve a scene for the pressure."""
+    """Solve a scene for the pressure on its zones."""
     problem = scaled(scene)
     units = problem.units
     assert problem.period is not None
     start = units.scaled(solve(scene, 1e-6).zones)
     gaps = np.diff(gaps_between(start, problem.period))[:, 0]
     start = start + moved * np.column_stack((np.roll(gaps, 1), -gaps))
-    # The zones must lie in one cell; its border is put into the widest gap.
+    # The zones must lie in one cell. The border of the cell is put into the widest gap.
     turn = (
         int(
             np.argmax(

@@ -30,9 +30,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class HarmonicZone(SymmetricZone):
-    """The zone [-a, a] of period 1 under harmonics of amplitudes d_1, d_2, ...
+    """The zone [-a, a] of a profile of period 1 with harmonics of amplitudes d_1, d_2, ...
 
-    It is the true contact only if the pressure is positive and the gap open.
+    This is the true contact only if the pressure is positive and the gap is open.
     """
 
     amplitudes: tuple[float, ...]
@@ -42,7 +42,7 @@ class HarmonicZone(SymmetricZone):
 
     @cached_property
     def _series(self) -> Array:
-        """Load P(c) as a Legendre series in c = cos(2 pi a/L)."""
+        """Coefficients of the load as a Legendre series in c = cos(2 pi a/L), half width a."""
         n = np.arange(1, len(self.amplitudes) + 1)
         weight = 0.5 * pi * self.E_star * n * np.array(self.amplitudes)
         return np.append(weight, 0.0) - np.append(0.0, weight)
@@ -56,7 +56,8 @@ class HarmonicZone(SymmetricZone):
         return float(self.pressure_at(np.linspace(0.0, 1.0, 101)).max())
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # The limit `top` is V: V^2 = cos(2 pi r) - cos(2 pi a) = 2 sin(pi d) sin(pi (a + r)).
+        # The limit of the integral is `top`, with the square
+        # cos(2 pi r) - cos(2 pi a) = 2 sin(pi d) sin(pi (a + r)).
         top = np.sqrt(2 * np.sin(pi * d) * np.sin(pi * (self.half_width + r)))
         nodes, weights = legendre.leggauss(len(self.amplitudes) + 1)
         v = 0.5 * (1 + nodes) * top[..., None]

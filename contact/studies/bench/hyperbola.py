@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BluntedWedge(Profile):
-    """The profile f = s (sqrt(x^2 + d^2) - d), a wedge rounded over the length d."""
+    """The profile f = s (sqrt(x^2 + d^2) - d): a wedge of slope s, rounded over a length d."""
 
     steepness: float
     rounding: float
@@ -46,7 +46,7 @@ class BluntedWedge(Profile):
 
 @dataclass(frozen=True)
 class IsolatedBluntedWedge(SymmetricZone):
-    """The contact of half width a; the pressure is inaccurate for |x| much smaller than d."""
+    """The contact of a `BluntedWedge`; the pressure is inaccurate for |x| << `rounding`."""
 
     steepness: float
     rounding: float
@@ -55,15 +55,16 @@ class IsolatedBluntedWedge(SymmetricZone):
     period = None
 
     def _load(self, s: Array) -> Array:
-        """Load P at half width s; ellipkm1(1 + q) is K(-q)."""
+        """Load at the half width s, from elliptic integrals; ellipkm1(1 + q) is K(-q)."""
         q = (s / self.rounding) ** 2
         unit = self.steepness * self.E_star * self.rounding
         return np.asarray(unit * (ellipe(-q) - ellipkm1(1 + q)))
 
     def _load_rate(self, s: Array) -> Array:
-        """Derivative dP/ds of the load by the half width s.
+        """Derivative dP/ds of the load P by the half width s.
 
-        With m = -q = -s^2/d^2, dE/dm = (E - K)/2m and dK/dm = (E - (1 - m) K)/(2 m (1 - m)).
+        The elliptic integrals E and K of the parameter m = -q = -s^2/d^2 have the derivatives
+        dE/dm = (E - K)/2m and dK/dm = (E - (1 - m) K)/(2 m (1 - m)).
         """
         q = (s / self.rounding) ** 2
         e, k = ellipe(-q), ellipkm1(1 + q)
@@ -76,14 +77,14 @@ class IsolatedBluntedWedge(SymmetricZone):
 
     @property
     def max_pressure(self) -> float:
-        """The pressure at x = d, close to the peak at the tip; it is the scale of errors."""
+        """Pressure at x = `rounding`, close to the peak pressure: the scale of errors."""
         return float(self.pressure_at(self.rounding / self.half_width))
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        """Pressure (1/pi) int_x^a P'(s)/sqrt(s^2 - x^2) ds, with s = x cosh(v).
+        """Pressure (1/pi) int_x^a P'(s)/sqrt(s^2 - x^2) ds, P': derivative of the load.
 
-        The integrand is smooth in v. The integral is split in halves, since P' may change over a
-        short length d within a long interval.
+        With s = x cosh(v) the integrand is smooth in v. The integral is split in halves, since P'
+        may change over a short length d within a long interval.
         """
         a, column = self.half_width, r[..., None]
         half = 0.5 * np.arccosh(np.maximum(a / r, 1.0))

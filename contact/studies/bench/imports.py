@@ -20,7 +20,7 @@ PROGRAMS = {
     "contact, and a wave solved": SOLVED.format("Sinusoid(1e-6, 1e-4)"),
     "contact, and a Fourier series solved": SOLVED.format("Fourier(1e-4, [-1e-6, 2e-7])"),
 }
-# This program runs another one in a child process and prints the child's processor time.
+# This program runs another program in a child process and prints the processor time of the child.
 _TIMED = (
     "import os, subprocess, sys; subprocess.run([sys.executable, '-c', sys.argv[1]], check=True); "
     "t = os.times(); print(t[2] + t[3])"
@@ -28,8 +28,8 @@ _TIMED = (
 
 
 def seconds(program: str, runs: int = 5) -> float:
-    """Least processor time [s], of several runs, of a new interpreter with the program."""
-    # The first run must write the compiled files, which the others read.
+    """Least processor time [s] in several runs of a new Python interpreter with a program."""
+    # The first run must write the compiled files, which the later runs read.
     environment = {
         name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
     }
@@ -45,7 +45,7 @@ def seconds(program: str, runs: int = 5) -> float:
 
 
 def table() -> Table:
-    """The table of the times of the programs."""
+    """The table of the processor times of all `PROGRAMS`."""
     times = {name: seconds(program) for name, program in PROGRAMS.items()}
     base = next(iter(times.values()))
     rows: list[tuple[str, ...]] = [

@@ -40,7 +40,7 @@ from contact.studies.trace_kinds import KINDS, drawn
 
 @dataclass(frozen=True)
 class Large:
-    """A scene of a table: its label, a function that makes its profile, and its control."""
+    """A scene of a table: its label, a function that makes the profile, and the control."""
 
     label: str
     make: Callable[[], contact.Profile]
@@ -49,7 +49,10 @@ class Large:
     tol: float = 1e-8
 
     def scene(self) -> contact.Scene:
-        """Return the scene, E* = 1 Pa; control `full` is a fraction of the full-contact load."""
+        """Return the scene with E* = 1 Pa.
+
+        The control `full` is the load divided by the smallest load of full contact.
+        """
         profile, name, value = self.make(), self.control, self.value
         if name == "full":
             name, value = "mean_pressure", value * full_contact_pressure(profile)
@@ -58,7 +61,7 @@ class Large:
 
 
 def full_contact_pressure(profile: contact.Profile) -> float:
-    """Return the smallest mean pressure of full contact [Pa], E* = 1 Pa."""
+    """Return the smallest mean pressure [Pa] at which a profile is in full contact, E* = 1 Pa."""
     scene = contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)
     return float(contact.solve(scene).mean_pressure or 0.0)
 
@@ -71,7 +74,7 @@ def self_affine(kmax: int) -> contact.Fourier:
 
 
 def stylus() -> contact.Sampled:
-    """The stylus trace as docs/stylus.md prepares it, tapered over a twentieth at each end."""
+    """The stylus trace as docs/stylus.md prepares it; a twentieth is tapered at each end."""
     return contact.Sampled.from_file(
         ROOT / "examples" / "data" / "stylus-profile.csv",
         units="um",
@@ -93,13 +96,13 @@ def sampled_wave(points: int) -> contact.Sampled:
 
 
 def trace_of_kind(kind: str, points: int) -> contact.Sampled:
-    """One trace of a kind at uneven positions."""
+    """One random trace of a kind of surface, sampled at uneven positions."""
     rng = np.random.default_rng([0, list(KINDS).index(kind), points])
     return drawn(rng, kind, points, "uneven")
 
 
 def kinds(points: int) -> Iterator[Large]:
-    """Every kind of trace under four loads and one contact fraction, to 1e-6."""
+    """Scenes of all kinds of traces at four loads and one contact fraction, tolerance 1e-6."""
     for kind in KINDS:
         make = partial(trace_of_kind, kind, points)
         for load in (0.02, 0.1, 0.3, 0.8):
@@ -108,7 +111,7 @@ def kinds(points: int) -> Iterator[Large]:
 
 
 def scenes(table: str) -> list[Large]:
-    """Return the scenes of a table."""
+    """Return the scenes of the table of this name."""
     if table == "self-affine":
         sizes = [1_000, 3_000, 10_000, 30_000, 100_000, 300_000]
         return [Large(f"{n:,}", partial(self_affine, n), "mean_pressure", 0.005) for n in sizes]
@@ -122,7 +125,7 @@ def scenes(table: str) -> list[Large]:
 
 
 LOADED = ("zones", "contact fraction", "solved by", "time [s]", "stated error", "outcome")
-# These are the columns of each table; the first one is the label of the scene.
+# This dictionary has the columns of each table; the first column is the label of the scene.
 TABLES = {
     "self-affine": ("kmax", "zones", "time [s]", "peak memory [GB]", "stated error", "outcome"),
     "measured-trace": ("part of the full load", *LOADED),
@@ -133,7 +136,7 @@ TABLES = {
 
 
 def measure(large: Large, patience: float = 60.0) -> dict[str, Any]:
-    """Solve a scene and return its figures; it is given up after `patience` seconds."""
+    """Solve a scene and return its figures; the solution is given up after `patience` seconds."""
     scene = large.scene()
     found: dict[str, Any] = {"outcome": "certified", "zones": 0, "fraction": 0.0, "error": 0.0}
     start = time.process_time()
@@ -153,7 +156,11 @@ def measure(large: Large, patience: float = 60.0) -> dict[str, Any]:
 
 
 def row(columns: tuple[str, ...], label: str, figures: list[dict[str, Any]]) -> tuple[str, ...]:
-    """Return the table row of a label: its slowest scene, and the largest error of all."""
+    """Return the table row of all scenes of one label.
+
+    Time, zones and contact fraction are those of the slowest scene; the stated error and the memory
+    are the largest of all these scenes.
+    """
     slowest = max(figures, key=lambda one: float(one["seconds"]))
     failed = [one["outcome"] for one in figures if one["outcome"] != "certified"]
     cells = {
@@ -169,7 +176,7 @@ def row(columns: tuple[str, ...], label: str, figures: list[dict[str, Any]]) -> 
 
 
 def main(table: str, out: Path | None) -> None:
-    """Measure every scene of a table and publish it, with the growth of time with zones."""
+    """Measure every scene of a table and publish the table."""
     figures: dict[str, list[dict[str, Any]]] = {}
     for number, large in enumerate(scenes(table)):
         found = measured("contact.studies.bench.large_scenes", table, "--one", str(number))

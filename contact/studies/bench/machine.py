@@ -25,7 +25,10 @@ def table(peers: Sequence[str]) -> Table:
 
 
 def commit() -> str:
-    """Return the commit of the source and whether it has changes; without git, the version."""
+    """Return the commit of the source and whether the source has changes since.
+
+    Without git, the version of the package is returned.
+    """
     try:
         run = subprocess.run(
             ["git", "describe", "--always", "--abbrev=10", "--dirty= with changes", "--exclude=*"],

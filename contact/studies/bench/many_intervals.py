@@ -40,7 +40,7 @@ COLUMNS = (
 
 
 class OnSprings(sie.Condition):
-    """Condition: every zone stands on a spring, so that its load lowers its level."""
+    """Condition that every zone stands on a spring: the load of a zone lowers its level."""
 
     def count(self, zones: sie.Zones) -> int:
         return len(zones.solved)
@@ -63,7 +63,7 @@ class Totals(sie.Condition):
 
 
 def row_of_zones(count: int, right: sie.End = sie.SINGULAR) -> sie.Zones:
-    """Zones of width 0.6 to 0.8, one in each unit of length."""
+    """A row of zones of widths from 0.6 to 0.8, one zone in each unit of length."""
     rng = np.random.default_rng(0)
     left = np.arange(count) + 0.1 * rng.random(count)
     width = 0.6 + 0.2 * rng.random(count)
@@ -71,7 +71,7 @@ def row_of_zones(count: int, right: sie.End = sie.SINGULAR) -> sie.Zones:
 
 
 def adhering(count: int) -> sie.Zones:
-    """A first guess of adhesive contacts on bumps, one in each unit of length."""
+    """First guess of the zones of adhesive contact on bumps, one zone in each unit of length."""
     end = sie.free_with_intensity(-0.01)
     half = 0.12 * (1 + 0.05 * np.random.default_rng(0).standard_normal(count))
     at = np.arange(count)
@@ -83,13 +83,13 @@ def wave_equation(
     kernel: sie.Kernel | None = None,
     columns: tuple[sie.Forcing, ...] = (),
 ) -> sie.Equation:
-    """An equation with the right side sin x."""
+    """An equation with the right side sin x and the given kernel, conditions and columns."""
     wave = sie.Forcing(np.sin, lambda x: -np.cos(x))
     return sie.Equation(sie.cauchy() if kernel is None else kernel, wave, conditions, columns)
 
 
 def bump_equation(kernel: sie.Kernel, *conditions: sie.Condition) -> sie.Equation:
-    """An equation with one bump in each unit of length."""
+    """An equation whose right side is the slope of bumps, one bump in each unit of length."""
     q = 2 * np.pi
     bumps = sie.Forcing(lambda x: np.sin(q * x) / q, lambda x: -np.cos(q * x) / q**2)
     return sie.Equation(kernel, bumps, conditions)
@@ -137,7 +137,7 @@ CASES: dict[str, Callable[[int], tuple[sie.Equation, sie.Zones]]] = {
 
 
 def measure(name: str, count: int, tol: float = 1e-8) -> dict[str, float | int | str]:
-    """Solve a case and return its row of figures."""
+    """Solve a case with `count` intervals and return its row of the table."""
     equation, zones = CASES[name](count)
     start = time.process_time()
     found = sie.solve(equation, zones, tol=tol)

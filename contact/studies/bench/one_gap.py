@@ -43,9 +43,10 @@ class OneGap:
 
     @classmethod
     def of(cls, profile: Fourier, full: float, scene: Scene) -> OneGap:
-        """The contact of a scene, by Newton's method for c and ln w.
+        """The contact of a scene, by Newton's method for the gap's middle and ln(half width).
 
-        The first guess replaces H f' by a parabola with the same maximum and curvature.
+        The first guess replaces the conjugate H f' of the slope by a parabola with the same maximum
+        and curvature.
         """
         assert scene.mean_pressure is not None
         x = np.linspace(-0.5, 0.5, 4001)
@@ -67,13 +68,13 @@ class OneGap:
         return found
 
     def _moved(self, shift: float, stretch: float) -> OneGap:
-        """The state with c moved by `shift` half widths w, and ln w by `stretch`."""
+        """The state whose gap is moved by `shift` half widths and widened by exp(`stretch`)."""
         middle, half = self.middle + shift * self.half_gap, self.half_gap * np.exp(stretch)
         return OneGap(self.profile, self.mean, float(middle), float(half))
 
     @property
     def _theta(self) -> Array:
-        """Chebyshev angles on the gap."""
+        """Angles of the Chebyshev nodes on the gap."""
         return np.asarray(np.pi * (np.arange(self.nodes) + 0.5) / self.nodes)
 
     @property
@@ -82,7 +83,10 @@ class OneGap:
 
     @property
     def _excess(self) -> tuple[Array, float]:
-        """Chebyshev coefficients G_j of G = H f' - 2 pbar/E* on the gap, and B of the head."""
+        """Chebyshev coefficients of G = H f' - 2 pbar/E* on the gap, and B (head of this module).
+
+        H f' is the conjugate of the slope, and pbar is the mean pressure.
+        """
         k, c, s = _waves(self.profile)
         y = self._tau * np.cos(self._theta)
         extended_pi = 4 * np.arctan(np.longdouble(1))
@@ -90,23 +94,26 @@ class OneGap:
         phase = np.round(k / (2 * pi)) * (2 * extended_pi) * x[:, None]
         series = np.cos(phase) @ c.astype(np.longdouble) + np.sin(phase) @ s.astype(np.longdouble)
         excess = series - 2 * np.longdouble(self.mean)
-        # The difference of large numbers has been taken; double precision is enough for the rest.
+        # Extended precision is needed only for the difference above, which is one of large numbers.
         n = self.nodes
         g = 2 / n * np.cos(np.arange(n)[:, None] * self._theta) @ excess.astype(np.float64)
         g[0] *= 0.5
         return g, float(np.mean(self._slope_sine(g) * y / (1 + y**2)) * self._tau)
 
     def _slope_sine(self, series: Array) -> Array:
-        """Slope s of the gap times sin(theta) at the nodes.
+        """Slope of the gap times sin(theta) at the nodes, from the Chebyshev coefficients of G.
 
-        It uses U_j sin(theta) = sin((j + 1) theta).
+        The formula uses U_j sin(theta) = sin((j + 1) theta).
         """
         orders = np.arange(1, self.nodes)[:, None]
         return np.asarray(np.sin(self._theta) * (series[1:] @ np.sin(orders * self._theta)))
 
     @property
     def _residual(self) -> Array:
-        """Residuals (G_0 - B, int s deta/(1 + eta^2)), which vanish for the right c and w."""
+        """Residuals of the two conditions on the gap's middle and half width (head of this module).
+
+        They are G_0 - B, and the integral of s/(1 + eta^2) over eta.
+        """
         series, moment = self._excess
         y = self._tau * np.cos(self._theta)
         return np.array([series[0] - moment, np.mean(self._slope_sine(series) / (1 + y**2))])
@@ -142,7 +149,7 @@ class OneGap:
 
 
 def _waves(profile: Fourier) -> tuple[Array, Array, Array]:
-    """Wave numbers k and coefficients c, s of H f' = sum c cos kx + s sin kx."""
+    """Wave numbers k and coefficients c, s of the slope's conjugate sum c cos(kx) + s sin(kx)."""
     given = [np.asarray(part, dtype=np.float64) for part in (profile.cosine, profile.sine)]
     cosine, sine = (np.pad(part, (0, max(map(len, given)) - len(part))) for part in given)
     k = 2 * pi * np.arange(1.0, len(cosine) + 1)

@@ -42,12 +42,12 @@ class ByPieces(SymmetricZone):
 
     @cached_property
     def _edges(self) -> Array:
-        """Borders in theta of the intervals where the slope is smooth."""
+        """Ends of the intervals of theta in which the slope is smooth, at x = a sin(theta)."""
         inside = self.breaks[np.abs(self.breaks) < self.half_width] / self.half_width
         return np.concatenate(([-0.5 * np.pi], np.arcsin(np.unique(inside)), [0.5 * np.pi]))
 
     def _rule(self, edges: Array) -> tuple[Array, Array, Array]:
-        """Positions, slopes and weights of the quadrature between these edges in theta."""
+        """Positions, slopes and weights of the quadrature on the intervals of theta in `edges`."""
         nodes, weights = gauss()
         half = 0.5 * np.diff(edges)
         theta = (0.5 * (edges[1:] + edges[:-1]))[:, None] + half[:, None] * nodes
@@ -86,10 +86,10 @@ class ByPieces(SymmetricZone):
 
 
 def _graded(edges: Array, at: float) -> Array:
-    """The edges, with more of them next to the interval that contains the angle `at`.
+    """The interval ends `edges`, with more ends next to the interval that contains `at`.
 
-    In the neighbouring intervals the difference quotient has a pole at `at`. There the quadrature
-    is accurate if an interval is no wider than its distance from the pole.
+    In the neighbouring intervals the difference quotient has a pole at the angle `at`. There the
+    quadrature is accurate if an interval is no wider than its distance from the pole.
     """
     steps = 2.0 ** np.arange(60) - 1
     left, right = edges[edges < at], edges[edges > at]

@@ -28,7 +28,7 @@ Solver = Callable[[Array, Case, float], tuple[Callable[[], None], Callable[[], A
 
 @dataclass(frozen=True)
 class Peer:
-    """Another code, by its name and a function that prepares a run.
+    """Another contact code, given by its name and a function that prepares a run.
 
     `prepare(heights, case, tolerance)` returns two functions (run, read). After `run()`, `read()`
     returns the pressures, or None if the run did not converge.
@@ -41,7 +41,7 @@ class Peer:
 def tamaas(
     heights: Array, case: Case, tolerance: float, max_iterations: int = 20_000
 ) -> tuple[Callable[[], None], Callable[[], Array | None]]:
-    """Prepare Polonsky and Keer's solver of tamaas: see `Peer`."""
+    """Prepare a run of Polonsky and Keer's solver in tamaas; `Peer` explains the arguments."""
     tm = require("tamaas")
     tm.set_log_level(tm.LogLevel.error)
     model = tm.ModelFactory.createModel(
@@ -63,7 +63,7 @@ def tamaas(
 def contact_mechanics(
     heights: Array, case: Case, tolerance: float, max_iterations: int = 20_000
 ) -> tuple[Callable[[], None], Callable[[], Array | None]]:
-    """Prepare the non-smooth contact system of ContactMechanics: see `Peer`."""
+    """Prepare a run of ContactMechanics' NonSmoothContactSystem; `Peer` explains the arguments."""
     cm, topography = require("ContactMechanics"), require("SurfaceTopography")
     n, length = len(heights), case.profile.period
     assert length is not None
@@ -73,7 +73,8 @@ def contact_mechanics(
     results: list[Any] = []
 
     def run() -> None:
-        # The default penetration tolerance is too loose; here it is relative to the heights.
+        # The default penetration tolerance is too loose; here this tolerance is relative to the
+        # heights.
         results[:] = [
             system.minimize_proxy(
                 external_force=case.mean_pressure * length,
@@ -97,7 +98,7 @@ PEERS = (Peer("tamaas", tamaas), Peer("ContactMechanics", contact_mechanics))
 def grids(quick: bool) -> list[int]:
     """Return numbers of grid points with small prime factors, for fast transforms.
 
-    They are not all multiples of each other, so that zone ends fall anywhere in the cells.
+    The numbers are not all multiples of each other, so that zone ends fall anywhere in the cells.
     """
     return [
         m * 2**k for k in range(5, 11 if quick else 15) for m in ((4, 6) if quick else (4, 5, 6, 7))
@@ -111,7 +112,7 @@ def rows(
     longest: float,
     tolerances: tuple[float, ...] = (1e-4, 1e-6, 1e-8, 1e-10),
 ) -> Iterator[Row]:
-    """Run a peer on ever finer grids, until a run takes longer than `longest` seconds.
+    """Run a peer code on ever finer grids, until a run takes longer than `longest` seconds.
 
     The run at the last tolerance gives the error of the grid. (At 1e-12 tamaas does not stop on
     large grids.) A looser tolerance is used if the error then grows by at most a tenth.
@@ -126,7 +127,7 @@ def rows(
         if tight is None:
             continue
         row = tight
-        # The loosest tolerance that keeps the error is used, which favours the peer.
+        # The loosest tolerance that does not increase the error is used, which favours the peer.
         for tolerance in tolerances[:-1]:
             loose = _measured(peer, case, x, heights, tolerance, 0.05)
             if (
@@ -154,9 +155,9 @@ def _measured(
 
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
-    """Least time of a run whose error, and that of all finer runs, is at most `error`.
+    """Least time to reach an error: no finer run may have a larger error than `error`.
 
-    The rows go from coarse to fine. It is None if the last run does not reach the error.
+    The rows go from coarse to fine. The result is None if the last run does not reach the error.
     """
     reached = None
     for row in reversed(rows_of_one):
@@ -167,6 +168,6 @@ def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> floa
 
 
 def require_both() -> None:
-    """Raise MissingExtra, with the name of the extra, unless both codes are installed."""
+    """Raise MissingExtra, with the name of the extra, unless the two peer codes are installed."""
     require("tamaas")
     require("ContactMechanics")

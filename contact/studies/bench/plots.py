@@ -16,7 +16,10 @@ _PEERS = {"tamaas": ("tab:orange", "s"), "ContactMechanics": ("tab:green", "^")}
 
 
 def precision(rows: list[Row], path: Path) -> None:
-    """Draw one panel per scene: true and stated error, and localized models, against time."""
+    """Draw errors against time, one panel for each scene.
+
+    The errors are the solver's true and stated error, and the true errors of localized models.
+    """
     figure, panels = _panels(rows, "error of pressures at equal t and of ends")
     for scene, axis in panels.items():
         ours = of(rows, scene, OURS)
@@ -45,7 +48,7 @@ def precision(rows: list[Row], path: Path) -> None:
 
 
 def peers(rows: list[Row], path: Path) -> None:
-    """Draw one panel per scene: errors of p(x) against time, for the solver and the peers."""
+    """Draw errors of p(x) against time, for the solver and the peers, one panel for each scene."""
     figure, panels = _panels(rows, "error of p at equal x, over the peak")
     for scene, axis in panels.items():
         for method, (colour, marker) in {OURS: ("tab:blue", "o"), **_PEERS}.items():
@@ -98,7 +101,7 @@ def _finish(figure: Any, panels: dict[str, Any], path: Path) -> None:
 
 
 def scaling(rows: list[Scaled], path: Path) -> None:
-    """Draw one panel per series: time, its floor, and memory against size."""
+    """Draw time, its floor, and memory against size, one panel for each series."""
     series = list(dict.fromkeys(row.series for row in rows))
     across = min(2, len(series))
     down = -(-len(series) // across)

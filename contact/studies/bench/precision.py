@@ -21,10 +21,10 @@ from contact.studies.bench.cases import Case
 
 @dataclass(frozen=True)
 class Row:
-    """One run of a method on a scene.
+    """One run of one method on one scene, with its time and errors.
 
-    `error` is the true error, measured as the stated one: the larger of the errors of pressures at
-    equal normalised positions and of ends relative to widths. `at_x` and `mean_at_x` are the
+    `error` is the true error, measured as the stated error is: the larger of the errors of
+    pressures at equal normalised positions and of ends relative to widths. `at_x` and `mean_at_x` are the
     largest and mean error of the pressure at equal x. Pressures are relative to the peak. `error`
     and `stated` are None for a method that has no zones or states no error.
     """
@@ -42,12 +42,12 @@ class Row:
 
 
 def tolerances(quick: bool) -> list[float]:
-    """The tolerances of the runs, descending."""
+    """The tolerances of the solver's runs, descending from 1e-2 to 1e-13."""
     return [10.0**-k for k in ((2, 4, 6, 8, 10, 12, 13) if quick else range(2, 14))]
 
 
 def ours(case: Case, quick: bool) -> Iterator[Row]:
-    """Run the solver at each tolerance; stop at the first that it does not reach."""
+    """Run the solver at each tolerance; stop at the first tolerance that is not reached."""
     scene = case.scene
     for tol in tolerances(quick):
         row, found = _run(case, "contact", tol, scene, tol, quick)
@@ -57,7 +57,10 @@ def ours(case: Case, quick: bool) -> Iterator[Row]:
 
 
 def hierarchy(case: Case, quick: bool) -> Iterator[Row]:
-    """Run the localized models at 1e-8: self-consistent with neighbours, and first order."""
+    """Run the localized models to a tolerance of 1e-8.
+
+    They are self-consistent models with 0 to 16 neighbours a side, and the first-order model.
+    """
     models: list[tuple[str, float, Interaction]] = [
         (f"localized, m={m}", m, Localized("self-consistent", neighbours=m))
         for m in (0, 1, 2, 4, 8, 16)

@@ -19,7 +19,7 @@ from contact.studies.bench.stability import Verdict
 
 
 class Table(NamedTuple):
-    """A table of text cells; `key` names its file and its place in a page."""
+    """A table of text cells; `key` names the table's file and its place in a page of docs."""
 
     key: str
     title: str
@@ -40,7 +40,7 @@ class SingleZoneLimits:
 
 
 def write_csv(path: Path, rows: Sequence[Any]) -> None:
-    """Write dataclasses of one kind as CSV, in full precision."""
+    """Write instances of one dataclass as CSV, in full precision, one row for each instance."""
     names = [field.name for field in dataclasses.fields(rows[0])]
     with path.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
@@ -60,30 +60,30 @@ def markdown(table: Table) -> str:
 
 
 def line_of_scene(rows: list[Row], scene: str) -> str:
-    """Return the time and the errors at the smallest tolerance that a scene reached."""
+    """Return a line of text: time and errors at the smallest tolerance that a scene reached."""
     best = min(of(rows, scene, OURS), key=lambda row: (not row.met, row.setting))
     errors = f"true error {_number(best.error)}, stated {_number(best.stated)}"
     return f"{scene}: {_time(best.seconds)} to tol {best.setting:.0e}, {errors}"
 
 
 def line_of_size(row: Scaled) -> str:
-    """Return the time of one size of a series, also relative to its floor."""
+    """Return a line of text: the time for one size of a series, in seconds and in floors."""
     floors = f"{row.seconds / row.floor:.3g} times the floor"
     return f"{row.series}, {row.size}: {_time(row.seconds)}, {floors}"
 
 
 def of(rows: Iterable[Row], scene: str, method: str) -> list[Row]:
-    """Return the rows of one method on one scene."""
+    """Return those rows that one method has for one scene."""
     return [row for row in rows if row.scene == scene and row.method == method]
 
 
 def names(rows: Iterable[Row]) -> list[str]:
-    """Return the names of the scenes, in order."""
+    """Return the names of the scenes, in the order of the rows."""
     return list(dict.fromkeys(row.scene for row in rows))
 
 
 def precision_table(rows: list[Row]) -> Table:
-    """Time, true and stated error of the solver at every other tolerance."""
+    """Table of the solver's time, true error and stated error at every other tolerance."""
     out: list[tuple[str, ...]] = []
     for scene in names(rows):
         for row in of(rows, scene, OURS):
@@ -109,7 +109,7 @@ def precision_table(rows: list[Row]) -> Table:
 
 
 def hierarchy_table(rows: list[Row]) -> Table:
-    """Time and errors of the localized models."""
+    """Table of the times and errors of the localized models."""
     chosen = [row for row in rows if row.method.startswith("localized")]
     out: list[tuple[str, ...]] = [
         (row.scene, row.method, _time(row.seconds), _number(row.error), _number(row.stated))
@@ -125,9 +125,10 @@ def peers_table(
     scenes: Sequence[str],
     targets: Sequence[float] = (1e-2, 1e-3, 1e-4),
 ) -> Table:
-    """Times to an error of p(x), and the time of the faster peer divided by ours.
+    """Table of the times of all codes to reach an error of p(x), and of ratios of these times.
 
-    An error counts as reached if all finer runs keep it.
+    The ratio is the time of the faster peer divided by ours. An error counts as reached if all
+    finer runs have at most this error as well.
     """
     out: list[tuple[str, ...]] = []
     for measure, label in (("at_x", "max"), ("mean_at_x", "mean")):
@@ -174,7 +175,7 @@ def _reach(rows: list[Row], seconds: float | None, measure: str) -> str:
 
 
 def scaling_table(rows: list[Scaled]) -> Table:
-    """Time and memory of every size of every series."""
+    """Table of time and memory for every size of every series."""
     out: list[tuple[str, ...]] = [
         (
             row.series,
@@ -204,7 +205,7 @@ def scaling_table(rows: list[Scaled]) -> Table:
 
 
 def exponents_table(rows: list[Scaled]) -> Table:
-    """Fitted exponents of time and memory for every series."""
+    """Table of the fitted exponents of time and memory for every series."""
     out: list[tuple[str, ...]] = []
     for series in dict.fromkeys(row.series for row in rows):
         some = fitted([row for row in rows if row.series == series])
@@ -231,7 +232,7 @@ def exponents_table(rows: list[Scaled]) -> Table:
 
 
 def single_table(rows: list[Scaled], solves: float) -> Table:
-    """Times of single scenes, and the limits that they must keep."""
+    """Table of the times of single scenes, and of the limits for these times."""
     limits = SingleZoneLimits()
     out: list[tuple[str, ...]] = [
         (
@@ -267,7 +268,7 @@ def within(row: Scaled, solves: float) -> bool:
 
 
 def stability_table(verdicts: list[Verdict]) -> Table:
-    """Allowed, true and stated error of every extreme scene."""
+    """Table of the allowed, the true and the stated error of every extreme scene."""
     out: list[tuple[str, ...]] = [
         (
             v.group,

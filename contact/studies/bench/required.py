@@ -17,7 +17,7 @@ _PYTHON = "the time is that of calls from Python, not arithmetic: see the floor"
 
 @dataclass(frozen=True)
 class Figure:
-    """A required figure, the measured one, whether it is met, and why not."""
+    """A required figure, the measured figure, whether the requirement is met, and why not."""
 
     asked: str
     measured: str
@@ -32,7 +32,7 @@ def table(
     solves: float,
     peers: Sequence[str],
 ) -> Table:
-    """The table of all figures; comparisons with peers are in it only if peers ran."""
+    """The table of all required figures; comparisons with peers are left out if no peer ran."""
     single = [case.name for case in cases if case.single]
     figures = [_millisecond(rows, single), _floor(floors, solves), *_estimates(rows)]
     if peers:
@@ -45,9 +45,10 @@ def table(
 
 
 def _hundredfold(rows: list[Row], single: Sequence[str], peers: Sequence[str]) -> Figure:
-    """Figure: time of the faster peer divided by ours, at an error of p(x) of 1e-4.
+    """Return the time of the faster peer divided by ours, at an error of p(x) of 1e-4.
 
-    If no peer reaches the error, the time of the shorter of their longest runs is a lower bound.
+    If no peer reaches the error, a lower bound is returned: the longest run of each peer is taken,
+    and the shorter one of these times.
     """
     found: list[tuple[float, str]] = []
     for scene in single:
@@ -134,7 +135,7 @@ def _floor(floors: list[Scaled], solves: float) -> Figure:
 
 
 def _estimates(rows: list[Row]) -> list[Figure]:
-    """Two figures: true error <= stated error, and stated error <= 100 max(true, 1e-13)."""
+    """Return two figures: how often true <= stated error, and stated <= 100 max(true, 1e-13)."""
     mine = [
         (row.error, row.stated)
         for row in rows

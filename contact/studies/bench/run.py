@@ -26,14 +26,14 @@ from contact.studies.bench.scaling import Scaled
 
 
 class Progress(Protocol):
-    """Shows how many measurements are done and what they have found so far."""
+    """An object that shows how many measurements are done, and lines about their results."""
 
     def __call__(self, stage: str, done: int, total: int | None) -> None: ...
     def say(self, line: str) -> None: ...
 
 
 def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> list[Table]:
-    """Measure work and precision, peers, and cost against size; files go to `folder`."""
+    """Measure errors against time, peers, and cost against size; write files to `folder`."""
     chosen: Sequence[peers.Peer] = peers.PEERS if with_peers else ()
     if with_peers:
         peers.require_both()
@@ -97,12 +97,12 @@ def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
 
 
 def _asks_peers(case: Case) -> bool:
-    """Whether the peers can solve the scene: they run on frictionless contact only."""
+    """Whether the peers can solve the scene: the peers solve frictionless contact only."""
     return case.law.routes.gaps
 
 
 def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Table, int]:
-    """Run the extreme scenes; return their table and the number of unexplained failures."""
+    """Run the extreme scenes; return the table of results and the number of new failures."""
     made = machine.commit()
     verdicts = stability.run_matrix(quick, progress)
     table = report.stability_table(verdicts)

@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Scaled:
-    """One size of one series: time and memory of `solve`, time of the floor, and counts."""
+    """The measurement of one scene: time and memory of `solve`, the floor, and counts."""
 
     series: str
     size: int
@@ -52,10 +52,10 @@ class Scaled:
 
 
 def floor_seconds(solution: Solution) -> float:
-    """Processor time [s] of one evaluation of the profile and one sum of the kernel."""
+    """Time of the floor [s]: one evaluation of the profile and one sum of the kernel."""
     fields, profile = solution.fields, solution.scene.profile
     assert isinstance(fields, ZoneFields | GapFields)
-    # Scenes near full contact are solved by the slope of their gaps.
+    # Near full contact the solver's unknown is the slope of the gap instead of the pressure.
     zones = (fields.density if isinstance(fields, ZoneFields) else fields.gap_slope).zones
     per_zone = max(1, solution.plan.counts["own_modes"] // len(zones))
     theta = (np.arange(per_zone) + 0.5) * np.pi / per_zone
@@ -77,10 +77,10 @@ def floor_seconds(solution: Solution) -> float:
 
 
 def equal_waves(zones: int) -> Scene:
-    """A scene of n equal waves in a period, a fifth of which is in contact.
+    """A scene of n equal waves in a period, of which a fifth is in contact.
 
-    The mean pressure is p* sin^2(pi/10), where p* = pi E* n A/L is that of full contact for waves
-    of amplitude A.
+    The mean pressure is p* sin^2(pi/10). Here p* = pi E* n A/L is the mean pressure of full contact
+    for waves of amplitude A.
     """
     amplitude = 1e-3 / zones
     profile = Fourier(1.0, [0.0] * (zones - 1) + [-amplitude])
@@ -93,7 +93,7 @@ def equal_waves(zones: int) -> Scene:
 
 
 def rippled(order: int) -> Scene:
-    """One zone under a wave with a ripple of high order, too weak to open the zone."""
+    """A scene of one zone under a wave with a short ripple that is too weak to open the zone."""
     cosine = np.zeros(order)
     cosine[0], cosine[-1] = -1e-3, -1e-5 / order
     return Scene(
@@ -105,12 +105,15 @@ def rippled(order: int) -> Scene:
 
 
 def rough_scene(harmonics: int) -> Scene:
-    """A self-affine profile at a fixed mean pressure."""
+    """A scene of a self-affine profile at the mean pressure 0.002 E*."""
     return Scene(rough_profile(harmonics), 1.0, Periodic(), mean_pressure=0.002)
 
 
 def _designed(zones: int) -> Scene:
-    """A designed scene with widths within a factor of 3, so that no zone is nearly unloaded."""
+    """A scene of given zones by inverse design, whose widths differ by a factor of 3 at most.
+
+    With larger ratios of widths, zones may be nearly unloaded.
+    """
     return designed(zones, seed=2, spread=3.0).scene
 
 
@@ -147,7 +150,7 @@ def measure(quick: bool) -> Iterator[Scaled]:
 
 
 def yardstick(patience: float) -> float:
-    """Processor time of 100 dense solves of 33 unknowns by numpy."""
+    """Processor time [s] of 100 solutions of a dense system of 33 unknowns by numpy."""
     rng = np.random.default_rng(0)
     matrix, right = rng.normal(size=(33, 33)), rng.normal(size=33)
 
@@ -174,7 +177,8 @@ def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scal
     try:
         solution = solve(scene, tol)
     except NotConverged:
-        # If the tolerance is not reached, ten times it is tried; the row has the one that was used.
+        # If the tolerance is not reached, ten times this tolerance is tried. The row states the
+        # tolerance that was used.
         if tol > 1e-3:
             raise
         return one(name, size, scene, 10 * tol, patience)
@@ -194,9 +198,9 @@ def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scal
 
 
 def fitted(rows: list[Scaled]) -> list[Scaled]:
-    """Return the rows of the larger half of the sizes, at least three, to fit an exponent.
+    """Return the rows of the larger half of the sizes (at least three), to fit an exponent.
 
-    Only rows with the same kind of sums as the largest size count, if there are three of them.
+    If there are three rows with the same kind of sums as the largest size, all others are left out.
     """
     same = [row for row in rows if row.fast == rows[-1].fast]
     same = same if len(same) >= 3 else rows
@@ -204,5 +208,5 @@ def fitted(rows: list[Scaled]) -> list[Scaled]:
 
 
 def exponent(sizes: Array, values: Array) -> float:
-    """Exponent e of the power law values ~ sizes^e, fitted to the logarithms."""
+    """Exponent e of the power law values ~ sizes^e, by a linear fit of the logarithms."""
     return float(np.polyfit(np.log(sizes), np.log(values), 1)[0])

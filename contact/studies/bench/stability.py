@@ -21,9 +21,9 @@ from contact.studies.bench.truth import Exact
 
 @dataclass(frozen=True)
 class Verdict:
-    """The result of one case.
+    """The result of one extreme scene.
 
-    `error` and `stated` are true and stated error. `outcome` is one of
+    `error` and `stated` are the true and the stated error. `outcome` is one of
     - "pass";
     - "undecided": two topologies are the same answer within the allowed error, and the certificate
       says so;
@@ -45,10 +45,10 @@ class Verdict:
 
 
 def attempt(scene: Scene, allowed: float, patience: float) -> tuple[Solution | None, str, float]:
-    """Return (best solution, what went wrong, processor time of the last solve).
+    """Solve a scene; return (best solution, error message, processor time of the last solve).
 
-    The first tolerance is a tenth of the allowed error, so that it does not limit the error. If it
-    is not reached, the second one is the allowed error.
+    The first tolerance is a tenth of the allowed error, so that the tolerance does not limit the
+    error. If this tolerance is not reached, the second tolerance is the allowed error.
     """
     best: Solution | None = None
     note = ""
@@ -74,9 +74,10 @@ def attempt(scene: Scene, allowed: float, patience: float) -> tuple[Solution | N
 
 
 def run(case: Extreme, patience: float = 60.0) -> Verdict:
-    """Solve a case: it passes if the true error is at most the allowed and the stated one.
+    """Solve an extreme scene and judge the solution.
 
-    A solve that takes longer than `patience` [s] is given up.
+    The scene passes if the true error is at most the allowed error and at most the stated error. A
+    solve that takes longer than `patience` [s] is given up.
     """
     try:
         scene, exact = clock.limited(case.make, patience)
@@ -124,7 +125,7 @@ def _verdict(
 
 
 def _other_topology(found: Solution, exact: Exact) -> tuple[float, str]:
-    """Largest difference of the pressures at equal x, relative to the peak, and a message."""
+    """Largest difference of the two pressures, relative to the peak pressure, and a message."""
     x = truth.comb(exact)
     apart = truth.at_places(x, found.pressure(x), exact)[0]
     word = ", undecided" if found.certificate.undecided else ""
@@ -139,7 +140,7 @@ def _short(error: Exception) -> str:
 def run_matrix(
     quick: bool, progress: Callable[[str, int, int | None], None] | None = None
 ) -> list[Verdict]:
-    """Run every extreme scene; return the verdicts."""
+    """Solve and judge every extreme scene; return the verdicts."""
     cases = matrix(quick)
     out = []
     for k, case in enumerate(cases):

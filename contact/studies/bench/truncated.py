@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TruncatedWedge(Profile):
-    """The profile f = s max(|x| - d, 0), with declared corners."""
+    """A wedge of slope s with a flat top |x| <= d: f = s max(|x| - d, 0), corners declared."""
 
     steepness: float
     half_top: float
@@ -46,7 +46,7 @@ class TruncatedWedge(Profile):
 
 @dataclass(frozen=True)
 class IsolatedTruncatedWedge(SymmetricZone):
-    """The contact of half width a > d, d the half width of the flat top."""
+    """The contact of a `TruncatedWedge`; the zone is wider than the flat top."""
 
     steepness: float
     half_top: float

@@ -18,15 +18,15 @@ Array = NDArray[np.float64]
 
 
 def positions(count: int = 24) -> Array:
-    """An even number of normalised positions in a zone, dense near its ends.
+    """An even number of normalised positions in a zone, dense near the ends of the zone.
 
-    None is in the middle, where the pressure is infinite under a wedge.
+    No position is in the middle, where the pressure is infinite under a wedge.
     """
     return np.asarray(np.cos((np.arange(count) + 0.5) * np.pi / count))
 
 
 class Exact(Protocol):
-    """Attributes and methods that both solutions of a comparison must have."""
+    """Attributes and methods that a tested solution and an exact solution must have."""
 
     @property
     def zones(self) -> Array: ...
@@ -46,9 +46,9 @@ def scale(exact: Exact) -> float:
 
 
 def stated_measure(found: Exact, exact: Exact) -> float:
-    """Return the larger of the errors of pressures at equal t and of ends relative to widths.
+    """Return the larger of two errors: of pressures at equal t, and of ends relative to widths.
 
-    It is inf if the numbers of zones differ.
+    Here t is the normalised position in a zone. The result is inf if the numbers of zones differ.
     """
     if len(found.zones) != len(exact.zones):
         return float("inf")

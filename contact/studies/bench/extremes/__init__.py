@@ -31,5 +31,5 @@ GROUPS: tuple[Callable[[], Iterator[Extreme]], ...] = (
 
 
 def matrix(quick: bool) -> list[Extreme]:
-    """Return all cases, or those that take no more than about a second."""
+    """Return all extreme scenes; if `quick`, only those that take no more than about a second."""
     return [case for group in GROUPS for case in group() if not (quick and case.heavy)]

@@ -24,10 +24,10 @@ _WHY = "of the closed form, by a difference"
 
 
 def jkr() -> Iterator[Extreme]:
-    """Johnson's wave and Barquins's cylinder under JKR adhesion, at a load.
+    """Extreme scenes of Johnson's wave and Barquins's cylinder under JKR adhesion, at a load.
 
-    Near a turning point the ends move as the square root of the difference of the load from it, so
-    that the condition is large.
+    Near a turning point the ends move as the square root of the difference between the load and the
+    load of the turning point, so that the condition is large.
     """
     group = "JKR"
     for part in (1e-2, 1e-4, 1e-6):
@@ -60,7 +60,7 @@ def jkr() -> Iterator[Extreme]:
 
 
 def dugdale() -> Iterator[Extreme]:
-    """Dugdale's law with tensions of long and of short range, also close to pull-off."""
+    """Extreme scenes under Dugdale's law, with tensions of long and of short range."""
     group = "Dugdale"
     for ratio in (1e-2, 1e-1, 1.0, 10.0, 100.0):
         # The tension is `ratio` times (w E*^2/(pi R))^(1/3), w the work of adhesion. At a ratio of
@@ -82,9 +82,9 @@ def _under_tension(
     group: str, name: str, curve: DugdaleCylinder | DugdaleWave, load: float, part: float
 ) -> Extreme:
     here, by_load = curve.at_load(load), _condition(curve, load, part)
-    # Round-off of the ends is relative to the zone, but the pressure varies over the narrow strip
-    # of tension. Its end follows from the reach w/s, which is rounded too: the condition by the
-    # work is a second factor.
+    # The round-off of the ends is relative to the zone, but the pressure varies over the narrow
+    # strip of tension: this is the first factor. The end of the strip follows from the reach w/s,
+    # which is rounded too: the second factor is the condition by the work w.
     narrow = (
         here.half_width
         / (here.cohesive_end - here.half_width)
@@ -102,7 +102,7 @@ def _under_tension(
 
 
 def _wave(work: float = 1e-5, amplitude: float = 0.01) -> JKRWave:
-    """The JKR equilibria of Johnson's wave, of period 1 and E* = 1."""
+    """The JKR equilibria of Johnson's wave with period 1 and E* = 1."""
     return JKRWave(amplitude, 1.0, 1.0, work)
 
 
@@ -120,10 +120,10 @@ def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
 
 
 def _condition(curve: Curve, load: float, part: float, by: str = "load") -> float:
-    """Change of the result per relative change of the load, or of the field `by` of the curve.
+    """Change of the result divided by the relative change of the load or of `curve.by`.
 
-    It is a difference quotient with the step 1e-3 `part`, where `part` is the relative distance of
-    the load from a turning point.
+    The result is a difference quotient with the step 1e-3 `part`, where `part` is the relative
+    distance of the load from a turning point.
     """
     change = 1e-3 * part
     other = curve if by == "load" else replace(curve, **{by: getattr(curve, by) * (1 + change)})

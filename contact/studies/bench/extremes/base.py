@@ -13,7 +13,7 @@ from contact.studies.bench.truth import Exact
 
 @dataclass(frozen=True, eq=False)
 class Extreme:
-    """One extreme scene.
+    """One extreme scene, with its exact solution and the error that rounded data allow.
 
     `condition` bounds the change of the result per relative change of the data. The result is the
     pressure relative to the peak, and the ends relative to the widths. The data are the load, and
@@ -34,10 +34,10 @@ class Extreme:
 
     @property
     def allowed(self) -> float:
-        """The allowed error; at least 1e-13, because no stated error is below some 5e-14."""
+        """The allowed error; at least 1e-13, because stated errors are at least about 5e-14."""
         return max(1e-13, 100 * float(np.finfo(float).eps) * self.condition)
 
     @property
     def decidable(self) -> bool:
-        """Whether rounded data determine the topology."""
+        """Whether the rounded data determine the number of zones."""
         return self.allowed < self.hair

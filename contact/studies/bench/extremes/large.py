@@ -20,7 +20,10 @@ from contact.studies.bench.truth import Exact
 
 
 def equal_zones() -> Iterator[Extreme]:
-    """Many equal waves in a period, 2 % in contact; a shift removes the mirror symmetry."""
+    """Extreme scenes of many equal waves in a period, of which 2 % is in contact.
+
+    A shift of the waves removes the mirror symmetry.
+    """
     why = "positions are rounded to eps L, zones are L/50n wide"
     for count, shift in ((101, 0.0), (1001, 0.0), (1000, 0.3)):
         yield Extreme(
@@ -48,7 +51,7 @@ def _equal(zones: int, shift: float) -> tuple[Scene, Exact]:
 
 
 def noisy() -> Iterator[Extreme]:
-    """Samples of a parabola and of a rough profile, with noise."""
+    """Extreme scenes of a parabola and of a rough profile, given by samples with noise."""
     group = "measured with noise"
     for samples, noise in ((2_001, 1e-8), (10_001, 1e-9), (100_001, 1e-9)):
         yield Extreme(
@@ -71,7 +74,7 @@ def noisy() -> Iterator[Extreme]:
 
 
 def _parabola(samples: int, noise: float) -> tuple[Scene, Exact]:
-    """A parabola f = x^2/2 with symmetric white noise, four tenths of which is in contact."""
+    """A sampled parabola f = x^2/2 with symmetric white noise, in contact for |x| < 0.4."""
     rng = np.random.default_rng(5)
     x = np.linspace(-1.0, 1.0, samples)
     x = 0.5 * (x - x[::-1])

@@ -32,8 +32,8 @@ from contact.studies.bench.truth import Exact
 
 Array = NDArray[np.float64]
 
-# Each entry has the base of the layer, Poisson's ratio, and the half width of the zone divided by
-# the thickness.
+# Each row has the base of the layer, Poisson's ratio, and the half width of the zone divided by the
+# thickness of the layer.
 ELASTIC = (
     ("smooth", 0.3, 0.01), ("smooth", 0.3, 1.0), ("smooth", 0.3, 10.0), ("smooth", 0.3, 100.0),
     ("bonded", 0.0, 0.1), ("bonded", 0.3, 1.0), ("bonded", 0.3, 30.0), ("bonded", 0.3, 100.0),
@@ -44,7 +44,7 @@ ELASTIC = (
 
 @dataclass(frozen=True)
 class Coth(Substrate):
-    """The substrate of symbol L(q) = coth(q h)."""
+    """A substrate with the symbol coth(q h) at wave number q, for a layer of thickness h."""
 
     h: float
     name = "coth"
@@ -55,7 +55,7 @@ class Coth(Substrate):
 
 @dataclass(frozen=True)
 class Cosh(Profile):
-    """The profile (h/pi) cosh(pi x/h) less its minimum, of the closed form with E* = 1."""
+    """The profile (h/pi) (cosh(pi x/h) - 1), whose contact on `Coth` has a closed form."""
 
     h: float
     symmetric = True
@@ -70,7 +70,7 @@ class Cosh(Profile):
 
 @dataclass(frozen=True)
 class CothZone(SymmetricZone):
-    """The zone [-a, a] of the profile `Cosh` on the substrate `Coth`, E* = 1."""
+    """The contact zone [-a, a] of the profile `Cosh` on the substrate `Coth`, for E* = 1."""
 
     h: float
     half_width: float
@@ -90,7 +90,8 @@ class CothZone(SymmetricZone):
 
     def _pressure(self, r: Array, d: Array) -> Array:
         unit = 0.5 * np.pi / self.h
-        # The form sinh^2 V - sinh^2 v = sinh(V - v) sinh(V + v) does not cancel near an end.
+        # The difference sinh^2 V - sinh^2 v (head of this module) is written as the product
+        # sinh(V - v) sinh(V + v), so that nothing cancels near an end.
         return np.asarray(
             np.cosh(unit * r) * np.sqrt(np.sinh(unit * d) * np.sinh(unit * (self.half_width + r)))
         )
@@ -98,19 +99,20 @@ class CothZone(SymmetricZone):
 
 @dataclass(frozen=True)
 class UnderEllipse(Profile):
-    """The profile under which the pressure is half an ellipse on (-1, 1), E* = 1."""
+    """The profile whose pressure on a layer is half an ellipse on (-1, 1), for E* = 1."""
 
     layer: Layer
     symmetric = True
     name = "under an ellipse"
-    # The quadrature over q resolves sin(q x) for x in this range only.
+    # The quadrature over the wave number q resolves sin(q x) only for x in this interval.
     extent = (-3.0, 3.0)
 
     @cached_property
     def _waves(self) -> tuple[Array, Array]:
-        """Nodes q of the integral over waves, and (L - 1) J1(q)/q times the weights.
+        """Nodes q of the integral over wave numbers, and (L(q) - 1) J1(q)/q times the weights.
 
-        The last q is 22/h, where L - 1 ~ exp(-2 q h) is below round-off.
+        L is the symbol of the layer. The last q is 22/h with the thickness h, where
+        L - 1 ~ exp(-2 q h) is below round-off.
         """
         last = 22 / self.layer.thickness
         nodes, weights = np.polynomial.legendre.leggauss(16)
@@ -131,7 +133,7 @@ class UnderEllipse(Profile):
         return self._summed(lambda x: x + np.sin(np.outer(x, q)) @ weights, x)
 
     def _summed(self, function: Callable[[Array], Array], x: ArrayLike) -> Array:
-        """Values of a sum over all waves, computed for some positions at a time to save memory."""
+        """Values at x of a sum over all waves, for some positions at a time to save memory."""
         x = np.asarray(x, dtype=np.float64)
         parts = np.array_split(x.ravel(), 1 + x.size * len(self._waves[0]) // 2_000_000)
         return np.concatenate([function(part) for part in parts]).reshape(x.shape)
@@ -139,7 +141,7 @@ class UnderEllipse(Profile):
 
 @dataclass(frozen=True)
 class Ellipse(SymmetricZone):
-    """The contact with half an ellipse of pressure on (-1, 1), E* = 1."""
+    """The contact of `UnderEllipse`: its pressure is half an ellipse on (-1, 1), for E* = 1."""
 
     load = 0.25 * np.pi  # type: ignore[assignment]
     max_pressure = 0.5  # type: ignore[assignment]
@@ -151,10 +153,10 @@ class Ellipse(SymmetricZone):
 
 
 def layers() -> Iterator[Extreme]:
-    """Layers with the kernel coth, and elastic layers.
+    """Extreme scenes on layers with the kernel coth, and on elastic layers.
 
-    For the kernel coth, d ln(load)/d ln(a) = 2V coth V is at least 2. The steepest slope is
-    sinh(2V). At a half width of 30 thicknesses it is 1e40, too steep for double precision.
+    For the kernel coth, d ln(load)/d ln(half width) = 2V coth V (head of this module) is at least
+    2. The steepest slope is sinh(2V). At a half width of 30 thicknesses it is 1e40, too steep for double precision.
     """
     for ratio in (0.01, 0.1, 1.0, 3.0, 10.0):
         yield Extreme(
@@ -166,8 +168,9 @@ def layers() -> Iterator[Extreme]:
         )
     for base, nu, ratio in ELASTIC:
         layer = Layer(1 / ratio, nu, base)
-        # Slopes are sums of terms of order one and have their round-off. The pressure follows from
-        # a wave of the slope by division by L, which is smallest for waves as long as the zone.
+        # The slope is a sum of terms of order one and has the round-off of these terms. The
+        # pressure follows from a wave of the slope by division by the layer's symbol. The symbol
+        # is smallest for waves as long as the zone.
         condition = max(1.0, 1 / float(layer.symbol(np.ones(1))[0]))
         name = f"{base}, nu = {nu:g}, half width {ratio:g} thicknesses"
         yield Extreme(

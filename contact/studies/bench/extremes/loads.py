@@ -24,7 +24,7 @@ from contact.studies.bench.truth import Exact
 
 
 def fractions() -> Iterator[Extreme]:
-    """Contact fractions near 0 and near 1.
+    """Extreme scenes with contact fractions near 0 and near 1.
 
     Westergaard's wave has p/p* = sin^2 A, A = pi a/L, so that d ln a/d ln p = tan(A)/2A. The
     valleys of periodic wedges and parabolas are kinks, which close only exponentially as the mean
@@ -37,7 +37,8 @@ def fractions() -> Iterator[Extreme]:
             group, f"wave, {rest:g}", partial(wave, rest), tan(angle) / (2 * angle), "tan(A)/2A"
         )
     for rest in (0.5, 1e-2, 1e-3, 1e-4, 1e-6):
-        # The solver is given the rounded load, so the exact half width is computed from that load.
+        # The solver is given the rounded load, so the exact half width is computed from this
+        # rounded load.
         angle = 0.5 * pi * (1 - rest)
         yield Extreme(
             group,
@@ -66,7 +67,7 @@ def fractions() -> Iterator[Extreme]:
 def wave(
     fraction: float, E_star: float = 1.0, period: float = 1.0, amplitude: float = 1e-2
 ) -> tuple[Scene, Exact]:
-    """Westergaard's wave at a contact fraction."""
+    """The scene and the exact solution of Westergaard's wave at a given contact fraction."""
     exact = Westergaard.from_contact_fraction(
         fraction, amplitude=amplitude, period=period, E_star=E_star
     )
@@ -76,7 +77,10 @@ def wave(
 
 
 def near_full(below: float) -> tuple[Scene, Exact]:
-    """The wave at the rounded mean pressure p* (1 - below), and its exact zone."""
+    """The wave at (1 - below) times the mean pressure of full contact, and its exact zone.
+
+    The mean pressure is rounded to a double; the zone is exact for the rounded pressure.
+    """
     amplitude = 1 / pi  # p* = E* pi Delta/L = 1 for this amplitude Delta, up to round-off
     pressure = 1.0 - below
     half = 0.5 - np.arcsin(sqrt(_deficit(amplitude, pressure))) / pi
@@ -85,7 +89,10 @@ def near_full(below: float) -> tuple[Scene, Exact]:
 
 
 def _deficit(amplitude: float, pressure: float) -> float:
-    """The relative difference (p* - p)/p* of these numbers, with pi in extended precision."""
+    """The relative difference between `pressure` and that of full contact, to full precision.
+
+    The number pi is taken in extended precision.
+    """
     high = np.longdouble(pi) + np.longdouble(1.2246467991473532e-16)
     full = high * np.longdouble(amplitude)
     return float((full - np.longdouble(pressure)) / full)
@@ -102,7 +109,7 @@ def _row_of_parabolas(fraction: float) -> tuple[Scene, Exact]:
 
 
 def loads_near_full() -> Iterator[Extreme]:
-    """Mean pressures just below that of full contact."""
+    """Extreme scenes with mean pressures just below the mean pressure of full contact."""
     group = "load below full contact by"
     for part in (1e-6, 1e-9, 1e-12):
         yield Extreme(
@@ -123,7 +130,7 @@ def loads_near_full() -> Iterator[Extreme]:
 
 
 def _series_near_full(part: float) -> tuple[Scene, Exact]:
-    """Six random harmonics just below full contact, with one gap left."""
+    """A profile of six random harmonics just below full contact, with a single gap left."""
     rng = np.random.default_rng(1)
     profile = Fourier(1.0, 1e-3 * rng.normal(size=6), 1e-3 * rng.normal(size=6))
     full = solve(Scene(profile, 1.0, Periodic(), contact_fraction=1.0)).mean_pressure
@@ -133,9 +140,9 @@ def _series_near_full(part: float) -> tuple[Scene, Exact]:
 
 
 def merges() -> Iterator[Extreme]:
-    """Loads close to the merging load of two tips.
+    """Extreme scenes with loads close to the load at which the zones of two tips merge.
 
-    At the relative distance `part` below it, the gap between the zones of width w is g ~ w
+    At the relative distance `part` below this merging load, the gap between the zones of width w is g ~ w
     sqrt(part). A relative change eps of the load changes g/w by eps w/g. Above the merging load the
     solution is smooth in the load.
     """
@@ -156,7 +163,7 @@ def merges() -> Iterator[Extreme]:
 
 
 def _biquadratic(share: float) -> tuple[Scene, Exact]:
-    """Two isolated tips at the fraction `share` of their merging load."""
+    """An isolated punch with two tips, under `share` times the load that merges its zones."""
     merging = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=1.0).merging_load
     exact = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=share * merging)
     return Scene(Biquadratic(1.0, 2.0), 1.0, Isolated(), load=exact.load), exact

@@ -19,13 +19,13 @@ from contact.studies.bench.truth import Exact
 def designed(
     zones: list[list[float]], period: float | None, load: float = 0.05
 ) -> tuple[Scene, DesignedContact]:
-    """The inverse-designed contact of given zones."""
+    """The scene and the exact contact of given zones, by inverse design."""
     exact = design(zones, 1.0, load, period)
     return Scene(exact.profile, 1.0, Isolated() if period is None else Periodic(), load=load), exact
 
 
 def gaps() -> Iterator[Extreme]:
-    """Narrow gaps between zones.
+    """Extreme scenes with narrow gaps between zones.
 
     A gap of width g between zones of width w lowers the pressure by about (g/w)^2 of the peak. An
     error eps of the slopes changes the pressure by eps, so that (g/w)^2 changes by eps. An end then
@@ -43,8 +43,9 @@ def gaps() -> Iterator[Extreme]:
                 why,
                 hair=gap,
             )
-    # Between two such gaps a distance r apart the pressure is about (x (r - x))^2, so that an error
-    # eps changes g^2 r^2 by eps. An end then moves by eps/(g r^2), or eps/(g r^3) of the width r.
+    # Between two gaps of width g there is a zone of width r. At a distance x from its left end the
+    # pressure is about (x (r - x))^2, which is g^2 r^2 at x = g. An error eps of this pressure
+    # moves an end by eps/(g r^2), that is by eps/(g r^3) times the width r.
     for gap in (1e-3, 1e-5):
         yield Extreme(
             group,
@@ -57,7 +58,7 @@ def gaps() -> Iterator[Extreme]:
 
 
 def scales() -> Iterator[Extreme]:
-    """Zones and heights of very different scale.
+    """Extreme scenes with zones and heights of very different scale.
 
     A zone of width r next to one of width 1 is a cap of height about r^2. An error eps of the
     slopes over a distance of order 1 changes the level of the cap by eps. So the relative change of

@@ -23,7 +23,7 @@ _UNITS = "a unit changes nothing"
 
 
 def units() -> Iterator[Extreme]:
-    """The same contacts with moduli and lengths of very different powers of ten."""
+    """Extreme scenes: equal contacts in units of modulus and length of very different size."""
     for power in (-12, -6, 6, 12):
         yield Extreme("moduli", f"E* = 1e{power} Pa", partial(wave, 0.4, 10.0**power), 1.0, _UNITS)
         yield Extreme(
@@ -58,7 +58,7 @@ def _three(length: float, E_star: float) -> tuple[Scene, Exact]:
 
 
 def slopes() -> Iterator[Extreme]:
-    """Steep slopes, high powers, and corners, declared or rounded over a short length."""
+    """Extreme scenes with steep slopes, high powers, or corners (declared or rounded)."""
     group = "slopes"
     for steep in (1e-6, 1e6):
         yield Extreme(
