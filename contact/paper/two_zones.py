@@ -55,10 +55,11 @@ class TwoZones(PairRow):
 class LocalizedPair(TwoZones):
     """The solution of equation (35) (head of this module) with the full artanh.
 
-    The pressure (36) is evaluated by a Chebyshev series in x^2. closure: the nominal pressure is the given mean ("self-consistent", as in the paper), or that of
-    the isolated pair of the same total width ("first-order"). centre: the strip is centred on the
-    "pair" (as in the paper) or on the "valley" at L/2 between two pairs, which is the better choice
-    if L < 4c, since the nearest asperities then belong to different pairs.
+    The pressure (36) is evaluated by a Chebyshev series in x^2. closure: the nominal pressure is
+    the given mean ("self-consistent", as in the paper), or that of the isolated pair of the same
+    total width ("first-order"). centre: the strip is centred on the "pair" (as in the paper) or on
+    the "valley" at L/2 between two pairs, which is the better choice if L < 4c, since the nearest
+    asperities then belong to different pairs.
     """
 
     closure: str = SELF_CONSISTENT
@@ -117,7 +118,7 @@ class LocalizedPair(TwoZones):
 
 @dataclass(frozen=True)
 class CubicPair(TwoZones):
-    """The solution with the cubic (37) instead of artanh, and with the ends that follow from it.
+    """The solution with the cubic (37) for artanh, and with the ends that follow from (37).
 
     h' = alpha x^3 - beta x,  alpha = 1/2Rc^2 + 32 p/3 pi E* L^3,  beta = 1/2R - 8 p/pi E* L,
     p(x) = (E* alpha/2) |x| sqrt(Z),  P = pi E* alpha (b^2 - a^2)^2/16,  (a^2 + b^2)/2 = beta/alpha.

@@ -118,7 +118,7 @@ def designed(zones: int = 8, seed: int = 8, spread: float = 10.0) -> Case:
 
 
 def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
-    """A rough profile of period 1, self-affine from the fourth harmonic on (Hurst exponent 0.8)."""
+    """A profile of period 1, self-affine from its 4th harmonic on with Hurst exponent 0.8."""
     rng = np.random.default_rng(seed)
     k = np.arange(1, harmonics + 1)
     amplitude = 1e-3 * np.maximum(k, 4) ** (-1.3)

@@ -18,7 +18,8 @@ class PowerPunch(SymmetricZone):
     """The contact of the profile f = x^n/n, n even, on [-1, 1] with E* = 1 (Shtaerman 1949).
 
     The pressure is p = (1/2) sqrt(1 - x^2) sum_k b_k x^(n-2-2k), b_k = (2k choose k)/4^k, from the
-    polynomial part of x^(n-1)/sqrt(x^2 - 1). The load P = (pi/2) b_(n/2) is the residue's.
+    polynomial part of x^(n-1)/sqrt(x^2 - 1). The residue of this function at infinity gives the
+    load P = (pi/2) b_(n/2).
     """
 
     order: int

@@ -24,9 +24,9 @@ class Row:
     """One run of one method on one scene, with its time and errors.
 
     `error` is the true error, measured as the stated error is: the larger of the errors of
-    pressures at equal normalised positions and of ends relative to widths. `at_x` and `mean_at_x` are the
-    largest and mean error of the pressure at equal x. Pressures are relative to the peak. `error`
-    and `stated` are None for a method that has no zones or states no error.
+    pressures at equal normalised positions and of ends relative to widths. `at_x` and `mean_at_x`
+    are the largest and mean error of the pressure at equal x. Pressures are relative to the peak.
+    `error` and `stated` are None for a method that has no zones or states no error.
     """
 
     scene: str

@@ -142,9 +142,9 @@ def _series_near_full(part: float) -> tuple[Scene, Exact]:
 def merges() -> Iterator[Extreme]:
     """Extreme scenes with loads close to the load at which the zones of two tips merge.
 
-    At the relative distance `part` below this merging load, the gap between the zones of width w is g ~ w
-    sqrt(part). A relative change eps of the load changes g/w by eps w/g. Above the merging load the
-    solution is smooth in the load.
+    At the relative distance `part` below this merging load, the gap between the zones of width w is
+    g ~ w sqrt(part). A relative change eps of the load changes g/w by eps w/g. Above the merging
+    load the solution is smooth in the load.
     """
     groups = ("load below a merge by", "load above a merge by")
     for part in (1e-3, 1e-6, 1e-9, 1e-12):
