@@ -80,7 +80,7 @@ class Grouped:
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Index of each zone in `count` and `first`; larger zone numbers get the empty last entry."""
+        """Index of each zone in `count` and `first`; larger numbers get the empty last entry."""
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:
