@@ -35,7 +35,8 @@ class TiltOptions:
     max_tilts: int = 24  # largest number of tilts in one search
     # If no tilt is found, the limits of the search are widened by this factor, up to three times.
     farther: float = 1e3
-    places: int = 4096  # sampled in search of the lowest place, and for the convex hull
+    # sampled on a side in search of the lowest place; the convex hull has four times as many
+    places: int = 1024
 
     @property
     def farthest(self) -> float:
@@ -208,12 +209,12 @@ def _resting(
         count = (
             0.0 if profile.resolution is None else 8 * (known[1] - known[0]) / profile.resolution
         )
-        x = np.linspace(*known, int(np.clip(count, OPTIONS.places + 1, SAMPLING.max_points)))
+        x = np.linspace(*known, int(np.clip(count, 4 * OPTIONS.places + 1, SAMPLING.max_points)))
     else:
         # Dense where the body touches, and wide enough for any profile that outgrows a line.
         middle, half = 0.5 * (about[0] + about[1]), 0.5 * (about[1] - about[0])
         reach = math.asinh(OPTIONS.farther**2)
-        x = middle + half * np.sinh(np.linspace(-reach, reach, OPTIONS.places + 1))
+        x = middle + half * np.sinh(np.linspace(-reach, reach, 4 * OPTIONS.places + 1))
     with np.errstate(over="ignore", invalid="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
     x, f = x[np.isfinite(f)], f[np.isfinite(f)]
