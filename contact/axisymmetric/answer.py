@@ -33,11 +33,11 @@ from sie import Array, Mask
 
 @dataclass(frozen=True)
 class SpotOptions:
-    """Numbers of the fields of a spot and of its checks."""
+    """Sizes used to evaluate the fields of a spot and to check the spot."""
 
-    # Radii of a field evaluated together; bounds the memory.
+    # Number of radii at which a field is evaluated together; it bounds the memory used.
     block: int = 64
-    # Samples of pressure and gap in `Spot.check`.
+    # Number of samples of the pressure, and of the gap, in `Spot.check`.
     samples: int = 48
 
 
@@ -127,26 +127,26 @@ class Spot(sie.Kept):
 
     @property
     def nominal_pressure(self) -> float | None:
-        """Load times density [Pa]; None for a spot alone."""
+        """Load times the density of spots [Pa]; None for a spot alone."""
         return self.load * self.density if self.density > 0 else None
 
     @property
     def mean_pressure(self) -> float:
-        """Load over the area of the spot [Pa]."""
+        """Mean pressure in the spot: load over the area of the spot [Pa]."""
         return self.load / (pi * self.radius**2)
 
     @property
     def contact_fraction(self) -> float | None:
-        """Contact area per unit area; None for a spot alone."""
+        """Contact area per unit area of the surface; None for a spot alone."""
         return pi * self.radius**2 * self.density if self.density > 0 else None
 
     @property
     def circle(self) -> float:
-        """A = (pi N)^(-1/2) [m], radius of the circle with the area per spot; inf if alone."""
+        """Radius A = (pi N)^(-1/2) [m] of the circle with the area per spot; inf for a spot alone."""
         return own_radius(self.density) if self.density > 0 else inf
 
     def pressure(self, r: ArrayLike) -> Array:
-        """p(r) [Pa], 0 outside the spot."""
+        """Pressure p(r) [Pa]; 0 outside the spot."""
         r = np.abs(finite_array("r", r, None))
         return _where(r < self.radius, r, self._pressure)
 
@@ -168,7 +168,9 @@ class Spot(sie.Kept):
 
     @cached_property
     def _bend(self) -> tuple[Array, Array, Array]:
-        """Chebyshev series of e'(x)/x in x^2/a^2, and a Gauss rule (nodes, weights) for it.
+        """Chebyshev series of e'(x)/x in x^2/a^2, and nodes and weights of a Gauss rule for it.
+
+        Here e is the effect of the other spots (head of `system`), and a is the radius of the spot.
 
         The nearest singularity is the neighbours' rim, so the coefficients fall like
         (rim + sqrt(rim^2 - 1))^(-degree): to round-off at the degree taken.
@@ -190,13 +192,13 @@ class Spot(sie.Kept):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]; inf under a tip or an edge."""
+        """Peak pressure [Pa]; inf if the spot contains a pointed tip or an edge."""
         if self.profile.pointed(self.radius) or self.profile.edges(self.radius):
             return inf
         return -least_value(lambda r: -self.pressure(r), 0.0, self.radius, 129)
 
     def gap(self, r: ArrayLike) -> Array:
-        """The gap [m] as mean over the angle: 0 in the spot, defined up to `reach`."""
+        """Mean gap [m] over the angle: 0 in the spot, defined for radii up to `reach`."""
         r = np.abs(finite_array("r", r, None))
         if np.any(r > self.reach):
             raise SceneError.of(
@@ -212,7 +214,7 @@ class Spot(sie.Kept):
         return np.asarray(2.0 / pi * np.sum(weight * above, axis=-1))
 
     def displacement(self, r: ArrayLike) -> Array:
-        """Displacement into the body [m] as mean over the angle.
+        """Mean displacement into the body over the angle [m].
 
         It is measured from its mean over the surface; for a spot alone, from infinity.
         """
@@ -220,7 +222,10 @@ class Spot(sie.Kept):
         return self.approach - self.depth - self.profile.height(r) + self.gap(r)
 
     def balance(self) -> float:
-        """int p dA over the load, minus one: a check of the transforms against each other."""
+        """Integral of the pressure over the spot, divided by the load, minus one.
+
+        This difference checks the transforms against each other.
+        """
         nodes, weights = panels(
             [0.0, *np.minimum(self.profile.breakpoints, self.radius), self.radius]
         )
@@ -241,7 +246,8 @@ class Spot(sie.Kept):
                 "contact is not a full circle: "
                 f"the pressure would fall to {least:.6g} Pa in the spot"
             )
-        # The second half of the distance to the neighbours belongs to their own checks.
+        # The gap is checked up to half of the distance to the neighbours. The other half is checked
+        # for the neighbouring spots.
         end = 3.0 * self.radius if isinf(self.reach) else 0.5 * (self.reach + self.radius)
         r = np.linspace(self.radius, end, count + 1)[1:]
         gap = self.gap(r)
@@ -253,7 +259,7 @@ class Spot(sie.Kept):
 
 
 def _where(chosen: Mask, r: Array, function: Callable[[Array], Array]) -> Array:
-    """A function at the chosen radii, evaluated in blocks; 0 at the others."""
+    """Values of a function at the chosen radii, evaluated in blocks; 0 at all other radii."""
     total, some, block = np.zeros(r.shape), r[chosen], _OPTIONS.block
     if some.size:
         total[chosen] = np.concatenate(

@@ -20,7 +20,7 @@ Site = tuple[float, float]
 
 @dataclass(frozen=True)
 class Density:
-    """A number of spots per unit area whose places are unknown.
+    """Number of spots per unit area, for spots of unknown places.
 
     Only the first step of the localization (`rings=0`) can use it.
 
@@ -58,7 +58,7 @@ class Density:
 
     @property
     def density(self) -> float:
-        """Spots per unit area [1/m^2]."""
+        """Number of spots per unit area [1/m^2]."""
         return self.value
 
 
@@ -105,26 +105,29 @@ class Lattice:
 
     @property
     def unit_basis(self) -> Array:
-        """The basis vectors as rows, in units of the spacing."""
+        """The two basis vectors as rows, in units of the spacing."""
         raise NotImplementedError(f"{type(self).__name__} must define unit_basis")
 
     @property
     def unit_area(self) -> float:
-        """Area of the cell over l^2."""
+        """Area of the cell, divided by the square of the spacing."""
         return float(abs(np.linalg.det(self.unit_basis)))
 
     @property
     def density(self) -> float:
-        """Cells per unit area [1/m^2]; each cell has one spot."""
+        """Number of cells per unit area [1/m^2]; each cell has one spot."""
         return 1.0 / (self.unit_area * self.spacing**2)
 
     def distances(self, shift: Site, reach: float) -> Array:
-        """Distances |R + shift|/l up to `reach` over all lattice points R, ascending, without 0.
+        """Distances |R + shift|/l up to `reach`, ascending, without 0.
+
+        R runs over all lattice points, and l is the spacing.
 
         The shift is in fractions of the basis vectors.
         """
         basis = self.unit_basis
-        # The norms of the inverse's columns bound the cell indices of all points within the reach.
+        # For all points within the reach, the cell indices are bounded by the norms of the columns
+        # of the inverse basis.
         count = np.ceil(reach * np.linalg.norm(np.linalg.inv(basis), axis=0)).astype(int) + 2
         i, j = np.meshgrid(*(np.arange(-n, n + 1) for n in count), indexing="ij")
         points = np.stack([i.ravel() + shift[0], j.ravel() + shift[1]], axis=1) @ basis
@@ -132,12 +135,12 @@ class Lattice:
         return length[(length > ROUND_OFF) & (length <= reach * (1 + ROUND_OFF))]
 
     def neighbours(self, rings: int) -> tuple[Array, NDArray[np.int64]]:
-        """Radii [m] and numbers of spots of the first `rings` rings."""
+        """Radii [m] of the first `rings` rings, and the number of spots on each ring."""
         radii, counts = self._first_rings([(0.0, 0.0)], rings)
         return radii * self.spacing, counts
 
     def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
-        """Radii over l and numbers of spots of the rings up to `reach`, of shifted lattices."""
+        """Radii, over the spacing, of all rings of shifted lattices up to `reach`; spots on each."""
         found = np.sort(np.concatenate([self.distances(s, reach) for s in shifts]))
         first = np.flatnonzero(np.diff(found, prepend=-1.0) > ROUND_OFF)
         return found[first], np.diff(np.append(first, found.size))
@@ -149,7 +152,7 @@ class Lattice:
         return found[0][:count], found[1][:count]
 
     def cut(self, shifts: list[Site], rings: float) -> float:
-        """Radius over l of ring number `rings`, counted over all shifted lattices; inf for inf."""
+        """Radius, over the spacing, of the ring number `rings` of shifted lattices; inf for inf."""
         return (
             rings
             if rings == 0 or isinf(rings)
@@ -157,14 +160,14 @@ class Lattice:
         )
 
     def holds(self, shift: Site) -> bool:
-        """Whether a point, in fractions of the basis vectors, is a lattice point."""
+        """Whether a point, given in fractions of the basis vectors, is a lattice point."""
         rest = np.array(shift) - np.round(shift)
         return float(np.hypot(*(rest @ self.unit_basis))) < ROUND_OFF
 
 
 @dataclass(frozen=True)
 class Hexagonal(Lattice):
-    """A hexagonal lattice: equilateral triangles of side l, 2/(sqrt(3) l^2) spots per unit area.
+    """A hexagonal lattice: equilateral triangles of side l, with 2/(sqrt(3) l^2) spots per area.
 
     Parameters
     ----------

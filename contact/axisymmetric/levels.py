@@ -134,12 +134,12 @@ class LevelsSolution:
 
     @property
     def radii(self) -> Array:
-        """Radius of the spots of each level [m], 0 without contact."""
+        """Radius [m] of the spots of each level; 0 for a level without contact."""
         return np.array([0.0 if s is None else s.radius for s in self.spots])
 
     @property
     def loads(self) -> Array:
-        """Load of one spot of each level [N]."""
+        """Load [N] of one spot of each level; 0 for a level without contact."""
         return np.array([0.0 if s is None else s.load for s in self.spots])
 
     @property
@@ -152,7 +152,7 @@ class LevelsSolution:
 
     @property
     def error(self) -> float:
-        """Bound of the relative error, the largest of the spots."""
+        """Bound of the relative error: the largest error of all spots."""
         return max(s.error for s in self.spots if s is not None)
 
 
@@ -166,7 +166,7 @@ def solve_levels(
     rings: float = 0,
     tol: float = 1e-10,
 ) -> LevelsSolution:
-    """The levels in contact, with their spots, at a nominal pressure or an approach.
+    """Solve for the levels in contact, and their spots, at a nominal pressure or an approach.
 
     Parameters
     ----------
@@ -289,7 +289,7 @@ def touch_pressures(
 
 @dataclass(frozen=True)
 class _Contact:
-    """Levels that begin to touch together, with the nominal pressure over E* and the approach."""
+    """Levels that begin to touch together; the nominal pressure over E* and the approach then."""
 
     kinds: list[int]
     pressure: float
@@ -297,11 +297,12 @@ class _Contact:
 
 
 def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
-    """The levels in the order in which they begin to touch."""
+    """Yield the levels in the order in which they begin to touch."""
     active = [j for j, kind in enumerate(kinds) if kind.depth == 0.0]
     yield _Contact(list(active), 0.0, 0.0)
     while waiting := [j for j in range(len(kinds)) if j not in active]:
-        # Each candidate is computed as if it were the next; only the earliest one is right.
+        # Each waiting level is computed as if it touched next; this is right only for the level
+        # that touches first.
         found = [_first_touch(j, kinds, active, tol) for j in waiting]
         first = min(found, key=lambda c: c.pressure)
         if isinf(first.pressure):
@@ -332,20 +333,20 @@ def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -
 
 
 def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, delta: float) -> Array:
-    """Radii of spots without interaction: a start for Newton's method.
+    """Radii of the spots without interaction, as an initial guess for Newton's method.
 
     Either the nominal pressure over E* or the approach `delta` is given.
     """
     scale = min(own_radius(kind.density) for kind in kinds)
     if pressure is not None:
-        # All spots get the same load; the highest ones give the approach.
+        # All spots are given the same load, and the highest spots give the approach.
         load = pressure / sum(kinds[j].density for j in active)
         highest = kinds[min(active, key=lambda j: kinds[j].depth)].profile
         delta = float(highest.line(first_radius(highest.load_integral, load, scale)))
     radii = np.zeros(len(kinds))
     for j in active:
         over = delta - kinds[j].depth
-        # Without interaction this level would not touch yet; it starts with a small radius.
+        # Without interaction, this level would not touch yet. It starts with a small radius.
         radii[j] = first_radius(kinds[j].profile.line, over, scale) if over > 0 else 0.05 * scale
     while room(kinds, radii) < 0.1:
         radii *= 0.9
@@ -355,7 +356,7 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
 def _system(
     levels: Sequence[Level], lattice: Lattice | None, rings: float
 ) -> tuple[list[Kind], float]:
-    """The kinds of spots, and the number of rings of neighbours treated at their places."""
+    """The kinds of spots, and the number of rings of neighbours that keep their true positions."""
     levels = list(levels)
     if not levels or not all(isinstance(level, Level) for level in levels):
         raise SceneError.of("levels", levels, "a sequence of one Level or more")
@@ -397,7 +398,10 @@ def _kinds(
     densities: Sequence[float],
     around: Sequence[Sequence[Surroundings]] = (),
 ) -> list[Kind]:
-    """The kinds of spots of the levels; without `around`, each is surrounded by circles only."""
+    """The kinds of spots, one for each level.
+
+    Without `around`, the surroundings of each kind are circles only, without single neighbours.
+    """
     share = own_radius(sum(densities))
     each = range(len(densities))
     around = around or [
@@ -414,7 +418,7 @@ def _kinds(
 
 
 def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:
-    """Raise SceneError if the sites of a level have different surroundings."""
+    """Raise SceneError if the sites of one level have different surroundings."""
     rows = [
         [np.sort(np.concatenate([lattice.distances(s, 4.0) for s in shifts])) for shifts in view]
         for view in views
@@ -428,7 +432,7 @@ def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:
 
 
 def _sites(value: Any) -> tuple[Site, ...]:
-    """The sites as pairs of fractions; SceneError if two are the same point of the cell."""
+    """The sites as pairs of fractions; SceneError if two sites are the same point of the cell."""
     allowed = "one pair or more of finite numbers, in fractions of the unit vectors"
     if isinstance(value, str) or not isinstance(value, (Sequence, np.ndarray)) or len(value) == 0:
         raise SceneError.of("sites", value, allowed)

@@ -42,13 +42,14 @@ from contact.axisymmetric.lattices import Lattice, Site
 from contact.model.profiles.noise import EPS
 from sie import Array
 
-# Rings within this many spacings are summed directly: beyond, (x - t)^2/D^2 < 1/12.
+# Rings within this many spacings are summed directly. For rings of larger radius D, the variable (x
+# - t)^2/D^2 of the series is below 1/12.
 _NEAR_RINGS = 3.5
 
 
 @dataclass(frozen=True)
 class NeighbourKernel:
-    """K(y) = sum of 1/sqrt(D^2 - y^2) over the neighbours of one kind.
+    """Kernel K(y), the sum of 1/sqrt(D^2 - y^2) over the distances D of neighbours of one kind.
 
     If a circle stands for further neighbours, a constant is subtracted (`surroundings`). radii,
     counts: the near rings [m]; tail: coefficients of (y/l)^(2k)/l for the other rings.
@@ -72,7 +73,7 @@ class NeighbourKernel:
         )
 
     def slope(self, y: ArrayLike) -> Array:
-        """K'(y)."""
+        """Derivative K'(y) of the kernel."""
         y = np.asarray(y, dtype=np.float64)
         far = np.polynomial.polynomial.polyval(
             (y / self.spacing) ** 2, 2 * np.arange(1, self.tail.size) * self.tail[1:]
@@ -85,14 +86,14 @@ class NeighbourKernel:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """The spots of one kind around a spot: kernel (or None), circle A (or 0), and density."""
+    """The neighbours of one kind around a spot: kernel (or None), circle A (or 0), and density."""
 
     kernel: NeighbourKernel | None = None
     circle: float = 0.0
     density: float = 0.0
 
     def outside(self, x: ArrayLike) -> Array:
-        """sqrt(A^2 - x^2), 0 beyond A; with a kernel, A is subtracted.
+        """sqrt(A^2 - x^2) with the radius A of the circle; 0 for x > A. With a kernel, minus A.
 
         The kernel's constant contains A.
         """
@@ -105,14 +106,14 @@ class Surroundings:
         )
 
     def outside_slope(self, x: ArrayLike) -> Array:
-        """-x/sqrt(A^2 - x^2), x < A."""
+        """Derivative of sqrt(A^2 - x^2) for x below the radius A of the circle; 0 for larger x."""
         x = np.asarray(x, dtype=np.float64)
         inside = x < self.circle
         square = np.where(inside, (self.circle - x) * (self.circle + x), 1.0)
         return np.where(inside, -x / np.sqrt(square), 0.0)
 
     def outside_integral(self, a: float) -> float:
-        """The integral of `outside` from -a to a, a <= A."""
+        """The integral of `outside` from -a to a, for a not larger than the circle's radius."""
         if self.circle == 0.0:
             return 0.0
         turn = asin(a / self.circle)
@@ -121,17 +122,17 @@ class Surroundings:
 
 
 def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:
-    """The surroundings made by the shifted lattices, with spots up to `cut` spacings kept.
+    """The surroundings made by shifted lattices, whose spots up to `cut` spacings are kept.
 
     For an infinite `cut` all spots are kept.
     """
     density = lattice.density * len(shifts)
     radii, counts = lattice.rings(shifts, min(cut, _NEAR_RINGS) if isinf(cut) else cut)
     near = radii <= _NEAR_RINGS
-    # Terms of the series in (x - t)^2/D^2 for the other rings, up to round-off.
+    # Exponents of the series in (x - t)^2/D^2 for the farther rings of radius D, up to round-off.
     order = 2 * np.arange(ceil(log(EPS) / log(_NEAR_RINGS**-2)) + 1)
     powers = -(order + 1)
-    # 1/sqrt(1 - z) = sum_k B_k z^k
+    # Coefficients B_k of the series 1/sqrt(1 - z) = sum_k B_k z^k.
     binomial = np.cumprod([1.0, *((order[1:] - 1) / order[1:])])
     if isinf(cut):
         circle = 0.0
@@ -143,8 +144,9 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         if not radii.size:
             return Surroundings(None, circle, density)
         sums = np.sum(counts[~near] * radii[~near] ** powers[:, None], axis=1)
-        # The constant 2 pi N A of the same load spread over the circle is subtracted here, since
-        # later the difference of two large constants would lose digits.
+        # The constant 2 pi N A is subtracted here: it belongs to the load of N spots per unit area,
+        # spread over the circle of radius A. Later, the difference of two large constants would
+        # lose digits.
         sums[0] -= 2.0 * pi * density * circle * lattice.spacing
     kernel = NeighbourKernel(
         radii[near] * lattice.spacing, counts[near], binomial * sums, lattice.spacing
@@ -154,9 +156,10 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
 
 @lru_cache(maxsize=1024)
 def epstein(lattice: Lattice, shift: Site, s: int) -> float:
-    """Z(s; shift) of the lattice in units of its spacing, s odd."""
+    """Lattice sum Z(s; shift) of |R + shift|^(-s), s odd, with lengths over the spacing."""
     basis, cell = lattice.unit_basis, lattice.unit_area
-    # Reach of the sums in units of sqrt(cell): exp(-pi reach^2) is the square of round-off.
+    # The sums reach so far, in units of sqrt(cell), that exp(-pi reach^2) is the square of
+    # round-off.
     reach = (-2.0 * log(EPS) / pi) ** 0.5
     near = lattice.distances(shift, reach * cell**0.5)
     direct = gammaincc(0.5 * s, pi * near**2 / cell) * gamma(0.5 * s) * (pi * near**2) ** (-0.5 * s)
@@ -176,7 +179,7 @@ def epstein(lattice: Lattice, shift: Site, s: int) -> float:
 
 
 def _upper_gamma(s: int, x: Array) -> Array:
-    """Gamma(1 - s/2, x) for odd s >= 1, by recurrence from Gamma(1/2, x)."""
+    """The incomplete Gamma function Gamma(1 - s/2, x) for odd s >= 1, by recurrence from s = 1."""
     value = np.sqrt(pi) * erfc(np.sqrt(x))
     for twice in range(-1, 1 - s, -2):
         value = (value - x ** (0.5 * twice) * np.exp(-x)) / (0.5 * twice)

@@ -27,26 +27,27 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class OctaveOptions:
-    """Truncation of the series on an octave, and the recognition of round-off in it."""
+    """Numbers that truncate the series on an octave and recognize round-off in the series."""
 
-    # Degrees tried one after another; powers of r are resolved by the first.
+    # Degrees of the series that are tried one after another; the first resolves powers of r.
     degrees: tuple[int, ...] = (24, 96, 384)
-    # A remainder that falls by less than this factor at the next degree is round-off.
+    # If the last coefficients fall by less than this factor at the next degree, they are round-off.
     min_decay: float = 0.2
-    # Coefficients, and differences of two series, below this multiple of the noise are noise.
+    # Coefficients below this multiple of the noise are noise, and so are differences of two series.
     noise_factor: float = 10.0
-    # A series ends if its last coefficients are below this part of the largest. A derivative of a
-    # smaller relative error is used; else a power law fitted to the next octave may replace it.
+    # A series is long enough if its last coefficients are below this fraction of the largest one.
+    # If the derivative has a larger relative error, a power law fitted to the next octave may
+    # replace it.
     exact: float = 1e-13
 
 
 SERIES = OctaveOptions()
-# The lowest octave: the square of a smaller radius underflows to 0.
+# Exponent of the lowest octave: the square of a smaller radius would underflow to 0.
 _LOWEST = -500
 
 
 class LogDerivative:
-    """r F'(r) = dF/d ln r by a complex step or by differences.
+    """The derivative r F'(r) = dF/d ln r of a function, by a complex step or by differences.
 
     A complex step is used if differences confirm it at the first radii where they are accurate.
     Near the tip they are not: heights such as 1 - cos r are round-off there.
@@ -73,7 +74,7 @@ class LogDerivative:
         return np.asarray(self._function(np.exp(t)))
 
     def _by_step(self, t: Array) -> Array | None:
-        """The derivative by a complex step; None if it is not finite or not defined."""
+        """The derivative by a complex step; None if it is undefined or not finite."""
         slope = self._finite_or_nan(t)
         return slope if np.isfinite(slope).all() else None
 
@@ -86,7 +87,7 @@ class LogDerivative:
 
 @record
 class Octave:
-    """The series of r f' on [half/2, half] with its errors.
+    """The Chebyshev series of r f' on the interval [half/2, half], with its errors.
 
     noise: error of its values; error: error of its derivative as far as it enters pressures.
     """
@@ -102,7 +103,7 @@ class Octave:
 
     @property
     def size(self) -> float:
-        """Largest absolute value of the derivative."""
+        """Largest absolute value of the derivative of the series."""
         return _largest(self.derivative)
 
     @property
@@ -112,14 +113,14 @@ class Octave:
         )
 
     def equals(self, other: "Octave", noise: float) -> bool:
-        """Whether the values of two octaves agree within noise."""
+        """Whether the values of two octaves' series agree within noise."""
         difference = chebyshev.chebsub(self.series, other.series)
         return _largest(difference) <= SERIES.noise_factor * noise
 
 
 @record
 class PowerFit:
-    """r f' = value (r / radius)^exponent, continued towards the tip.
+    """The power law r f' = value (r / radius)^exponent, continued to smaller r.
 
     relative_error: error of its derivative over the derivative.
     """
@@ -131,7 +132,7 @@ class PowerFit:
 
     @classmethod
     def of(cls, octave: Octave) -> "PowerFit | None":
-        """The fit to value and slope at the lower end of an octave; None if either is negative.
+        """The power law fitted to value and slope at an octave's lower end; None unless both > 0.
 
         Its deviation in the rest of the octave is taken as its error below the octave.
         """
@@ -149,7 +150,7 @@ class PowerFit:
         return replace(power, relative_error=error + octave.error / octave.size)
 
     def on(self, half: float) -> Octave:
-        """The octave [half/2, half] of this power."""
+        """The series of this power law on the octave [half/2, half]."""
         series = _interpolated(
             lambda r: self.value * (r / self.radius) ** self.exponent, half, SERIES.degrees[0]
         )
@@ -158,7 +159,7 @@ class PowerFit:
 
 
 class Octaves:
-    """r f' and (r f')' from a function that gives r f' at r > 0."""
+    """r f' and its derivative (r f')', from a function that gives r f' at r > 0."""
 
     def __init__(self, r_slope: Callable[[Array], Array]) -> None:
         self._r_slope = r_slope
@@ -168,35 +169,39 @@ class Octaves:
         self._power: PowerFit | None = None
 
     def r_slope(self, r: Array) -> Array:
-        """r f'(r); 0 at r = 0."""
+        """Value of r f'(r); 0 at r = 0."""
         value = self._evaluate(r, lambda octave: octave.series)
         return np.where(r > 0, value, 0.0)
 
     def derivative(self, r: Array) -> Array:
-        """(r f')'(r); at r = 0 its value at the smallest octave."""
+        """Derivative (r f')' at r; at r = 0, its value on the lowest octave."""
         return self._evaluate(r, lambda octave: octave.derivative)
 
     def error(self, a: float) -> float:
-        """Error of the derivative below a, summed over the octaves used so far."""
+        """Error of the derivative below radius a, summed over the octaves used so far."""
         return sum(octave.error for octave in self._known.values() if octave.half < 2.0 * a)
 
     def _evaluate(self, r: Array, series: Callable[[Octave], Array]) -> Array:
         fraction, exponent = np.frexp(r)
         exponent = np.where(r > 0, np.maximum(exponent, _LOWEST), _LOWEST)
         value = np.zeros(r.shape)
-        # Large radii come first: there differences can confirm the complex step.
+        # Large radii come first, since differences can confirm the complex step there.
         for k in np.unique(exponent)[::-1]:
             here = exponent == k
-            # frexp's fraction is in [1/2, 1): the octave in [-1, 1).
+            # The fraction given by frexp lies in [1/2, 1). It is mapped to [-1, 1).
             value[here] = chebyshev.chebval(
                 4.0 * fraction[here] - 3.0, series(self._octave(int(k)))
             )
         return value
 
     def _octave(self, k: int) -> Octave:
-        """Octave k: from values, or from the power law of a higher octave if that is better."""
+        """Octave k, from values of the function or from the power law of a higher octave.
+
+        The power law is used if it is more accurate.
+        """
         if k > self._highest:
-            # A power law may now start from a higher octave: those computed with errors are redone.
+            # A power law may now start from a higher octave, so octaves that were computed with
+            # errors are computed again.
             self._highest, self._power = k, None
             self._known = {one: octave for one, octave in self._known.items() if octave.is_exact}
         if k not in self._known:
@@ -210,7 +215,7 @@ class Octaves:
         return self._known[k]
 
     def _best(self, k: int) -> Octave:
-        """Octave k from values, or by the power law fitted to the octave above.
+        """Octave k, from the function's values or from the power law fitted to the octave above.
 
         The power law is used if its error is smaller and the values agree with it within noise; it
         then also serves all octaves below.
@@ -227,7 +232,9 @@ class Octaves:
         return octave
 
     def _computed(self, k: int) -> Octave:
-        """Octave k from values at more and more nodes, until the series ends or is round-off."""
+        """Octave k from values at more and more nodes, until the series is long enough or
+        round-off.
+        """
         if k in self._from_values:
             return self._from_values[k]
         half, left = float(np.ldexp(1.0, k)), inf
@@ -240,8 +247,9 @@ class Octaves:
             if left > SERIES.min_decay * before:
                 left = float(np.max(np.abs(series[-degree // 2 :])))
                 break
-        # Coefficients below the round-off of the values are dropped: the derivative amplifies them.
-        # Round-off of the values is uniform within EPS/2, and a coefficient is a mean over nodes.
+        # Coefficients below the round-off of the values are dropped, since the derivative amplifies
+        # them. The round-off of a value is uniform within EPS/2, and a coefficient is a mean over
+        # nodes.
         noise = max(left, EPS * size / np.sqrt(6.0 * len(series)))
         above = np.flatnonzero(np.abs(series) > SERIES.noise_factor * noise)
         series = series[: above[-1] + 1] if above.size else series[:1]
@@ -250,7 +258,7 @@ class Octaves:
 
 
 def _largest(series: NDArray[np.floating]) -> float:
-    """Largest absolute value of a Chebyshev series at as many Chebyshev points as terms."""
+    """Largest absolute value of a Chebyshev series on a grid of Chebyshev points."""
     points = chebyshev.chebpts2(len(series) + 1)
     return float(np.max(np.abs(chebyshev.chebval(points, series))))
 

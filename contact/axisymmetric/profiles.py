@@ -30,7 +30,7 @@ from sie import Array
 
 
 class AxisymmetricProfile(sie.Kept):
-    """Base class of axisymmetric asperities f(r), f(0) = 0.
+    """Base class of axisymmetric asperities with the shape f(r), f(0) = 0.
 
     A subclass is a frozen dataclass that defines `slope`; closed forms of the other functions are
     optional. The equations are in the docstring of this module (I. N. Sneddon (1965), doi
@@ -68,26 +68,26 @@ class AxisymmetricProfile(sie.Kept):
     """
 
     def slope(self, r: ArrayLike) -> Array:
-        """f'(r), r >= 0."""
+        """Slope f'(r) of the shape, for r >= 0."""
         raise NotImplementedError(f"{type(self).__name__} must define slope(r)")
 
     def height(self, r: ArrayLike) -> Array:
-        """f(r) [m], f(0) = 0; the integral of the slope."""
+        """Height f(r) [m] of the shape with f(0) = 0: the integral of the slope."""
         r = np.asarray(r, dtype=np.float64)
         s, weight = panels([np.zeros_like(r), *(np.minimum(b, r) for b in self.breakpoints), r])
         return np.asarray(np.sum(weight * self.slope(s), axis=-1))
 
     def r_laplacian(self, r: ArrayLike) -> Array:
-        """r times the Laplacian of f, (r f')' = f' + r f''."""
+        """r times the Laplacian of the shape f: (r f')' = f' + r f''."""
         return self._octaves.derivative(np.asarray(r, dtype=np.float64))
 
     @cached_property
     def _octaves(self) -> Octaves:
-        """Series of r f', used if its derivative is not given."""
+        """Series of r f'(r), used if the shape does not give its derivative in closed form."""
         return Octaves(lambda r: r * self.slope(r))
 
     def derived_error(self, a: float) -> float:
-        """Error of p/E* in a spot of radius a caused by numerical derivatives of the shape.
+        """Error of p/E* in a spot of radius a that numerical derivatives of the shape cause.
 
         p is the integral of (r f')' M(r, s)/pi, and M integrates to at most about pi/2 per octave.
         """
@@ -95,17 +95,17 @@ class AxisymmetricProfile(sie.Kept):
 
     @property
     def breakpoints(self) -> Array:
-        """Radii > 0 where f is not smooth, ascending."""
+        """Radii > 0 where the shape is not smooth, in ascending order."""
         return np.empty(0)
 
     @property
     def jumps(self) -> Array:
-        """f'(b+) - f'(b-) at the breakpoints; a nonzero jump is an edge with infinite pressure."""
+        """Jump of the slope at each breakpoint; a nonzero jump is an edge with infinite pressure."""
         b = self.breakpoints
         return self.slope(np.nextafter(b, inf)) - self.slope(np.nextafter(b, 0.0))
 
     def edges(self, a: float = inf) -> list[tuple[float, float]]:
-        """(radius, jump of f') of the edges within a radius."""
+        """Radius and jump of the slope for each edge inside a radius."""
         return [
             (b, jump)
             for b, jump in zip(self.breakpoints, self.jumps, strict=True)
@@ -113,7 +113,7 @@ class AxisymmetricProfile(sie.Kept):
         ]
 
     def pointed(self, a: float) -> bool:
-        """Whether the tip is pointed, f'(0+) > 0, on the scale of a spot of radius a.
+        """Whether the tip is pointed, f'(0+) > 0, as judged on the scale of a spot of radius a.
 
         The pressure at a pointed tip is infinite.
         """
@@ -121,7 +121,7 @@ class AxisymmetricProfile(sie.Kept):
         return bool(tip > 0.5 * near and tip > 1e-7 * abs(far))
 
     def line(self, x: ArrayLike) -> Array:
-        """g(x) [m], the equivalent plane profile; g(a) is the penetration of an isolated spot."""
+        """Equivalent plane profile g(x) [m]; g(a) is the penetration of a spot of radius a alone."""
         r, weight = quarter(x, self.breakpoints)
         return np.asarray(np.asarray(x) * np.sum(weight * self.slope(r), axis=-1))
 
@@ -141,16 +141,18 @@ class AxisymmetricProfile(sie.Kept):
         return np.asarray(total)
 
     def load_integral(self, a: float) -> float:
-        """P/E* of an isolated spot [m^2]."""
+        """Load of an isolated spot of radius a, divided by E* [m^2]."""
         r, weight = quarter(np.float64(a), self.breakpoints)
         return float(2.0 * np.sum(weight * r**2 * self.slope(r)))
 
     def line_integral(self, a: float) -> float:
-        """int_0^a g dx = a g(a) - P/(2 E*)."""
+        """Integral of the equivalent plane profile g from 0 to a: a g(a) - P/(2 E*) with the load
+        P.
+        """
         return float(a * self.line(a)) - 0.5 * self.load_integral(a)
 
     def pressure_shape(self, r: ArrayLike, a: float) -> Array:
-        """p(r)/E* of an isolated spot, 0 <= r <= a."""
+        """Pressure p(r)/E* of an isolated spot of radius a, for 0 <= r <= a."""
         r = np.asarray(r, dtype=np.float64)
         sharp = self.edges(a)
         infinite = np.isin(r, [b for b, _ in sharp]) | ((r == 0) & self.pointed(a))
@@ -169,15 +171,17 @@ class AxisymmetricProfile(sie.Kept):
 
 
 def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
-    """M(r, s) by Carlson's R_F (DLMF 19.29.4), without cancellation at r = s or at a.
+    """Kernel M(r, s) (head of this module), without cancellation at r = s or at a.
+
+    It is computed by Carlson's integral R_F (DLMF 19.29.4).
 
     The function H1 of the paper's equation (3) is 4 s M(r, s).
     """
     far, near = np.maximum(r, s), np.minimum(r, s)
     whole = (a - near) * (a + near)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # The logarithmic singularity at r = s is cut off below round-off: the weight of such a
-        # node is negligible.
+        # The logarithmic singularity at r = s is cut off below round-off, as the weight of a node
+        # so close to it is negligible.
         apart = np.maximum((far - near) * (far + near) / whole, 1e-33)
         value = (
             np.sqrt((a - far) * (a + far) / whole)
@@ -188,12 +192,12 @@ def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
 
 
 class Power(AxisymmetricProfile):
-    """Closed forms for f = scale r^n.
+    """Closed forms for the power-law shape f = scale r^n.
 
     g = k f(x) with k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2), and P = 2 E* n/(n + 1) a g(a).
     """
 
-    # Defined by the subclasses, as fields or class attributes.
+    # The subclasses define these two, as fields or class attributes.
     exponent: float
     scale: float
 
@@ -227,7 +231,7 @@ class Power(AxisymmetricProfile):
 
 @dataclass(frozen=True)
 class Sphere(Power):
-    """A paraboloid f = r^2/(2 R), the contact of Hertz.
+    """A paraboloid f = r^2/(2 R) with radius R at the tip: the contact of Hertz.
 
     g = x^2/R, P = 4 E* a^3/(3R), p = (2 E*/(pi R)) sqrt(a^2 - r^2). I. N. Sneddon (1965), doi
     10.1016/0020-7225(65)90019-4.
@@ -317,7 +321,9 @@ class Cone(Power):
 
 @dataclass(frozen=True)
 class PowerLaw(Power):
-    """A power-law shape f = scale r^n, n >= 1: g = k scale x^n, P = 2 E* n/(n+1) a g(a).
+    """A power-law shape f = scale r^n, n >= 1.
+
+    Its equivalent plane profile is g = k scale x^n, and the load is P = 2 E* n/(n+1) a g(a).
 
     Here k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2). Galin; Popov 2013; I. N. Sneddon (1965), doi
     10.1016/0020-7225(65)90019-4.
@@ -367,7 +373,7 @@ class PowerLaw(Power):
 
 @dataclass(frozen=True)
 class Revolved(AxisymmetricProfile):
-    """A shape of revolution given by functions f(r), f'(r) or both, of arrays r >= 0.
+    """A shape of revolution given by functions f(r), f'(r) or both, which accept arrays r >= 0.
 
     Parameters
     ----------
@@ -427,7 +433,7 @@ class Revolved(AxisymmetricProfile):
             self._called(field, np.array([0.25, 0.5]))
 
     def _called(self, field: str, r: Array) -> Array:
-        """The values of a user's function; SceneError unless they are as many real numbers."""
+        """The values of a user's function; SceneError unless it gives one real number per radius."""
         value = np.asarray(getattr(self, field)(r))
         if value.dtype.kind not in "iuf" or value.shape not in ((), r.shape):
             raise SceneError.of(
@@ -470,7 +476,7 @@ class Revolved(AxisymmetricProfile):
 
 
 def as_profile(shape: Any) -> AxisymmetricProfile:
-    """A profile as it is; a function becomes `Revolved` with that height."""
+    """A profile, unchanged; a function becomes a `Revolved` with this function as its height."""
     if isinstance(shape, AxisymmetricProfile):
         return shape
     if callable(shape):

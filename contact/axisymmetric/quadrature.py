@@ -15,7 +15,7 @@ from sie import Array
 
 
 def panels(edges: Sequence[ArrayLike]) -> tuple[Array, Array]:
-    """Nodes and weights of the panels between successive edges, along a new last axis.
+    """Nodes and weights on the panels between successive edges, along a new last axis.
 
     Edges are broadcast and must not decrease; an empty panel has weights 0.
     """
@@ -23,7 +23,8 @@ def panels(edges: Sequence[ArrayLike]) -> tuple[Array, Array]:
     nodes, weights = [], []
     for lo, hi in zip(ends, ends[1:], strict=False):
         width = hi - lo
-        # Each node is computed from the nearer end, so that no digits of its distance are lost.
+        # Each node is computed from the nearer end of its panel, so that its distance from that end
+        # loses no digits.
         nodes.append(np.where(FROM_LEFT < 0.5, lo + width * FROM_LEFT, hi - width * FROM_RIGHT))
         weights.append(width * WEIGHT)
     return np.concatenate(np.broadcast_arrays(*nodes), axis=-1), np.concatenate(
@@ -32,7 +33,7 @@ def panels(edges: Sequence[ArrayLike]) -> tuple[Array, Array]:
 
 
 def quarter(x: ArrayLike, breaks: ArrayLike) -> tuple[Array, Array]:
-    """A rule for int_0^(pi/2) F(x sin phi) dphi: the points x sin phi and their weights.
+    """A rule for the integral of F(x sin phi) over 0 < phi < pi/2: points x sin phi and weights.
 
     Panels end where x sin phi equals one of the `breaks`.
     """
@@ -46,7 +47,7 @@ def quarter(x: ArrayLike, breaks: ArrayLike) -> tuple[Array, Array]:
 
 
 def half_gauss(n: int) -> tuple[Array, Array]:
-    """The n positive nodes and weights of the 2n-point Gauss-Legendre rule.
+    """The n positive nodes of the 2n-point Gauss-Legendre rule, and their weights.
 
     For even F, int_-1^1 F = 2 sum w F.
     """

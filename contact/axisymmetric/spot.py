@@ -53,7 +53,7 @@ def solve_spot(
     rings: float = 0,
     tol: float = 1e-10,
 ) -> Spot:
-    """The spot at a load per spot, a nominal pressure, or a radius.
+    """The spot at a given load of one spot, a nominal pressure, or a radius.
 
     Parameters
     ----------
@@ -123,8 +123,9 @@ def solve_spot(
 
 
 def correction_share(ratio: float) -> float:
-    """F(q) = (2/pi)(arcsin q - q sqrt(1 - q^2)), the load share of the surrounding nominal
-    pressure.
+    """Share F(a/A) of the load that the surrounding nominal pressure contributes.
+
+    F(q) = (2/pi)(arcsin q - q sqrt(1 - q^2)), with the radius a of the spot and A of its circle.
 
     In the first step of the localization, the nominal pressure outside A adds F P_s to the load.
 
@@ -157,7 +158,9 @@ def correction_share(ratio: float) -> float:
 
 
 def first_step_load(profile: Any, E_star: float, density: float, spot_radius: float) -> float:
-    """P_s = P_f(a)/(1 - F(a/A)), the load of a spot in the first step of the localization.
+    """Load of a spot of given radius in the first step of the localization.
+
+    The load is P_s = P_f(a)/(1 - F(a/A)); see the head of this module.
 
     It is the closed form of the paper's equations (1) and (4).
 
@@ -203,7 +206,7 @@ def first_step_load(profile: Any, E_star: float, density: float, spot_radius: fl
 
 
 def one_control(**given: float | None) -> tuple[str, float]:
-    """The name and value of the only control given, a positive number."""
+    """The name and value of the one control that is given; the value must be positive."""
     named = {name: value for name, value in given.items() if value is not None}
     if len(named) != 1:
         got = ", ".join(named) or "none"
@@ -213,7 +216,7 @@ def one_control(**given: float | None) -> tuple[str, float]:
 
 
 def ring_count(rings: Any, place: Lattice | Density | None) -> float:
-    """The number of rings: a whole number or inf; SceneError if it needs a lattice without one."""
+    """The number of rings, whole or inf; SceneError for a positive number without a lattice."""
     count: float = inf if isinstance(rings, float) and rings == inf else integer("rings", rings)
     if count > 0 and not isinstance(place, Lattice):
         raise SceneError.of("rings", rings, "0 where no lattice says where the neighbours stand")
@@ -229,14 +232,15 @@ def _seen(place: Lattice | Density | None, rings: float) -> Surroundings:
     return surroundings(place, origin, place.cut(origin, rings))
 
 
-# Numbers of Gauss nodes tried one after another.
+# Numbers of Gauss nodes that are tried one after another.
 NODES = (16, 32, 64, 128, 256)
-# Radii over a at which pressures of successive numbers of nodes are compared.
+# Radii, relative to the spot's radius, at which the pressures of two successive numbers of nodes
+# are compared.
 _PROBES = np.array([0.1, 0.5, 0.9])
 
 
 def settled(kinds: Sequence[Kind], start: Array, condition: Condition) -> Iterator[State]:
-    """States for increasing numbers of nodes, each started from the previous one."""
+    """Yield states for increasing numbers of nodes, each started from the previous state."""
     for n in NODES:
         state = refine_topology(kinds, start, condition, n)
         start = state.radii
@@ -244,7 +248,7 @@ def settled(kinds: Sequence[Kind], start: Array, condition: Condition) -> Iterat
 
 
 def spot_of(j: int, kinds: Sequence[Kind], state: State, E_star: float, rings: float) -> Spot:
-    """The spot of kind j in a solved system."""
+    """The spot of kind j, taken from a solved system."""
     kind, reach = kinds[j], inf
     for i in touching(state.radii):
         seen = kind.around[i]
@@ -269,7 +273,7 @@ def spot_of(j: int, kinds: Sequence[Kind], state: State, E_star: float, rings: f
 def refined(
     states: Iterable[State], spots_of: Callable[[State], list[Spot]], tol: float
 ) -> list[Spot]:
-    """The spots, with checks and errors, of the first state that changes by less than tol."""
+    """The spots, with checks and errors, for the first state that changes by at most tol."""
     last: list[Spot] | None = None
     trace: list[float] = []
     for state in states:
@@ -290,7 +294,7 @@ def refined(
 
 
 def _difference(new: Spot, old: Spot) -> float:
-    """Largest relative change of load, radius and pressure.
+    """Largest relative change of load, radius and pressure from one solution to the next.
 
     Pressures are compared at equal r/a, relative to the mean.
     """
@@ -303,12 +307,13 @@ def _difference(new: Spot, old: Spot) -> float:
 
 
 def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
-    """The spot with its error, the largest of several measures; NotConverged above `tol`.
+    """The spot with its error, the largest of several estimates; NotConverged above `tol`.
 
     They are the last change, the balance of load and pressure, and round-off.
     """
     spot.check()
-    # The penetration of a tiny spot is the difference of approach and depth, with their round-off.
+    # The penetration of a tiny spot is the difference of approach and depth. It has the round-off
+    # of both.
     own = float(spot.profile.line(spot.radius))
     derived = spot.profile.derived_error(spot.radius) * spot.E_star / spot.mean_pressure
     error = max(
@@ -340,13 +345,13 @@ def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
 def first_radius(
     growing: Callable[[float], Any], target: float, scale: float, ratio: float = 2.0**0.125
 ) -> float:
-    """The smallest radius at which a quantity, growing from 0, reaches the target.
+    """The smallest radius at which a quantity that grows from 0 reaches the target.
 
     It is a start for Newton's method. If the quantity falls before, the branch from zero load ends
     there: OutOfRange. ratio: of successive radii that are tried; a smaller one costs time only.
     """
     a = 1e-3 * scale
-    # Round-off may make the quantity negative where a steep flank begins far out.
+    # If a steep flank begins far out, round-off may make the quantity negative at small radii.
     while not 0.0 <= growing(a) < target and a >= 1e-60 * scale:
         a *= 0.5
     last = growing(a)

@@ -31,10 +31,10 @@ from sie import Array
 
 @dataclass(frozen=True)
 class RadiusOptions:
-    """Newton's method for the radii of the spots."""
+    """Limits of Newton's method for the radii of the spots."""
 
     max_steps: int = 100
-    # Relative step of the radii at which the iteration ends: round-off times the condition.
+    # Relative step of the radii below which the iteration ends: round-off times the condition.
     converged_step: float = 1e-13
 
 
@@ -43,7 +43,7 @@ _OPTIONS = RadiusOptions()
 
 @dataclass(frozen=True)
 class Kind:
-    """The spots of one profile, depth of tips and density [1/m^2].
+    """All spots that share a profile and a depth of the tips, with their density [1/m^2].
 
     around: the surroundings that the spots of every kind make for one of these.
     """
@@ -56,14 +56,17 @@ class Kind:
 
 @dataclass(frozen=True)
 class Source:
-    """The effect of one kind on another: w at nodes 0 < t < a, and the kernel."""
+    """The effect of one kind of spots on another: weighted values of w at nodes, and the kernel.
+
+    Here w is the transform of the source's own displacement (head of this module).
+    """
 
     nodes: Array
     weighted: Array  # 2 x weight x w: summing it gives P/E*
     kernel: NeighbourKernel
 
     def value(self, x: Array) -> Array:
-        """The part of e(x) that this kind causes."""
+        """The part of e(x), the effect of all neighbours, that this kind causes."""
         return both_sides(self.kernel.value, x, self.nodes) @ self.weighted / (2.0 * pi)
 
     def slope(self, x: Array) -> Array:
@@ -71,13 +74,13 @@ class Source:
 
 
 def both_sides(function: Callable[[Array], Array], x: Array, t: Array) -> Array:
-    """function(x - t) + function(x + t), t along a new last axis."""
+    """The sum function(x - t) + function(x + t), with t along a new last axis."""
     return np.asarray(function(x[..., None] - t) + function(x[..., None] + t))
 
 
 @dataclass(frozen=True)
 class Surface:
-    """The Abel transform of the displacement that all other spots cause, from the mean plane."""
+    """Transform of the displacement that all other spots cause, relative to the mean plane."""
 
     sources: tuple[Source, ...]
     nominal: tuple[tuple[float, Surroundings], ...]  # 2 N P/E* outside its circle
@@ -94,14 +97,15 @@ class Surface:
         )
 
     def kept_slope(self, x: ArrayLike) -> Array:
-        """The slope without the nominal pressure: smooth up to D - a."""
+        """Slope of the part that single neighbours cause; smooth up to the neighbours' edges."""
         return sum((source.slope(np.asarray(x)) for source in self.sources), np.zeros(np.shape(x)))
 
 
 @dataclass(frozen=True)
 class State:
-    """The solution for given radii: P/E* and w(a) of every kind (0 without contact), delta,
-    surfaces.
+    """The solution of the linear system for given radii.
+
+    `forces` are P/E* and `edges` are w(a) of every kind, 0 without contact (head of this module).
     """
 
     radii: Array
@@ -111,12 +115,12 @@ class State:
     surfaces: tuple[Surface, ...]
 
 
-# A side condition: the last row of the system, and its right-hand side.
+# A side condition returns the last row of the system and the right-hand side of that row.
 Condition = Callable[["Linear"], tuple[Array, float]]
 
 
 class Linear:
-    """The linear system for given radii.
+    """The linear system of all kinds in contact, for given radii of the spots.
 
     The unknowns are e at the nodes of every kind in contact, P/E* of each, and delta. A quantity
     linear in them is stored as a row: the coefficients of the unknowns, then a constant.
@@ -132,20 +136,21 @@ class Linear:
         self.at_force = {j: len(self.active) * m + k for k, j in enumerate(self.active)}
         self.at_delta = len(self.active) * (m + 1)
         self.size = self.at_delta + 1
-        # Nodes and doubled weights for the smooth part of w, and for g, which need not be smooth.
+        # Nodes and doubled weights for the smooth part of w, and for the transform g of the
+        # profile, which need not be smooth.
         self.smooth = {j: (radii[j] * self.unit, 2.0 * radii[j] * self.weight) for j in self.active}
         self.rough = {j: self._rough(j) for j in self.active}
         every = np.eye(self.size + 1)
         self.w = {j: self.displaced(j, self.smooth[j][0], every[self.at_e[j]]) for j in self.active}
 
     def _rough(self, j: int) -> tuple[Array, Array]:
-        """Nodes and doubled weights times -g."""
+        """Nodes, and doubled weights times -g, where g is the transform of the profile."""
         a, profile = float(self.radii[j]), self.kinds[j].profile
         nodes, weights = panels([0.0, *(min(b, a) for b in profile.breakpoints), a])
         return nodes, -2.0 * weights * profile.line(nodes)
 
     def displaced(self, j: int, x: Array, e: Array) -> Array:
-        """Rows of w_j(x) + g_j(x), from the rows e of e_j(x)."""
+        """Rows for w_j(x) + g_j(x), computed from the rows e for e_j(x) (head of this module)."""
         rows = -e
         rows[:, self.at_delta] += 1.0
         rows[:, -1] -= self.kinds[j].depth
@@ -156,7 +161,7 @@ class Linear:
         return rows
 
     def e(self, j: int, x: Array) -> Array:
-        """Rows of e_j(x)."""
+        """Rows for e_j(x), the effect of the neighbours on a spot of kind j."""
         rows = np.zeros((x.size, self.size + 1))
         for i in self.active:
             kernel = self.kinds[j].around[i].kernel
@@ -167,7 +172,7 @@ class Linear:
         return rows
 
     def row(self, at: Mapping[int, float]) -> Array:
-        """A row with the given coefficients by index, and zeros elsewhere."""
+        """A row with given coefficients at given indices, and zeros at all others."""
         out = np.zeros(self.size)
         out[list(at)] = list(at.values())
         return out
@@ -180,7 +185,7 @@ class Linear:
             e = self.e(j, x)
             matrix[at], right[at] = -e[:, :-1], e[:, -1]
             matrix[at, at] += np.eye(x.size)
-            # The load: P_j/E* = int w_j.
+            # The last equation of kind j gives its load: P_j/E* is the integral of w_j.
             matrix[row, row] = 1.0
             matrix[row, at] = weights
             matrix[row, self.at_delta] = -2.0 * a
@@ -190,12 +195,13 @@ class Linear:
                 )
             right[row] = -2.0 * (a * kind.depth + kind.profile.line_integral(a))
         matrix[-1], right[-1] = condition(self)
-        # Rows and columns have different units: each row, then each column, is scaled to size one.
+        # Rows and columns have different units. So each row, and then each column, is scaled to
+        # size one.
         rows = 1.0 / np.max(np.abs(matrix), axis=1)
         columns = 1.0 / np.max(np.abs(matrix * rows[:, None]), axis=0)
         matrix, right = matrix * rows[:, None] * columns, right * rows
         unknown = np.linalg.solve(matrix, right)
-        # The rows of a tiny spot have much smaller terms than others. One step of iterative
+        # The rows of a tiny spot have much smaller terms than other rows. One step of iterative
         # refinement makes the error small in each row (Skeel 1980, doi
         # 10.1090/S0025-5718-1980-0572859-4).
         unknown += np.linalg.solve(matrix, right - matrix @ unknown)
@@ -240,7 +246,7 @@ def touching(radii: Array) -> list[int]:
 
 
 def total_load(pressure_over_E: float) -> Condition:
-    """The condition sum_j N_j P_j = nominal pressure."""
+    """The condition that all loads per unit area, sum_j N_j P_j, add up to the nominal pressure."""
     return lambda linear: (
         linear.row({linear.at_force[j]: linear.kinds[j].density for j in linear.active}),
         pressure_over_E,
@@ -248,12 +254,12 @@ def total_load(pressure_over_E: float) -> Condition:
 
 
 def force(kind: int, force_over_E: float) -> Condition:
-    """The condition that P_j is given."""
+    """The condition that the load of one spot of a kind is given."""
     return lambda linear: (linear.row({linear.at_force[kind]: 1.0}), force_over_E)
 
 
 def closed_edge(kind: int) -> Condition:
-    """The condition w_j(a_j) = 0 at the given radius.
+    """The condition that the edge of a kind at the given radius is closed: w_j(a_j) = 0.
 
     For radius 0 it says that the tip lies on the deformed surface and carries no load yet.
     """
@@ -269,12 +275,12 @@ def closed_edge(kind: int) -> Condition:
 
 
 def approach(delta: float) -> Condition:
-    """The condition that delta is given."""
+    """The condition that the approach delta is given."""
     return lambda linear: (linear.row({linear.at_delta: 1.0}), delta)
 
 
 def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n: int) -> State:
-    """The state with the radii found by Newton's method; a start of 0 means no contact."""
+    """The state with radii found by Newton's method; an initial radius 0 means no contact."""
     radii = np.array(start, dtype=np.float64)
     active = touching(radii)
     trace = []
@@ -284,11 +290,11 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
         for j in active:
             a = radii[j]
             slope = float(kinds[j].profile.line_slope(a)) + float(state.surfaces[j].slope(a))
-            # Newton's step needs a positive slope at the edge; otherwise the radius is doubled or
+            # Newton's step needs a positive slope at the edge. Otherwise, the radius is doubled or
             # reduced.
             steps[j] = state.edges[j] / slope if slope > 0 else np.copysign(a, state.edges[j])
             size = abs(state.delta) + kinds[j].depth
-            # The residual at the edge of a tiny spot is round-off of the approach.
+            # The residual at the edge of a tiny spot is only round-off of the approach.
             rounding &= bool(abs(state.edges[j]) <= 4 * EPS * size)
         steps[active] = np.clip(steps[active], -0.5 * radii[active], radii[active])
         trace.append(float(np.max(np.abs(steps[active] / radii[active]))))
@@ -296,11 +302,12 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
             return state
         while room(kinds, radii + steps) <= 0:
             steps *= 0.5
-        # A step that would use up more than three quarters of the room is halved.
+        # A step that would use up more than three quarters of the room between the spots is halved.
         if room(kinds, radii + steps) < 0.25 * room(kinds, radii):
             steps *= 0.5
         radii = radii + steps
-        # The spots are about to merge: square roots of the room have lost half of their digits.
+        # The spots are about to merge. Square roots of the room between them have lost half of
+        # their digits.
         if room(kinds, radii) < sqrt(EPS):
             raise OutOfRange(
                 "out of range: the spots would grow into their neighbours before this is reached"
@@ -311,7 +318,7 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
 
 
 def room(kinds: Sequence[Kind], radii: Array) -> float:
-    """The smallest relative distance of spots from neighbours or circle; <= 0 if they meet."""
+    """The smallest relative distance of a spot from its neighbours or circle; <= 0 if they meet."""
     taken = [0.0]
     for j in touching(radii):
         for i in touching(radii):
