@@ -353,7 +353,7 @@ def bench_command(quick: bool, peers: bool, out: Path) -> None:
 )
 def stability_command(quick: bool, out: Path | None) -> None:
     """Solve stiff and extreme scenes, and compare each error with the error that the scene's
-    condition number allows.
+    conditioning allows.
 
     Exit status 3 if any fails that is not known to.
     """

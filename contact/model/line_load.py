@@ -94,7 +94,7 @@ class SmoothPart:
         if grounded:
             limit = -1.0
         m = np.array(panels)
-        # Half widths of the panels in units of `first`.
+        # Half widths of the panels, in units of the first panel's length `first`.
         half = 0.5 * np.concatenate(([1.0], 2.0 ** np.arange(len(m) - 1)))
         start = -(np.log(2.0 * half[-1] * 2 if len(m) > 1 else 1.0) if grounded else 0.0)
         M = _integrated(m, half)
@@ -162,8 +162,8 @@ def _longest(symbol: Symbol) -> float:
 
 def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
     """A function that computes the kernel's smooth part m(r) at distances r [m] by quadrature."""
-    # The long-wave limit of L is subtracted. If L grows without bound there, it has no limit, and 1
-    # is subtracted.
+    # The long-wave limit of the symbol L is subtracted. If L grows without bound for long waves and
+    # has no limit, 1 is subtracted.
     first, next_ = np.asarray(symbol(WAVES[:2]))
     base = float(first) if abs(next_ - first) <= 1e-3 * abs(first) or first < 1 else 1.0
     edges = np.concatenate(([0.0], top * 2.0 ** np.arange(-_HALVINGS, 1.0)))

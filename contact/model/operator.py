@@ -94,7 +94,9 @@ class Operator(sie.Kept):
 
     @cached_property
     def symbol(self) -> Symbol | None:
-        """The symbol L(q), q in 1/m; None if the interaction gives a kernel without a symbol."""
+        """The symbol L(q): the surface's compliance relative to a half-plane's, at wavenumber q
+        [1/m]. None if the interaction gives a kernel without a symbol.
+        """
         if not self.is_own:
             return self.substrate.symbol
         return self.interaction.symbol if self._overrides("symbol") else None
@@ -130,7 +132,9 @@ class Operator(sie.Kept):
 
     @property
     def is_half_plane(self) -> bool:
-        """Whether the symbol L is 1 and a uniform pressure causes no displacement."""
+        """Whether the symbol L is 1 at all wavenumbers and a uniform pressure causes no
+        displacement.
+        """
         return self.excess is not None and len(self.excess) == 0 and not self.compression
 
     @cached_property
@@ -144,8 +148,8 @@ class Operator(sie.Kept):
 
     @property
     def compression(self) -> float | None:
-        """Displacement under a uniform pressure p, divided by 2 p / E* [m]. None if it is not
-        counted.
+        """Displacement under a uniform pressure p, divided by 2 p / E* [m]; None if the substrate
+        gives none.
         """
         return None if self.is_own else self.substrate.compression
 
@@ -171,8 +175,8 @@ class Operator(sie.Kept):
         return self.smooth_part.scale if self.compression is not None else self.interaction.datum
 
     def inverse_kernel(self, unit: float) -> sie.Kernel:
-        """The kernel that has the symbol 1 / L, in scaled lengths; its unknown is the slope of the
-        gap.
+        """The kernel that has the symbol 1 / L, in scaled lengths, for equations in the slope of
+        the gap.
         """
         assert self.period is not None and self.inverse_excess is not None
         return kernel_of(self.inverse_excess, self.period / unit)
@@ -251,8 +255,8 @@ class Operator(sie.Kept):
         if not self.is_periodic or kernel.regular_potential is None or self.is_half_plane:
             return kernel
         assert period is not None
-        # The mean of the potential over a period is subtracted: it is zero for Hilbert's kernel,
-        # too.
+        # The mean of the potential over a period is subtracted, as the potential of Hilbert's
+        # kernel has mean zero.
         mean = float(
             _smooth_rest(
                 kernel, period, period * (np.arange(SYMBOLS.harmonics) + 0.5) / SYMBOLS.harmonics
@@ -304,8 +308,8 @@ class Operator(sie.Kept):
 
     @cached_property
     def rest(self) -> Rest | None:
-        """The potential at x - xi [m] less that of half-plane sources, averaged over cells of a
-        grid.
+        """The potential at x - xi [m] minus the potential of half-plane sources, averaged over
+        cells of a grid.
 
         None if there is nothing else, and for a strip.
         """
@@ -381,7 +385,7 @@ def _less_constant(potential: Potential, by: float, x: Array, xi: Array) -> Arra
 
 def _rest(kernel: sie.Kernel, period: float | None, lag: Array, width: float = 0.0) -> Array:
     """The potential of a kernel minus that of half-plane sources, at distances `lag` or averaged
-    over cells of this width around them.
+    over cells of width `width` around them.
     """
     found = _smooth_rest(kernel, period, lag)
     near = np.flatnonzero(np.abs(lag) < _OPTIONS.near_cells * width)

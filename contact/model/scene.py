@@ -346,7 +346,7 @@ class Scene(sie.Kept):
         return named
 
     def _check_body(self) -> None:
-        """Check the substrate and the interaction, alone and together."""
+        """Check the substrate, the interaction, and that the two go together."""
         model, body = self.interaction, self.substrate
         if is_own(body):
             require_body(body)
@@ -368,7 +368,7 @@ class Scene(sie.Kept):
             allowed = f"left out with {body.name}, which has a base that displacements count from"
             raise SceneError.of("interaction.datum", model.datum, allowed)
         if operator.is_periodic and operator.symbol is not None:
-            # The symbol is checked at the harmonics of the period, too.
+            # Computing `excess` also checks the symbol at the harmonics of the period.
             assert operator.excess is not None
 
     def _check_law(self) -> None:

@@ -104,7 +104,7 @@ def known_controls(given: Control | None) -> dict[str, type[Control]]:
 
 
 def fields_under(name: str, value: float, given: Control | None = None) -> dict[str, Any]:
-    """Values of a scene's control fields if the control of this name is prescribed.
+    """The values of all control fields of a scene in which this one control is given.
 
     given: the present `given` of the scene, if any.
     """

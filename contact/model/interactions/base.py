@@ -111,12 +111,12 @@ class Interaction(Named):
         self, period: float | None, centre: float, scaled: Scaled
     ) -> tuple[sie.Forcing, ...]:
         """Terms of unknown amplitude that depend on places of the profile. `scaled` converts such
-        places [m] to scaled lengths. By default, `columns`.
+        places [m] to scaled lengths. By default, the result of `columns`.
         """
         return self.columns(period, centre)
 
     def placed_conditions(self, period: float | None, scaled: Scaled) -> tuple[sie.Condition, ...]:
         """Conditions that depend on places of the profile, which `scaled` converts. By default,
-        `side_conditions`.
+        the result of `side_conditions`.
         """
         return self.side_conditions(period)

@@ -40,7 +40,8 @@ class PressureRange:
 
 @dataclass(frozen=True)
 class Equilibria:
-    """The number of equilibrium contacts at one value of the control, and a start of their branch.
+    """Whether there is one equilibrium contact at each value of the control, and the law from
+    which a branch of several equilibria starts.
 
     unique: right signs of pressure and gap make a contact the only one. start: where there are
     several, the law whose contact lies within the one that is reached by growing; a branch is
@@ -147,7 +148,7 @@ class Law(Named, sie.Kept):
     @cached_property
     def equilibria(self) -> Equilibria:
         """Whether the equilibrium contact is unique, and the law from which a branch of several
-        starts.
+        equilibria starts.
         """
         return Equilibria(bool(self.convex), self.bare)
 
@@ -157,8 +158,8 @@ class Law(Named, sie.Kept):
         return Routes(bool(self.by_gaps), bool(self.full_contact))
 
     def intensity(self, E_star: float) -> float:
-        """The edge intensity K [Pa m^(1/2)] of the pressure, K / sqrt(distance), at free ends of
-        zones and at the ends of a given half width.
+        """The edge intensity K [Pa m^(1/2)]: the pressure is K / sqrt(distance) near an end of a
+        zone. It holds at free ends, and at ends fixed by a given half width.
 
         It is negative where the surfaces pull.
         """
@@ -174,7 +175,9 @@ class Law(Named, sie.Kept):
 
     @property
     def reach(self) -> float:
-        """Gap [m] above which nothing acts; 0 where nothing acts outside the contact."""
+        """Gap [m] above which the surfaces do not attract each other; 0 if they attract only in
+        contact.
+        """
         return 0.0
 
     def without_range(self, share: float) -> "Law | None":

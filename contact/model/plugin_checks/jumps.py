@@ -233,8 +233,8 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) -> float:
-    """Least fraction of the declared powers that the differences do not show, over a sequence of
-    halved steps.
+    """The fraction of the declared powers that the differences do not show: the least one for a
+    sequence of halved steps.
 
     It is 0 where round-off hides the powers, or hides them before smooth parts have vanished.
     """

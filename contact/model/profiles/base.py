@@ -86,8 +86,8 @@ class Profile(Named, sie.Kept):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        # In a subclass, a field `period: float` is meant to be required: the None above must not
-        # become its default.
+        # In a subclass, a field `period: float` is meant to be required: the class attribute None
+        # must not become its default.
         if "period" in inspect.get_annotations(cls) and "period" not in cls.__dict__:
             cls.period = dataclasses.field()
 
@@ -119,8 +119,8 @@ class Profile(Named, sie.Kept):
 
     @property
     def slope_is_derived(self) -> bool:
-        """Whether the slope f' is computed numerically from the height f, not defined by the
-        profile's author.
+        """Whether the slope f' is computed numerically from the height f, instead of being defined
+        by the profile's author.
         """
         return type(self).slope is Profile.slope
 
@@ -147,8 +147,8 @@ class Profile(Named, sie.Kept):
 
     @property
     def algebraic_points(self) -> Array:
-        """Places in the cell at which f is smooth except for a power n > 1 of the distance from
-        the place.
+        """Places s in the cell near which f is a smooth function plus a power n > 1 of the
+        distance from s.
 
         One a row: position s, exponent n, and the coefficients of (s - x)^n for x < s and of (x -
         s)^n for x > s [m^(1-n)]. A power that is a whole number can also be declared as a jump.
@@ -211,7 +211,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def exact_places(self) -> bool:
-        """Whether `slope` is accurate at the exact number x, not only at x rounded in periods.
+        """Whether `slope` is accurate at the exact number x, without the round-off of x / period.
 
         Then products of a wave number and x, for example, lose no digit.
         """

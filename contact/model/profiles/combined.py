@@ -209,7 +209,9 @@ class Combined(Profile):
 
     @property
     def summits(self) -> Array | None:
-        """The only tip of each body, if both tips are at one place; None otherwise."""
+        """The common tip of the bodies, if each body has one tip and both tips are at one place;
+        None otherwise.
+        """
         one, other = self.profile.summits, self.counter.summits
         unknown = one is None or other is None or len(one) != 1 or len(other) != 1
         if unknown or self.support is not None or self.profile.period != self.counter.period:

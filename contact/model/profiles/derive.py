@@ -152,7 +152,8 @@ class DerivedSlope:
 def scale_of(
     x: Array, length: float | None = None, ends: tuple[float, float] | None = None
 ) -> Array:
-    """The typical length of the shape at each place, about which steps of differences are tried.
+    """For each place, a typical length of the shape: the steps that are tried lie around this
+    length.
 
     It is the known length, else the distance of the place from 0 or from the next place. With ends,
     no interval of `verdicts` reaches outside them.
@@ -330,8 +331,8 @@ def _quotients(
 
 
 def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple[Array, Array]:
-    """The best value of each column, from a run of rows that agree to within noise, and the
-    value's noise.
+    """For each column (place), the best value in a run of successive rows (steps) that agree to
+    within noise, and the noise of this value.
 
     It is the first run that is long enough, else the longest: agreement at wide steps only is an
     alias. The best value is the last but one before noise grows or the run ends, as the last one
@@ -372,8 +373,8 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
 
 
 def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptions) -> Array:
-    """Round-off of heights in each block that is larger than the size of the heights shows, as of
-    cosh(x) - 1; otherwise 0.
+    """Round-off of heights in each block, if it is larger than their size suggests, as for cosh(x)
+    - 1; otherwise 0.
 
     evens: second differences by growing steps. rounding: of the heights by their size. A
     combination of second differences of sixth order is level while it is round-off, and grows with
@@ -386,11 +387,12 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
         np.median(rough, axis=2), options.sure, axis=0
     )
     before, after = (np.median(half, axis=2) for half in np.split(windows, 2, axis=2))
-    # Steps too short to change a height show no round-off. At a kink, the difference grows by a
-    # factor of eight over these steps.
+    # Steps too short to change a height show no round-off. At a kink, the difference grows with the
+    # step and more than doubles here.
     level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
     found = np.where(level, np.max(windows, axis=2), np.inf)
-    # The shortest steps that change a height at all show this part of the round-off.
+    # The shortest steps that change a height at all may show only 1/128 (1/`part`) of the
+    # round-off.
     found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)

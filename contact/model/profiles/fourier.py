@@ -125,8 +125,8 @@ class _Waves:
         return Sum.of(self.amplitudes)
 
     def __call__(self, x: Array) -> Array:
-        """The sum at x. If harmonics k are few, k = r + s q splits the sum into a matrix product
-        and a sum of about sqrt(N) terms, with N the number of harmonics.
+        """The sum at x. A short sum over k = r + s q is a matrix product over r and a sum of about
+        sqrt(N) terms over q, with N the number of harmonics.
 
         Each power is an exponential of its own, so no round-off accumulates as in a recurrence.
         """

@@ -36,7 +36,9 @@ _LIMITS = CombinedLimits()
 
 @record
 class PlacedBody:
-    """A body whose x = 0 is at `shift`; if the body is mirrored, its own x increases to the left."""
+    """A body whose x = 0 is at `shift` in the common coordinate. If the body is mirrored, its own
+    x increases to the left.
+    """
 
     body: Profile
     shift: float = 0.0
@@ -132,13 +134,15 @@ class Overlap:
 
     @property
     def ends(self) -> Window | None:
-        """Ends of the support, or of the extent if there is no support."""
+        """The interval between sharp corners (the support), or the known interval if there are no
+        corners.
+        """
         return self.support or self.extent
 
 
 def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
-    """Ends of the cells whose corners are listed, for a periodic body with corners under the tip
-    of an endless body.
+    """The interval whose corners are listed: cells of a periodic body around the tip of a body
+    without a period.
 
     None where the bodies are no such pair.
     """

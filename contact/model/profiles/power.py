@@ -114,9 +114,9 @@ class Power(Profile):
             if self.exponent > 1.0
             else []
         )
-        # Powers 1 and 3 of the distance from the border are kinks and jumps; powers 5 and 7 are
-        # declared here. Power 9 is left out: the Chebyshev coefficients of its slope decrease as
-        # n^-9.
+        # At the border, powers 1 and 3 of the distance are declared in `kinks` and `jumps`, and
+        # powers 5 and 7 here. Power 9 is left out: the Chebyshev coefficients of its slope decrease
+        # as n^-9.
         border = [
             [at, order, jump / (2 * order), jump / (2 * order)]
             for at, order, jump in self._at_border(5, 7)

@@ -39,7 +39,7 @@ MIN_POINTS = 4
 
 @dataclass(frozen=True)
 class SampledOptions:
-    """Options for a measured profile.
+    """Tolerance for the points of a measured profile.
 
     same: relative difference up to which a repeated end point is one point, and positions are even.
     """
@@ -314,8 +314,8 @@ class Sampled(Profile):
 
     @property
     def breakpoints(self) -> Array:
-        """The knots of the spline, where its third derivative jumps. A not-a-knot spline has no
-        jumps at the first and last two points.
+        """The knots of the spline, at which its third derivative jumps. A not-a-knot spline has no
+        jumps at its two first and two last points.
         """
         return np.array(self.x if self.period is not None else self.x[2:-2])
 

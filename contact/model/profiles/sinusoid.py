@@ -55,7 +55,7 @@ class Sinusoid(Profile):
         return np.asarray(turns - np.rint(turns))
 
     def height(self, x: ArrayLike) -> Array:
-        # In this form, 1 - cos(a) = 2 sin(a/2)^2 keeps its digits near the tip.
+        # The form 2 sin(a/2)^2 of 1 - cos(a) keeps all digits near the tip.
         return np.asarray(2 * self.amplitude * np.sin(pi * self._turns(x)) ** 2)
 
     def slope(self, x: ArrayLike) -> Array:

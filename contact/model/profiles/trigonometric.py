@@ -14,7 +14,7 @@ import scipy.fft
 
 from sie import Array, Complex, record
 
-# Half width and width of the spreading kernel, in cells of the grid.
+# Half width and width of the spreading kernel psi, in cells of the grid.
 _HALF = 8
 WIDTH = _HALF + _HALF
 # Steepness b of the spreading kernel for a grid twice as fine as needed (section 4 of the paper).

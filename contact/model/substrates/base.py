@@ -58,7 +58,7 @@ class Substrate(Named, sie.Kept):
 
     @cached_property
     def smooth_part(self) -> SmoothPart:
-        """The smooth part of a line load's kernel, which is the kernel minus the half-plane's 1/r,
-        with its primitives.
+        """The kernel of a line load minus the half-plane's kernel 1/r, with the primitives of this
+        difference.
         """
         return SmoothPart.of(self.symbol, grounded=self.compression is not None)

@@ -35,8 +35,8 @@ _COMMENT = re.compile(rf"\s*(?!{_ERRORS})#", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class WarningLimits:
-    """Limits above which heights cause a warning. Factors of two in them change none of the known
-    cases.
+    """Limits above which heights cause a warning. Halving or doubling them changes none of the
+    known cases.
     """
 
     # Least distance of a spike from its neighbours, relative to the range of the other heights.

@@ -53,7 +53,7 @@ _GROUPED = re.compile(r"(?<![\d.,])\d{1,3}([.,' \xa0\u202f])\d{3}(\1\d{3})*[.,]\
 
 @dataclass(frozen=True)
 class Header:
-    """What the header of a file says about the wanted columns.
+    """Units and names that the header of a file gives for the wanted columns.
 
     line: the line with the units, 0 without any; units: of the columns, None for a column without
     one; depth: the name of the heights if it means depths; remark: line and word of a unit that
@@ -68,8 +68,8 @@ class Header:
 
 @dataclass(frozen=True)
 class Table:
-    """The wanted columns with the numbers of the file (n, 1 or 2), their line numbers, and the
-    header.
+    """Numbers of the wanted columns (n, 1 or 2) in the units of the file, their line numbers, and
+    the header.
     """
 
     values: Array
@@ -83,8 +83,8 @@ class Table:
 
 @dataclass(frozen=True)
 class _Found:
-    """A layout with which rows of numbers begin at row `first`. `places` are the indices of the
-    wanted columns.
+    """A layout of the file, and the row `first` at which rows of numbers begin with this layout.
+    `places` are the indices of the wanted columns.
     """
 
     layout: Layout

@@ -10,8 +10,8 @@ from typing import Any
 from contact.errors import SceneError, shown
 from contact.model.traces.text import unquoted
 
-# Each row is a unit's length in metres, NaN for units that are no lengths, and the names of the
-# unit. Messages use the first name. Case, accents, a plural s and a final dot do not matter.
+# Each row has the length of a unit in metres (NaN for units of other quantities) and the names of
+# the unit. Messages use the first name. Case, accents, a plural s and a final dot do not matter.
 _TABLE = (
     (1e3, "km kilometer kilometre км километр 千米 公里"),
     (1.0, "m meter metre м метр 米 メートル"),
