@@ -53,7 +53,7 @@ class OneZone(LocalizedZone):
 
     @property
     def isolated_load_error(self) -> float:
-        """Relative error of the isolated solution's load, in which the neighbours are ignored.
+        """Relative error of the load of the isolated solution, which ignores the neighbours.
 
         It is isolated load / exact load - 1 at the same half-width.
         """

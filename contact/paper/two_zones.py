@@ -53,7 +53,7 @@ class TwoZones(PairRow):
 
 @dataclass(frozen=True)
 class LocalizedPair(TwoZones):
-    """The solution of equation (35) (head of this module) with the full artanh.
+    """The solution of the paper's equation (35), in which artanh is not approximated.
 
     The pressure (36) is evaluated by a Chebyshev series in x^2. closure: the nominal pressure is
     the given mean ("self-consistent", as in the paper), or that of the isolated pair of the same
@@ -118,7 +118,9 @@ class LocalizedPair(TwoZones):
 
 @dataclass(frozen=True)
 class CubicPair(TwoZones):
-    """The solution with the cubic (37) for artanh, and with the ends that follow from (37).
+    """The solution in which the paper's cubic (37) approximates artanh in equation (35).
+
+    The ends of the zones follow from the cubic.
 
     h' = alpha x^3 - beta x,  alpha = 1/2Rc^2 + 32 p/3 pi E* L^3,  beta = 1/2R - 8 p/pi E* L,
     p(x) = (E* alpha/2) |x| sqrt(Z),  P = pi E* alpha (b^2 - a^2)^2/16,  (a^2 + b^2)/2 = beta/alpha.

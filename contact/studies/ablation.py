@@ -40,7 +40,7 @@ from contact.studies.trace_kinds import self_affine_heights
 
 @dataclass(frozen=True)
 class Switch:
-    """One replacement of the object `target` by another object.
+    """One replacement that switches off a mechanism: a new object in the place of `target`.
 
     `target` is "module:attribute" or "module:Class.attribute". `off` takes the present value of the
     target and returns the new one.

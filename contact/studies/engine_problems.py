@@ -90,7 +90,7 @@ class Design:
     period: float | None
 
     def y(self, distance: Array) -> Array:
-        """The function y of distances in extended precision: y(x) = x, or periodic sin(pi x/L)."""
+        """The function y of distances, in extended precision: x, or sin(pi x/L) with a period."""
         scaled = np.asarray(distance, dtype=np.longdouble)
         return (
             scaled if self.period is None else np.sin(np.longdouble(np.pi) / self.period * scaled)

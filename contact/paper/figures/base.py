@@ -58,7 +58,7 @@ class Figure:
     size: tuple[float, float] = (8.4, 4.2)
 
     def write(self, folder: Path) -> list[Path]:
-        """Write figure-N.png and figure-N.csv, N: the number; return the paths of the files.
+        """Write the figure as PNG and its columns as CSV; return the paths of the files.
 
         The folder is created if it does not exist.
         """

@@ -110,8 +110,8 @@ def figure_2b() -> Figure:
         a = shares * own_radius(lattice.density)
         columns[f"a/R l/R={spacing}"] = a
         columns[f"p/E* Hertz l/R={spacing}"] = 4.0 / 3.0 * a**3 * lattice.density
-        # The heights of a paraboloid scale as the square of lengths. Therefore p R/(E* l) is the
-        # same function of a/A for all spacings l of the lattice.
+        # The heights of a paraboloid scale as the square of lengths. Therefore the nominal pressure
+        # p, in the form p R/(E* l), is the same function of a/A for all spacings l of the lattice.
         for name, pressure in unit.items():
             columns[f"p/E* {name} l/R={spacing}"] = spacing * pressure
     for share in (0.2, 0.5, 0.8):

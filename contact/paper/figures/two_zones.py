@@ -12,7 +12,7 @@ from contact.paper.figures.base import SELF, Figure, label_panel, on_cell, solve
 
 @dataclass(frozen=True)
 class PairOfAsperities:
-    """The scene of figure 13, with E* = 1; the paper gives only the period, 2.4 half spacings."""
+    """The scene of figure 13, with E* = 1; the paper gives only period / half spacing = 2.4."""
 
     radius: float = 1.0
     half_spacing: float = 0.05

@@ -86,7 +86,7 @@ class AdhesiveZone(SymmetricZone):
         return self.zone._approach()
 
     def _approach_rate(self, load: float, at_load: float) -> float:
-        """Rate of the approach: punch compliance times rate of the load, plus `at_load`.
+        """Rate of the approach: punch compliance times rate of the load, plus rate at fixed load.
 
         `at_load` is the rate of the approach at constant load. The result is nan without a datum.
         """
@@ -154,14 +154,14 @@ class Equilibria(Generic[State]):
         raise NotImplementedError
 
     def _carrying(self, load: float, parameter: float) -> State:
-        """The equilibrium at `parameter`, which was found as the root for a given load.
+        """The equilibrium at `parameter`, which was found by searching for the given load.
 
         A subclass may correct the state so that it carries the load to round-off.
         """
         return self.at(parameter)
 
     def _samples(self) -> Array:
-        """Parameters along the whole curve, at most one turning point between neighbours."""
+        """Parameters along the whole curve, with at most one turning point between two of them."""
         raise NotImplementedError
 
     def _rates(self, parameter: float) -> tuple[float, float]:
@@ -187,7 +187,7 @@ class Equilibria(Generic[State]):
         return approach + machine_compliance * load
 
     def is_stable(self, parameter: float, machine_compliance: float = inf) -> bool:
-        """Whether an equilibrium is stable in a machine of this compliance.
+        """Whether an equilibrium is stable in a machine of the given compliance.
 
         The compliance is inf at prescribed load and 0 at prescribed approach.
         """
@@ -308,7 +308,7 @@ class Cylinder:
     work: float
 
     def _frictionless(self, half_width: float) -> HertzLine:
-        # `datum` has a default, so it must be the last field: every subclass declares it.
+        # The field `datum` has a default and must come last. Therefore every subclass declares it.
         datum: float | None = self.datum  # type: ignore[attr-defined]
         return HertzLine(self.radius, self.E_star, half_width, datum)
 

@@ -48,7 +48,7 @@ def refuse_load(load: float, most: float, why: str) -> None:
 
 
 def with_datum(what: str, value: float | None) -> float:
-    """Return the value; raise SceneError if it is None: an isolated body without a datum."""
+    """Return the value; raise SceneError if the value is None because a datum is missing."""
     if value is None:
         raise SceneError.of(
             "datum", None, f"a length > 0 where {what} of an isolated zone is asked for"
@@ -90,7 +90,7 @@ class ExactContact:
 
 
 class PressedBody(ExactContact):
-    """A body under a load, with its approach.
+    """A body under a load: approach, stiffness, compliance and displacement.
 
     The load P is applied in steps dP, each the load of a flat punch on the current zones. A step
     increases the approach by C dP, where C is the compliance of that punch. Integration by parts
@@ -289,16 +289,16 @@ class SymmetricZone(PressedBody):
         return np.where(e > 0.0, self._gap(np.maximum(e, 0.0)), 0.0)
 
     def _sine(self) -> float:
-        """sin(pi a/L) of the half width a; isolated: a."""
+        """sin(pi a/L) with the half width a and the period L; a itself without a period."""
         return float(sine(self.half_width, self.period))
 
     def _cosine(self) -> float:
-        """cos(pi a/L) of the half width a; isolated: 1."""
+        """cos(pi a/L) with the half width a and the period L; 1 without a period."""
         return float(cosine(self.half_width, self.period))
 
     @property
     def _sine_unit(self) -> float:
-        """Length L/pi by which `_sine` is multiplied to tend to a for small half widths a.
+        """Length L/pi; its product with `_sine` tends to the half width as the zone narrows.
 
         It is 1 for an isolated zone.
         """
@@ -313,7 +313,7 @@ class SymmetricZone(PressedBody):
 
 @dataclass(frozen=True)
 class _FromLoad(SymmetricZone):
-    """One zone whose half width follows from the load, in closed form or as one root.
+    """One zone whose half width follows from the load, in closed form or as a root.
 
     A solution inherits the fields of its profile and those of one of the two classes below. It
     gives the profile, the pressure, the load and its derivative. Gap and approach follow from these

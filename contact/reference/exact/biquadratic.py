@@ -118,7 +118,7 @@ class IsolatedBiquadratic(PressedBody):
 
     @property
     def merged(self) -> bool:
-        """Whether there is one zone."""
+        """Whether the two zones have merged into one."""
         return self.load >= self.merging_load
 
     @property

@@ -151,7 +151,8 @@ class DugdaleZone(_DugdaleState):
         scale = scale * np.maximum(cosine(x, length), 1e-100) ** 2
         square = sine(e, length) * sine(x + a, length) * cosine(c, length) ** 2 / scale
         rest = np.abs(sine(f, length)) * sine(c + x, length) * cosine(a, length) ** 2 / scale
-        # artanh X = arsinh(X/sqrt(1 - X^2)), and artanh(1/X) = arsinh(1/sqrt(X^2 - 1)).
+        # The function artanh is computed by the identities artanh X = arsinh(X/sqrt(1 - X^2)) and
+        # artanh(1/X) = arsinh(1/sqrt(X^2 - 1)), as X^2 and |1 - X^2| are accurate.
         return np.asarray(np.arcsinh(np.sqrt(np.minimum(square, 1.0) / np.maximum(rest, 1e-300))))
 
     @property
@@ -171,7 +172,7 @@ class DugdaleZone(_DugdaleState):
         return self.zone._pressure(r, d) - 2.0 * self.stress / pi * np.arctan2(side, depth)
 
     def _gap(self, e: Array) -> Array:
-        # The integrand is singular at c, so the integral is split there.
+        # The integrand is singular at the end c of the tension, so the integral is split at c.
         length = self.cohesive_end - self.half_width
         e = np.asarray(e, dtype=float)
         inside, outside = np.minimum(e, length), np.maximum(e - length, 0.0)
@@ -191,7 +192,7 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def load_by_half_width(self) -> float:
-        """Derivative of the load by the half width a at fixed c.
+        """Derivative of the load by the half width a, at a fixed end c of the tension.
 
         With A = pi a/L, C = pi c/L, dB/da = -cos C sin A/(cos A sqrt(sin(C - A) sin(C + A))).
         """
@@ -200,10 +201,10 @@ class DugdaleZone(_DugdaleState):
         return float(self.zone.load_rate(np.array(a))) + 2.0 * self.stress * share_rate
 
     def _compliance_at(self, q: Array) -> Array:
-        """Compliance of the flat punch of that half width at which `share` is q, at fixed c.
+        """Compliance of the flat punch whose half width makes the length `share` equal to q.
 
-        The end of the tension is c. The half width is sqrt(c^2 - q^2) for an isolated zone, and
-        S L/pi with cos S = cos(pi c/L)/cos(pi q/L) with a period.
+        The end c of the tension is fixed. The half width is sqrt(c^2 - q^2) for an isolated zone,
+        and S L/pi with cos S = cos(pi c/L)/cos(pi q/L) with a period.
         """
         c = self.cohesive_end
         root = np.sqrt(sine(c - q, self.period) * sine(c + q, self.period))
@@ -225,7 +226,7 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def surface_energy(self) -> float:
-        """Energy of the interface [J/m]: -2 c work + 2 stress int_a^c gap dx.
+        """Energy of the interface [J/m]: 2 stress int_a^c gap dx - 2 c work.
 
         The tension acts from the zone's end a to c.
         """
@@ -326,7 +327,7 @@ class MetDugdaleZone(_DugdaleState):
 
     @property
     def end_gap(self) -> float:
-        """The gap at L/2 [m]."""
+        """The gap in the middle between two neighbouring zones [m]."""
         return float(self.zone._gap(np.array(0.5 * self._length() - self.half_width)))
 
     def _pressure(self, r: Array, d: Array) -> Array:
@@ -338,7 +339,7 @@ class MetDugdaleZone(_DugdaleState):
 
     @property
     def surface_energy(self) -> float:
-        """Energy of the interface [J/m]: -w L plus the stress times the area of the gap."""
+        """Energy of the interface [J/m]: stress times area of the gap minus work times period."""
         mean_gap = self.mean_gap
         assert mean_gap is not None
         return (self.stress * mean_gap - self.work) * self._length()
@@ -390,7 +391,7 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
 
 @dataclass(frozen=True)
 class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
-    """The equilibria of an isolated f = x^2/2R under Maugis-Dugdale adhesion (Baney & Hui 1997).
+    """The equilibria of an isolated parabola under Maugis-Dugdale adhesion (Baney & Hui 1997).
 
     The parameter is the end c of the cohesive intervals.
 
@@ -457,13 +458,16 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
 
     @property
     def tabor(self) -> float:
-        """Maugis's parameter lambda = 4s/(pi^2 E*^2 w/R)^(1/3); large lambda: JKR's law."""
+        """Maugis's parameter 4 stress/(pi^2 E*^2 work/radius)^(1/3); JKR's law if it is large."""
         cube = pi**2 * self.E_star**2 * self.work / self.radius
         return 4.0 * self.stress / float(cube ** (1.0 / 3.0))
 
     @property
     def least_cohesive_end(self) -> float:
-        """End c of the tension when contact begins: c^2/2R + (4s/pi E*) c ln 2 = w/s."""
+        """End c of the cohesive intervals when contact begins, at a zone of no width.
+
+        It is the root of c^2/2R + (4s/pi E*) c ln 2 = w/s.
+        """
         half = 4.0 * self.stress * log(2.0) / (pi * self.E_star)
         height = 2.0 * self.end_gap / self.radius
         return self.radius * height / (half + sqrt(half * half + height))

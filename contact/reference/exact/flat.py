@@ -94,8 +94,9 @@ class IsolatedPunch(_Punch):
 
 @dataclass(frozen=True)
 class PeriodicPunch(_Punch):
-    """A flat punch once in every period (derived), with v = pi x/L and A = pi a/L.
+    """A flat punch once in every period; its formulas are derived here.
 
+    With v = pi x/L and A = pi a/L,
     p = (P/L) cos v/sqrt(sin^2 A - sin^2 v), approach = -(2P/pi E*) ln sin A; outside u = approach -
     (2P/pi E*) arcosh(sin v/sin A). Everything else is in `SymmetricZone`.
 

@@ -84,7 +84,7 @@ class JKRZone(AdhesiveZone):
 
     @cached_property
     def punch(self) -> IsolatedPunch | PeriodicPunch:
-        """The flat punch whose pressure is subtracted."""
+        """The flat punch whose pressure is subtracted from that of the frictionless zone."""
         a, load = self.half_width, sqrt(2.0 * pi * self.E_star * self.work * self.tangent)
         if self.period is None:
             return IsolatedPunch(a, self.E_star, load, self.datum)
@@ -136,7 +136,7 @@ class _JKREquilibria(Equilibria[JKRZone]):
     """The curve of JKR equilibria, with the half width as parameter."""
 
     def at(self, parameter: float) -> JKRZone:
-        """The equilibrium of this half width."""
+        """The equilibrium whose half width is `parameter`."""
         return JKRZone(self._frictionless(parameter), self.work)
 
     @property
@@ -147,7 +147,7 @@ class _JKREquilibria(Equilibria[JKRZone]):
 
 @dataclass(frozen=True)
 class JKRCylinder(Cylinder, _JKREquilibria):
-    """The equilibria of an isolated f = x^2/2R under JKR adhesion, by half width.
+    """The equilibria of an isolated parabola f = x^2/2R under JKR adhesion, by half width.
 
     P = pi E* a^2/4R - sqrt(2 pi E* a w), and with a datum d
     approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a).
@@ -204,7 +204,7 @@ class JKRCylinder(Cylinder, _JKREquilibria):
 
     @property
     def pull_off_load(self) -> float:
-        """Load -3 (pi E* w^2 R/16)^(1/3) at pull-off at prescribed load [N/m]."""
+        """Load [N/m] at pull-off if the load is prescribed: -3 (pi E* work^2 radius/16)^(1/3)."""
         return float(-3.0 * (pi * self.E_star * self.work**2 * self.radius / 16.0) ** (1.0 / 3.0))
 
     def _samples(self) -> Array:
@@ -302,7 +302,7 @@ class JKRWave(Wave, _JKREquilibria):
 
     @property
     def last_partial_work(self) -> float:
-        """Work above which no partial contact is stable at any prescribed load [J/m^2].
+        """Work above which partial contact is unstable at every prescribed load [J/m^2].
 
         At this work the two turning points of the load meet, at tan^2(pi a/L) = 3/5.
         """

@@ -31,10 +31,11 @@ SELF_CONSISTENT = "self-consistent"
 def correction_pressure(
     x: ArrayLike, half_width: float, period: float, nominal_load: float
 ) -> Array:
-    """Pressure that the neighbouring zones add: the second term of (17) (head of this module).
+    """Pressure that the neighbouring zones add to the isolated solution.
 
-    The pressure is (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)), |x| <= a. I. G.
-    Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
+    It is (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)) with the nominal load P_s, the
+    period L and the half width a: the second term of (17) in I. G. Goryacheva & I. Tsukanov,
+    Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
@@ -67,9 +68,10 @@ def correction_pressure(
 
 
 def correction_load(half_width: float, period: float, nominal_load: float) -> float:
-    """Load P_s (L - sqrt(L^2 - 4a^2))/L that the neighbouring zones add.
+    """Load that the neighbouring zones add to the isolated solution [N/m].
 
-    This is the second term of (16) with the nominal load P_s, the period L and the half width a.
+    It is P_s (L - sqrt(L^2 - 4a^2))/L with the nominal load P_s, the period L and the half width a:
+    the second term of (16) in the following paper.
 
     I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
 
@@ -111,7 +113,7 @@ def _correction(r: Array, d: Array, a: float, period: float, nominal_load: float
 
 @dataclass(frozen=True)
 class LocalizedZone(SymmetricZone):
-    """An isolated solution in a period, corrected for the nominal load outside by (17).
+    """An isolated solution, corrected for the nominal pressure outside its own period.
 
     P0 is the load of the isolated solution. With the closure `first-order` (the paper's examples
     (23), (27), (30)) P_s = P0 and P = P0 (2 - sqrt(L^2 - 4a^2)/L). With `self-consistent` (equation
@@ -184,7 +186,7 @@ class LocalizedZone(SymmetricZone):
 
     @property
     def nominal_load(self) -> float:
-        """Load per period of the nominal pressure outside the strip of width L [N/m]."""
+        """Load per period to which the nominal pressure outside the strip corresponds [N/m]."""
         return self.isolated.load if self.closure == FIRST_ORDER else self.load
 
     @property

@@ -49,7 +49,9 @@ class Pair:
 
 @dataclass(frozen=True, eq=False)
 class EvenPair(Pair):
-    """Two zones a <= |x| <= b under an even pressure, as one zone in y = v^2 (v = x isolated).
+    """Two zones a <= |x| <= b under an even pressure, solved as one zone in a variable y.
+
+    The variable is y = v^2, as explained at the head of this module.
 
     With y = m + h cos(theta), the pressure is p = (E*/2)|v| sum g_n sin(n theta). Isolated, v = x
     and P = pi E* h g_1/4; with a period v = tan(pi x/L): see the head of this module. Derived here;
@@ -144,7 +146,7 @@ class EvenPair(Pair):
         return float(0.5 * self.E_star * self.period * series)
 
     def at_angle(self, theta: ArrayLike) -> Array:
-        """Pressure [Pa] at angles theta: points of v^2 = middle + half cos(theta) (module head)."""
+        """Pressure [Pa] at the points where v^2 = middle + half cos(theta) (module head)."""
         theta = np.asarray(theta, dtype=float)
         v = np.sqrt((self.middle - self.half) + 2.0 * self.half * np.cos(0.5 * theta) ** 2)
         series = np.sin(theta[..., None] * np.arange(len(self.ratio))) @ self.ratio
@@ -237,7 +239,7 @@ def pair_at_load(
 
     def log_excess(log_half: float) -> float:
         pair = at(exp(log_half))
-        # Zones that have met carry more load than any pair.
+        # Zones that have merged carry more load than any pair of zones.
         return inf if pair is None else log(pair.load / load)
 
     low = log(limit if np.isfinite(limit) else 1.0) - 1.0

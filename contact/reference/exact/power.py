@@ -40,7 +40,7 @@ class _Power(SymmetricZone):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]: in the middle for exponents up to 2, else on both sides of it."""
+        """Peak pressure [Pa]: at x = 0 for exponents up to 2, otherwise on both sides of x = 0."""
         middle = float(self.pressure_at(0.0))
         if self.exponent <= 2.0:
             return middle
@@ -167,7 +167,7 @@ class PeriodicPower(PeriodicZone, _Power):
         return half * root(log_ratio, 1e-12, 1.0 - 1e-12)
 
     def _position(self, a: Array, w: Array, rest: Array) -> tuple[Array, Array, Array]:
-        """(s, cos(pi s/L), sin(pi s/L)) of the half width s at the integration variable w.
+        """Half width s, cos(pi s/L) and sin(pi s/L) as functions of the integration variable w.
 
         The half width s solves sinh w = sqrt(sin^2 A - sin^2(pi s/L))/cos A, A = pi a/L. `rest` is
         the distance artanh(sin A) - w from the upper limit, where s = 0.

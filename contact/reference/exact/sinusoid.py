@@ -278,8 +278,9 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
         return self.amplitude * self._k * np.sin(self._k * r)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # With t = cos phi, sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi). The angle phi is computed
-        # from the distance d to the zone's end, so that phi is accurate near this end.
+        # With t = cos phi, the Chebyshev polynomials U_2j of the formula (20) satisfy
+        # sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi). The angle phi is computed from the distance d
+        # to the zone's end, so that phi is accurate near this end.
         phi = 2.0 * np.arcsin(np.sqrt(0.5 * d / self.half_width))
         j = np.arange(20)  # J_41(pi) is below 1e-40
         weight = (-1.0) ** j * jv(2 * j + 1, self._k * self.half_width)

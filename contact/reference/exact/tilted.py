@@ -71,7 +71,7 @@ class TiltedZone(PressedBody):
     (True, True)
     """
 
-    # These are annotations without values, as in `PressedBody`.
+    # These are annotations only: a value would become the default of a dataclass field.
     tilt: float
     moment: float
     period = None
@@ -337,8 +337,9 @@ class TiltedWedge(TiltedZone):
         return np.asarray(self.wedge_slope * np.sign(x) - self.tilt)
 
     def _pressure(self, left: Array, right: Array) -> Array:
-        # The variable `excess` is (1 + t sin alpha)/|t + sin alpha| - 1. It is computed without
-        # cancellation, from distances to the ends of the zone and to the tip.
+        # The variable `excess` is (1 + t sin alpha)/|t + sin alpha| - 1, with t and alpha of the
+        # class's docstring. It is computed without cancellation, from distances to the ends of the
+        # zone and to the tip.
         tip_left, tip_right = self._tip
         excess = np.where(
             left > tip_left,
@@ -350,7 +351,8 @@ class TiltedWedge(TiltedZone):
     def _gap(self, e: Array, side: int) -> Array:
         # The slope of the gap is (4 slope/pi) arctan((1 - rho)/((1 + rho) tan(phi/2))). Here
         # rho = z - sqrt(z^2 - 1) with z = 1 + s. All distances are divided by the half width: s is
-        # the distance from the end of the zone, and 1 - cos phi that of the tip from this end.
+        # the distance from the end of the zone, and 1 - cos phi is the distance of the tip from
+        # this end.
         tangent = tan(0.25 * pi + 0.5 * side * self._alpha)
 
         def gap_slope(s: Array, _: Array) -> Array:

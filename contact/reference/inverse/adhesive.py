@@ -162,9 +162,9 @@ class AdhesiveDesign(GivenZones):
         return np.stack(modes if n % 2 else [*modes, np.ones_like(x)], axis=-1)
 
     def _integrals(self, i: int) -> tuple[Any, Any]:
-        """Integral of |X| R over interval i, where R = M + poles (head of this module).
+        """Integral of |X| R over interval i in two parts, for R = M + poles (head of this module).
 
-        It has two parts: a row for the coefficients of M, and a number for the poles.
+        The parts are a row for the coefficients of M, and a number for the poles.
         """
         dl, dr, weight = self._extended.nodes(i)
         weight = weight * self._extended.root(i, dl, dr)
@@ -186,7 +186,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _smooth(self) -> Any:
-        """Coefficients of the smooth function M: all zones have one approach and carry the load."""
+        """Coefficients of the smooth function M, from equal approaches of zones and the load."""
         modes, poles = self._zone_integrals
         gaps = [self._integrals(g) for g in self._extended.gaps]
         matrix = np.array([*(m for m, _ in gaps), np.sum(modes, axis=0)])

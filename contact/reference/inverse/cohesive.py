@@ -71,9 +71,9 @@ class _Strip:
     h: Array
 
     def far(self, t: Array) -> Array:
-        """Integral of 1/(X(xi) (t - xi)) over xi in the strip, at points t away from the strip.
+        """Cauchy integral of 1/X over the strip, where X^2 is the product of t - e, all ends e.
 
-        X is the square root of the product of t - e over all zone ends e.
+        The points t of evaluation lie away from the strip.
         """
         return np.asarray((1.0 / (t[..., None] - self.nodes)) @ self.weights)
 
@@ -227,9 +227,9 @@ class CohesiveDesign:
         return np.sqrt(np.prod(factors, axis=0)) * sign
 
     def _smooth_in_own_gap(self, strip: _Strip, t: Array) -> Array:
-        """X(t) times the integral of 1/(X(xi) (t - xi)) over xi in a strip, t in the same gap.
+        """X times the Cauchy integral of 1/X over a strip; X^2 is the product of t - e, all ends e.
 
-        X is the square root of the product of t - e over all zone ends e. The closed part
+        The points t lie in the strip's own gap. The closed part
         2 direction artanh(zeta or 1/zeta) is left out: see the head of this module.
         """
         difference = 1.0 - 1.0 / (self._root(t, strip.ends)[..., None] * strip.h)
@@ -374,10 +374,9 @@ class CohesiveDesign:
         return np.any((x >= self.cohesive[:, 0]) & (x <= self.cohesive[:, 1]), axis=-1)
 
     def _on_zones(self, strip: _Strip, t: Array) -> Array:
-        """Integral of 1/(X(xi) (t - xi)) over xi in a strip, at points t of the zones.
+        """Cauchy integral of 1/X over a strip, where X^2 is the product of t - e, all ends e.
 
-        X is the square root of the product of t - e over all zone ends e. The integral is accurate
-        up to the end of the strip.
+        The points t lie on the zones. The integral is accurate up to the end of the strip.
         """
         distance = np.min([np.abs(t - end) for end in strip.ends], axis=0)
         low, high = np.sort([strip.end, strip.end + (strip.direction or 1) * strip.width])

@@ -246,9 +246,9 @@ class GivenZones(ExactContact):
         return self.approach - (self.height(x) - self._least_height) + self.gap(x)
 
     def _greatest(self, margin: float, samples: int) -> float:
-        """Greatest pressure [Pa] on all zones, at least the angle `margin` from their ends.
+        """Greatest pressure [Pa] of all zones, at the angles from `margin` to pi - `margin`.
 
-        A position in a zone is the cosine of an angle from 0 to pi.
+        The normalised position in a zone is the cosine of an angle from 0 to pi.
         """
 
         def peak(zone: int) -> float:
@@ -403,7 +403,7 @@ class DesignedContact(GivenZones):
 
     @property
     def zone_loads(self) -> Array:
-        """Load of every zone [N/m]; they add up to the load."""
+        """Load of every zone [N/m]; the loads of all zones add up to the load."""
         return np.asarray(self.load * self._raw_loads / np.sum(self._raw_loads), dtype=float)
 
     def _zone_pressure(self, i: int, dl: Array, dr: Array) -> Array:

@@ -66,7 +66,7 @@ def peak_bytes(call: Callable[[], Any]) -> int:
 
 
 class TooLong(Exception):
-    """A call took more processor time than its limit."""
+    """Raised when a call takes more processor time than its limit."""
 
 
 def limited(call: Callable[[], T], seconds: float) -> T:

@@ -83,7 +83,7 @@ def wave_equation(
     kernel: sie.Kernel | None = None,
     columns: tuple[sie.Forcing, ...] = (),
 ) -> sie.Equation:
-    """An equation with the right side sin x and the given kernel, conditions and columns."""
+    """An equation with right side sin x; `columns` are terms of unknown amplitude."""
     wave = sie.Forcing(np.sin, lambda x: -np.cos(x))
     return sie.Equation(sie.cauchy() if kernel is None else kernel, wave, conditions, columns)
 

@@ -83,9 +83,9 @@ class OneGap:
 
     @property
     def _excess(self) -> tuple[Array, float]:
-        """Chebyshev coefficients of G = H f' - 2 pbar/E* on the gap, and B (head of this module).
+        """Chebyshev coefficients of the right side G on the gap, and the number B (module head).
 
-        H f' is the conjugate of the slope, and pbar is the mean pressure.
+        G is H f' - 2 pbar/E*, with the conjugate H f' of the slope and the mean pressure pbar.
         """
         k, c, s = _waves(self.profile)
         y = self._tau * np.cos(self._theta)
@@ -94,7 +94,7 @@ class OneGap:
         phase = np.round(k / (2 * pi)) * (2 * extended_pi) * x[:, None]
         series = np.cos(phase) @ c.astype(np.longdouble) + np.sin(phase) @ s.astype(np.longdouble)
         excess = series - 2 * np.longdouble(self.mean)
-        # Extended precision is needed only for the difference above, which is one of large numbers.
+        # Extended precision is needed only for the difference of large numbers above.
         n = self.nodes
         g = 2 / n * np.cos(np.arange(n)[:, None] * self._theta) @ excess.astype(np.float64)
         g[0] *= 0.5

@@ -45,7 +45,7 @@ def table(
 
 
 def _hundredfold(rows: list[Row], single: Sequence[str], peers: Sequence[str]) -> Figure:
-    """Return the time of the faster peer divided by ours, at an error of p(x) of 1e-4.
+    """Return the figure of speed: time of the faster peer / ours, at an error of p(x) of 1e-4.
 
     If no peer reaches the error, a lower bound is returned: the longest run of each peer is taken,
     and the shorter one of these times.

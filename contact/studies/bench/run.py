@@ -102,7 +102,7 @@ def _asks_peers(case: Case) -> bool:
 
 
 def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Table, int]:
-    """Run the extreme scenes; return the table of results and the number of new failures."""
+    """Run the extreme scenes; return the table and the number of failures of unknown reason."""
     made = machine.commit()
     verdicts = stability.run_matrix(quick, progress)
     table = report.stability_table(verdicts)

@@ -147,8 +147,8 @@ def run_matrix(
         if progress is not None:
             progress("scenes", k, len(cases))
         with warnings.catch_warnings():
-            # Scenes with E* = 1 and a length of 1 may have steeper slopes than real surfaces, of
-            # which the model warns.
+            # Scenes with E* = 1 and a length of 1 may have steeper slopes than real surfaces. The
+            # model warns about steep slopes.
             warnings.simplefilter("ignore", ModelWarning)
             out.append(run(case))
     return out

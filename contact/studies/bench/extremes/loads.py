@@ -89,7 +89,7 @@ def near_full(below: float) -> tuple[Scene, Exact]:
 
 
 def _deficit(amplitude: float, pressure: float) -> float:
-    """The relative difference between `pressure` and that of full contact, to full precision.
+    """Relative difference between the full-contact pressure and `pressure`, to full precision.
 
     The number pi is taken in extended precision.
     """
