@@ -154,7 +154,7 @@ def t_values(c: Array, n: int) -> Array:
 def t_means(values: Array, count: int | None = None) -> Array:
     """Means of a function times T_l, l = 0 ... count - 1, with weight 1 / sqrt(1 - t^2).
 
-    `values` are the function at the n nodes of `gauss`, along the last axis. count None means n.
+    `values` are the function at the n nodes of `gauss`, along the last axis; count None means n.
     """
     n = values.shape[-1]
     count = n if count is None else count

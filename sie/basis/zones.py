@@ -222,7 +222,7 @@ class Zones(Kept):
         return np.asarray((x - self.a[zone]) - self.rest[0][zone])
 
     def before_b(self, x: Array, zone: Index) -> Array:
-        """Distances b - x of points x from the right ends b of zones; negative right of b."""
+        """Distances b - x of points x from right ends b of zones; negative to the right of b."""
         return np.asarray((self.b[zone] - x) + self.rest[1][zone])
 
     def __len__(self) -> int:
@@ -286,7 +286,7 @@ class Zones(Kept):
 
     @cached_property
     def intensities(self) -> Array:
-        """Prescribed intensities K at the left and right ends (2, n); NaN if none is prescribed."""
+        """Prescribed intensities K at left and right ends (2, n); NaN if none is prescribed."""
         return np.array(
             [
                 [np.nan if end.intensity is None else end.intensity for end in ends]

@@ -14,7 +14,7 @@ from sie.basis.zones import Zones
 
 
 class DensityBase(Kept):
-    """Base of densities that can be evaluated by zone and distances from the zone's ends.
+    """Base class of densities, evaluated by zone and distances from the zone's ends.
 
     A subclass is a data class with a field `bounded_ends`.
     """
@@ -29,10 +29,10 @@ class DensityBase(Kept):
         def edge_slopes(self) -> tuple[Array, Array]: ...
         @property
         def plane(self) -> Callable[[Complex, What], Complex]:
-            """The density at complex points."""
+            """The fields of the density at complex points."""
 
     def with_bounded_ends(self) -> Self:
-        """The same density without round-off traces of 1/sqrt(d) at free ends.
+        """This density without the traces of 1/sqrt(d) that round-off causes at free ends.
 
         An error delta of an end causes the intensity K = A delta / 2, where A is the coefficient of
         sqrt(d). At equal normalised position, the error of the rest of the density is about delta
@@ -41,26 +41,26 @@ class DensityBase(Kept):
         return replace(self, bounded_ends=True)  # type: ignore[type-var]
 
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by zone index and distances from the zone's ends in half widths.
+        """Density at points given by a zone and distances from the zone's ends in half widths.
 
         left + right = 2; no digit is lost close to the ends.
         """
         raise NotImplementedError
 
     def at_t(self, zone: ArrayLike, t: ArrayLike) -> Array:
-        """Density at normalised positions t in [-1, 1] of zones."""
+        """Density on zones at normalised positions t, which run from -1 to 1."""
         t = np.asarray(t, dtype=float)
         return self.at(zone, 1 + t, 1 - t)
 
     def by_angle(self, zone: ArrayLike, angle: Array) -> tuple[Array, Array]:
-        """(density, derivative by the angle) at angles of zones, t = cos(angle).
+        """(density, derivative by the angle) on zones at positions t = cos(angle).
 
         The derivative is a central difference.
         """
         return by_angle(lambda left, right: self.at(zone, left, right), angle)
 
     def change_sizes(self, zone: Any, angle: Array) -> tuple[Array, Array, Array]:
-        """Absolute values at angles of zones: (density, change by left end, change by right end).
+        """Sizes, at angles of zones, of the density and its changes by motions of both ends.
 
         The changes are those by motions of the ends, see `Density.sensitivity`.
         """
@@ -70,7 +70,7 @@ class DensityBase(Kept):
         return np.abs(value), np.abs(by_left), np.abs(by_right)
 
     def largest_changes(self, zones: Index, angles: list[Array]) -> Array:
-        """Largest of each of the three `change_sizes` on every zone, shape (3, Z).
+        """Largest value on each zone of each of the three `change_sizes`: shape (3, Z).
 
         zones: the zones to evaluate, the others have zero; angles: the angles of each of these.
         """
@@ -80,7 +80,7 @@ class DensityBase(Kept):
         return out
 
     def locate(self, x: ArrayLike) -> tuple[Array, Index, Mask]:
-        """(x moved by whole periods, index of its zone, whether it is inside that zone).
+        """(x moved by periods, index of the zone of x, whether x is inside this zone).
 
         x is moved to lie right of the first zone's left end; the zone is the last one that starts
         before x.
@@ -98,7 +98,7 @@ class DensityBase(Kept):
         return nearest_image(x, 0.5 * (self.zones.a[0] + self.zones.b[-1]), self.kernel.period)
 
     def __call__(self, x: ArrayLike) -> Array:
-        """Density at x (any shape), zero off the zones."""
+        """Density at x (any shape); zero at points off the zones."""
         x, i, inside = self.locate(x)
         out = np.where(np.isnan(x), np.nan, 0.0)
         z, w = i[inside], self.zones.half[i[inside]]
@@ -135,7 +135,7 @@ class DensityBase(Kept):
         return self._on_line(np.asarray(x, dtype=float), True)
 
     def _on_line(self, x: Array, potential: bool) -> Array:
-        """Transform or potential at real x."""
+        """Transform, or potential if `potential` is true, at real x."""
         raise NotImplementedError
 
     def transform_slope(self, z: ArrayLike) -> Complex:
@@ -143,9 +143,7 @@ class DensityBase(Kept):
         return self._in_plane(z, "derivative")
 
     def _in_plane(self, z: ArrayLike, what: What) -> NDArray[Any]:
-        """Transform, its derivative or potential at complex z (any shape); NaN where z is not
-        finite.
-        """
+        """Transform (or its derivative, or potential) at complex z; NaN where z is not finite."""
         points = np.asarray(z, dtype=complex)
         out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
         out[finite] = self.plane(points[finite], what)

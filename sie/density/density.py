@@ -58,12 +58,12 @@ class Density(Series):
 
     @property
     def whole(self) -> "Density":
-        """The density without slits: this one."""
+        """The density on the zones without slits: here this object itself."""
         return self
 
     @property
     def slit_count(self) -> int:
-        """Number of narrow gaps that are treated as slits of wider zones; here zero."""
+        """Number of narrow gaps treated as slits of wider zones: zero in this class."""
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
@@ -76,7 +76,7 @@ class Density(Series):
 
     @cached_property
     def plane(self) -> Plane:
-        """The density at complex points."""
+        """The fields of the density at complex points."""
         return Plane(self)
 
     def _on_line(self, x: Array, potential: bool) -> Array:
@@ -92,7 +92,8 @@ class Density(Series):
         )
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
-            # With a `sure` kernel, the far sums of the tree include the regular part.
+            # If the kernel is `sure` (see `Kernel.sure`), the far sums of the tree include the
+            # regular part of the kernel.
             regular = None if self.kernel.sure else regular
         else:
             every = partial(from_zones, self, zone=zone, shift=shift, potential=potential)
@@ -105,7 +106,7 @@ class Density(Series):
 
     @cached_property
     def treecode(self) -> Treecode | None:
-        """Fast sums over zones for many points; None if the kernel does not allow them."""
+        """Fast sums over zones for many points; None if the kernel does not allow such sums."""
         return Treecode(self) if reaches(self.kernel, self.zones) else None
 
     @property

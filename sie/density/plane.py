@@ -44,8 +44,8 @@ from sie.jumps.spline import OPTIONS as SPLINES
 from sie.trees.far import Nested
 from sie.trees.tree import SEPARATION, TERMS, Tree
 
-# At points with a smaller |rho|, the field of a node of the tree follows from its first TERMS
-# moments.
+# At points whose |rho|, rho = zeta - sqrt(zeta^2 - 1), is smaller, the field of a tree node follows
+# from the node's first TERMS moments.
 _FAR = float(np.exp(-decay_rate(SEPARATION)))
 
 
@@ -65,7 +65,7 @@ class Plane:
         self.total = float(np.pi * (c[:, 0] @ zones.half))
 
     def __call__(self, z: Complex, what: What) -> Complex:
-        """Transform, its derivative or potential at points z (n,), which may lie in any period."""
+        """Transform (or its derivative, or potential) at complex points z (n,), in any period."""
         x, y = z.real, np.abs(z.imag)
         place = self.density.into_period(x)
         out = self.poles(place, y, what)
@@ -78,9 +78,10 @@ class Plane:
             out = out - 1j * self.total * turns
         return np.where(z.imag < 0, np.conj(out), out)
 
-    # Fields through the poles of the kernel.
+    # The methods below give the part of the fields that the kernel's poles cause, without the
+    # regular part.
     def poles(self, x: Array, y: Array, what: What) -> Complex:
-        """Field at x + i y through the poles of the kernel, summed by the tree.
+        """Field at x + i y that the kernel's poles cause, summed by the tree.
 
         For each point, nodes are split from the root down until they are far or are a single zone.
         """
@@ -136,7 +137,7 @@ class Plane:
         return value
 
     def _jumps(self, zone: int, seen: InPlane, what: What) -> Complex:
-        """Field of the jumps in one zone at the given points."""
+        """Field that the jumps in one zone cause at the given points."""
         w, datum, jumps = (
             float(self.density.zones.half[zone]),
             self.density.kernel.datum,
@@ -173,7 +174,8 @@ class Plane:
                 value = value + spline.in_plane(some, what)
             out[near[here]] = value
         if what == "potential":
-            # The series of T_l already contains the logarithm of w.
+            # The series for far points already contains the logarithm of the half width w. The
+            # closed forms for near points lack this logarithm.
             out[near] = w * (out[near] + self._of_jumps[zone, 0] * np.log(w / datum))
         elif what == "derivative":
             out[near] /= w
@@ -184,9 +186,9 @@ class Plane:
         """First coefficients of T_l / sqrt(1 - t^2) of the jumps on each zone, for far points."""
         return self.density.jumps.t_coefficients(self.density.zones, int(JUMPS.far_terms[0]))
 
-    # Fields through the regular part of the kernel.
+    # The methods below give the part of the fields that the kernel's regular part causes.
     def _regular(self, z: Complex, what: What) -> Complex | None:
-        """Field at z through the kernel's regular part; None if there is none."""
+        """Field at z that the kernel's regular part causes; None if there is no such part."""
         kernel = self.density.kernel
         if kernel.regular is None:
             return None
@@ -208,7 +210,7 @@ class Plane:
 
     @cached_property
     def _central_nodes(self) -> list[tuple[Array, Array]]:
-        """Quadrature nodes on the interval of all zones, with weights for the density.
+        """(nodes on the interval that spans all zones, weights that represent the density).
 
         The weights reproduce its first moments, which is enough if the regular part is smooth over
         a period.
@@ -235,9 +237,9 @@ def _check_analytic(regular: Regular, z: Complex, places: Array) -> None:
             )
 
 
-# Closed forms of jumps.
+# The function below sums the closed forms of jumps.
 def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Complex:
-    """Field of some jumps of a zone, at points close to the zone.
+    """Field of the jumps k of a zone, at points close to the zone.
 
     k: indices of the jumps. The derivative is multiplied by the half width w. The potential is
     divided by w and lacks the term c_0 log(w), where c_0 is the jumps' coefficient of T_0 / X.
@@ -247,7 +249,8 @@ def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Comple
     away, q = seen.left[:, None] - jumps.left[k], jumps.order[k]
     log = jumps.logarithm(k, seen, away)
     if what == "potential":
-        # At the jump itself only powers of the distance remain.
+        # At the jump itself the logarithm is infinite, but the power of the distance that
+        # multiplies it is zero.
         return jumps.plane_potential(k, seen, away, np.where((away == 0) & (q >= 0), 0.0, log))
     with np.errstate(invalid="ignore", divide="ignore"):
         if what == "transform":

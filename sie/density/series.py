@@ -26,15 +26,16 @@ from sie.trees.skeleton import Skeleton
 
 @dataclass(frozen=True)
 class DensityOptions:
-    """Places at which the response of a density to motions of the ends is evaluated."""
+    """Places at which the response of a density to motions of the zones' ends is evaluated."""
 
     # No error of the density is stated closer to a singular end or a kink than this distance,
     # relative to the half width. The error grows without bound there.
     end_distance: float = 0.01
-    # Least number of angles at which the density of a zone is sampled, and largest number of kinks
-    # next to which it is also sampled.
+    # Least number of angles at which the density is sampled on a zone. Also the largest number of
+    # kinks of a zone next to which the density is sampled.
     samples: int = 32
-    # Largest number of angles of a zone at which its response to motions of the ends is evaluated.
+    # Largest number of angles of a zone at which the density's response to motions of the ends is
+    # evaluated.
     max_angles: int = 256
 
 
@@ -56,10 +57,10 @@ class Series(DensityBase):
     bounded_ends: bool = False
     edges: tuple[Array, Array] | None = None
 
-    # Values on each zone.
+    # The methods below give properties of the density on each zone.
     @cached_property
     def singular(self) -> tuple[Array, Array]:
-        """(alpha, beta) of the unbounded part (alpha + beta t) / sqrt(1 - t^2)."""
+        """(alpha, beta) of the density's unbounded part (alpha + beta t) / sqrt(1 - t^2)."""
         alpha, beta = self.edges or chebyshev.edge_part(self.coefficients)
         if not self.bounded_ends:
             return alpha, beta
@@ -69,7 +70,7 @@ class Series(DensityBase):
 
     @cached_property
     def bounded(self) -> tuple[Array, Array, Array]:
-        """(alpha, beta, u): the series equals (alpha + beta t) / X + X sum u_k U_k.
+        """(alpha, beta, u): series = (alpha + beta t) / X + X sum u_k U_k, X = sqrt(1 - t^2).
 
         X = sqrt(1 - t^2).
         """
@@ -87,7 +88,7 @@ class Series(DensityBase):
         return np.clip(2 * modes + 4 * jumps, OPTIONS.samples, BLOCKS.cache_pairs)
 
     def first(self, count: int) -> Array:
-        """First coefficients of T_l / sqrt(1 - t^2) on each zone, jumps included (Z, count)."""
+        """The first `count` coefficients of T_l / sqrt(1 - t^2) on each zone, jumps included."""
         out = widened(self.coefficients[:, :count], count)
         return out + self.jumps.t_coefficients(self.zones, count) if len(self.jumps) else out
 
@@ -117,7 +118,7 @@ class Series(DensityBase):
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Coefficients A at both ends of each zone: the density is K / sqrt(d) + A sqrt(d)."""
+        """Edge slopes A at both ends of each zone; A is the coefficient of sqrt(distance)."""
         left, right = interval.edge_slopes(
             *self.singular, *chebyshev.slopes_at_ends(self.coefficients), self.zones.half
         )
@@ -127,7 +128,7 @@ class Series(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """(largest density, largest change by the left end, by the right end), arrays (Z,).
+        """(largest density, largest change by motion of the left end, of the right end).
 
         Changes are those at equal normalised position by a motion of an end, divided by the motion
         relative to the zone's width. Values closer to singular ends and kinks than
@@ -163,23 +164,24 @@ class Series(DensityBase):
                 for i, theta in zip(bent.tolist(), even, strict=True)
             ]
             out[1:] += bounded.largest_changes(bent, near_kinks)[1:]
-        # The singular part (alpha + beta t) / sqrt(1 - t^2) changes as well. If one end is fixed
-        # and the other one moves, the load spreads over another width.
+        # The density's singular part (alpha + beta t) / sqrt(1 - t^2) changes as well. If one end
+        # is fixed and the other end moves, the load spreads over another width.
         alpha, beta = self.singular
         out[1:] += (np.abs(alpha) + np.abs(beta)) / interval.root_weight(
             OPTIONS.end_distance, 2 - OPTIONS.end_distance
         )
         return out[0], out[1], out[2]
 
-    # Density and its integral at given places.
+    # The methods below give the density, and the integral of the density, at given places.
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by zone index and distances from the zone's ends in half widths.
+        """Density at points given by a zone and distances from the zone's ends in half widths.
 
         left + right = 2; no digit is lost close to the ends.
         """
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), left, right)
-        # At an end where the density is bounded, the round-off of K is not divided by zero.
+        # At an end where the density is bounded, the round-off of the intensity K is not divided by
+        # zero.
         out = interval.values_on(self.bounded, zone, left, right, self.zones.bounded)
         if len(self.jumps):
             out = out + self.jumps.density(zone.ravel(), left.ravel(), right.ravel()).reshape(
@@ -188,7 +190,7 @@ class Series(DensityBase):
         return np.asarray(out)
 
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
-        """Integral of the density from a zone's left end to the angle theta, t = cos(theta)."""
+        """Integral of the density from a zone's left end to the place t = cos(angle)."""
         zone, angle = np.broadcast_arrays(
             np.asarray(zone, dtype=np.intp), np.asarray(angle, dtype=float)
         )
@@ -200,7 +202,10 @@ class Series(DensityBase):
         return np.asarray(w * out)
 
     def integral(self, x: ArrayLike) -> Array:
-        """Integral of the density from the left end of the zone of x to x; zero off the zones."""
+        """Integral of the density up to x from the left end of the zone that contains x.
+
+        The integral is zero for x off the zones.
+        """
         x, i, inside = self.locate(x)
         out = np.zeros(x.shape)
         z, w = i[inside], self.zones.half[i[inside]]
@@ -208,10 +213,10 @@ class Series(DensityBase):
         out[inside] = self.integral_at(z, interval.theta(left, right))
         return out
 
-    # Tables from which the sums over zones are computed.
+    # The properties below are tables from which sums over zones are computed.
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
-        """(nodes, weights times density) for the regular part of the kernel, see `quadrature`."""
+        """(nodes, weights times density) for integrals with the kernel's regular part."""
         return quadrature(self.zones, self.kernel, self.coefficients, self.jumps)
 
     @cached_property
@@ -243,18 +248,18 @@ class Series(DensityBase):
 
     @cached_property
     def sharp_totals(self) -> Array:
-        """Coefficient c_0 on each zone of the jumps that `ForcingJumps.sharp_potential` covers."""
+        """Coefficient of T_0 / sqrt(1 - t^2) of the jumps in `ForcingJumps.sharp_potential`."""
         high = self.jumps.high_coefficients(self.zones)[:, :1]
         return np.asarray(self.jumps.t_coefficients(self.zones, 1)[:, 0] - high.sum(axis=1))
 
 
 def even_angles(count: int) -> Array:
-    """`count` equidistant angles in (0, pi); the outer ones are half a step from 0 and pi."""
+    """`count` equidistant angles in (0, pi); the first is half a step from 0."""
     return (np.arange(count) + 0.5) * np.pi / count
 
 
 def angles_at_kinks(left: Array, height: Array, theta: Array) -> Array:
-    """The angles theta of a zone, and the angles on both sides of its largest kinks.
+    """The angles theta of a zone, and angles on both sides of the zone's largest kinks.
 
     left, height: distances of all kinks from the zone's left end, divided by its half width, and
     their heights. Angles too close to a kink are left out. The limit is `end_distance`, or an
@@ -276,7 +281,7 @@ def angles_at_kinks(left: Array, height: Array, theta: Array) -> Array:
 def from_zones(
     density: Series, x: Array, zone: Index, shift: Array | float, potential: bool
 ) -> Array:
-    """Fields of zones, moved by `shift`, through the pole of the kernel, at points x.
+    """Fields at points x that zones moved by `shift` cause through one pole of the kernel.
 
     The result is pair by pair if all arrays are (n,). With x (n, 1) it has a column for each zone.
     """
@@ -321,7 +326,7 @@ def from_zones(
 
 
 def regular_at(density: Series, x: Array, regular: Regular) -> Array:
-    """Transform or potential at points x through the kernel's regular part `regular`.
+    """Part of the transform or potential at points x from the kernel's regular part.
 
     It is summed by panels if the kernel has any, else by Gauss-Chebyshev quadrature on every zone.
     """
@@ -348,7 +353,7 @@ def by_quadrature(
     regular: Callable[..., NDArray[Any]],
     pairs: int = BLOCKS.cache_pairs,
 ) -> NDArray[Any]:
-    """sum_j regular(x, xi_j) weight_j at real or complex x, at most `pairs` pairs at once.
+    """sum_j regular(x, xi_j) weight_j at real or complex x, in blocks of `pairs` pairs.
 
     parts: pairs (nodes xi, weights).
     """
@@ -363,7 +368,10 @@ def by_quadrature(
 def moments_of(
     panels: Panels | Skeleton, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps
 ) -> Array:
-    """Moments of a density on the panels; `table` is as in `quadrature`."""
+    """Moments of a density on the panels of the kernel's regular part.
+
+    table: T coefficients of the density without jumps, as in `quadrature`.
+    """
     nodes, weights = (
         np.concatenate(parts)
         for parts in zip(*quadrature(zones, kernel, table, jumps), strict=True)

@@ -25,14 +25,14 @@ class Treecode:
     """Transform and potential of a density, from a series on each cell of the central period."""
 
     def __init__(self, density: Series) -> None:
-        # A weak reference, because the density refers to this object: a reference cycle would delay
-        # the release of both.
+        # The reference is weak, because the density refers to this object. A reference cycle would
+        # delay the release of both objects.
         self.density: Series = weakref.proxy(density)  # type: ignore[assignment]
         zones, period = density.zones, density.kernel.period
         first, last = float(zones.a[0]), float(zones.b[-1])
         middle = 0.5 * (first + last)
-        # Without a period, cells end at one total width of the zones on either side. Farther away
-        # all zones are distant, and the moments of all of them suffice.
+        # Without a period, the cells end at a distance of one total width of the zones on either
+        # side. Farther away all zones are distant, and the moments of all zones together suffice.
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
@@ -65,7 +65,7 @@ class Treecode:
         return self._summed(x, self.potential_series, True)
 
     def _summed(self, x: Array, series: Array, potential: bool) -> Array:
-        """Field at x: the series of its cell plus the closed forms of the near zones."""
+        """Field at points x: the series of the point's cell plus closed forms of near zones."""
         out = np.empty(len(x))
         order = np.argsort(x, kind="stable")
         cell = np.searchsorted(self.ends, x[order], side="right") - 1
@@ -73,8 +73,8 @@ class Treecode:
         outside = ((cell < 0) | (x[order] > self.ends[-1])) & (self.density.kernel.period is None)
         beyond = order[outside]
         if len(beyond):
-            # Outside the cells the tree is used: mostly the moments of all zones at once, but
-            # single zones close to an image.
+            # Outside the cells the tree sums the fields. At most points the moments of all zones
+            # together suffice. Close to an image of the zones, single zones are summed.
             plane: Plane = self.density.plane  # type: ignore[assignment]
             out[beyond] = plane.poles(
                 x[beyond], np.zeros(len(beyond)), "potential" if potential else "transform"
@@ -100,7 +100,7 @@ class Treecode:
 
 
 def _cells(zones: Zones, lo: float, hi: float) -> Array:
-    """Ends of the cells, which are the zones and parts of the gaps.
+    """Ends of the cells, which are the zones and parts of the gaps between zones.
 
     The parts double in length away from a zone. This way few zones are near any cell.
     """

@@ -42,13 +42,14 @@ from sie.jumps.right_side import ForcingJumps
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import QuadraticSpline
 
-# Number of coefficients of the potential of a spline of the density. They decrease as l^-3.
+# Number of Chebyshev coefficients c_l for the potential of a spline that is part of the density.
+# The coefficients decrease as l^-3.
 _POTENTIAL_TERMS = SPLINES.coefficients_per_knot * SPLINES.min_density_jumps
 
 
 @record
 class Logarithms:
-    """Terms (J/pi) Lambda(x, s) of the right side, from jumps J of the density at positions s.
+    """Right-side terms: J/pi times the kernel's potential, for jumps J of the density.
 
     Lambda is the potential of the kernel. at: positions s; weight: J/pi; own: the zone that
     contains s, or -1; near: the terms whose s lies outside a zone but close to it.
@@ -62,7 +63,7 @@ class Logarithms:
     near: ExteriorLogarithms
 
     def at_points(self, x: Array) -> Array:
-        """Sum of the terms at points x (n,)."""
+        """Sum of the logarithmic terms of the right side at points x (n,)."""
         away = x[:, None] - self.at
         with np.errstate(divide="ignore"):
             return np.asarray(
@@ -70,7 +71,7 @@ class Logarithms:
             )
 
     def on_zone(self, zone: int, left: Array) -> Array:
-        """Sum of the terms on a zone without their nearest singularity.
+        """Sum of the logarithmic terms on a zone, without the singularities in or near the zone.
 
         left: distances from the zone's left end in half widths. The omitted part is
         (J/pi) ln(2 |t - s|) for a position s in the zone, and (J/pi) ln(2 |rho| |t - s|) for one
@@ -79,8 +80,9 @@ class Logarithms:
         w, kernel = self.zones.half[zone], self.kernel
         away = w * left[:, None] + (self.zones.a[zone] - self.at)
         if kernel.period is not None:
-            # Distances are those from the nearest image of each position. Positions in the zone
-            # itself are not moved, since they are given relative to the zone's own ends.
+            # Distances are measured from the nearest periodic image of each position s. Positions
+            # in the zone itself are not moved, because they are given relative to the zone's own
+            # ends.
             away = np.where(
                 self.own == zone,
                 away,
@@ -98,7 +100,7 @@ class Logarithms:
         return np.asarray((near + self._far(away)) @ self.weight)
 
     def _far(self, away: Array) -> Array:
-        """The kernel's potential without its nearest logarithm, at distances x - s."""
+        """The kernel's potential at distances x - s, without the logarithm of the pole at 0."""
         kernel = self.kernel
         out = np.zeros(away.shape)
         for shift in kernel.poles:
@@ -111,7 +113,7 @@ class Logarithms:
 
 @record
 class DensityJumps(ForcingJumps):
-    """Jumps J of the density (order q = 0) and of its derivatives, with heights h = J w^q / q!.
+    """Jumps J of the density's q-th derivatives, with heights J w^q / q! (w: half width).
 
     logarithms: terms of the right side by all jumps of order 0, inside zones or not.
     """
@@ -128,7 +130,7 @@ class DensityJumps(ForcingJumps):
         kernel: Kernel,
         spline: Callable[[Array], Array] | None = None,
     ) -> "DensityJumps":
-        """The jumps at positions `at` (repeated with the kernel's period) that lie inside a zone.
+        """The jumps at positions `at`, repeated with the kernel's period, that are in a zone.
 
         spline: a quadratic spline with the jumps of order 2, if there is one.
         """
@@ -163,7 +165,7 @@ class DensityJumps(ForcingJumps):
         """The jumps of the density itself only."""
         return replace(self.chosen(self.order == 0), poles=NO_POLES)
 
-    # The right side.
+    # The methods below give the parts of the right side that come from the jumps.
     def smooth_part(self, zone: Index, left: Array) -> Array:
         out = -self._higher.carried(zone, left)
         if self.logarithms is not None:
@@ -180,9 +182,9 @@ class DensityJumps(ForcingJumps):
     def mean_offsets(self, zones: Zones) -> Array:
         raise ValueError("a condition on potentials is for right sides without logarithms")
 
-    # The density.
+    # The methods below give the density that the jumps cause.
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Integral of the density from the zone's left end, divided by the half width w and h / pi.
+        """Integral, from the left end, of each jump's density, over (half width) (height) / pi.
 
         It is integrated from the end on the same side of s. For t > s,
 
@@ -203,7 +205,7 @@ class DensityJumps(ForcingJumps):
 
     @cached_property
     def _totals(self) -> Array:
-        """Integral of the density of each jump over its zone, divided by w h / pi.
+        """Integral of each jump's density over its zone, divided by (half width) (height) / pi.
 
         w is the half width of the zone and h the height of the jump.
         """
@@ -220,9 +222,9 @@ class DensityJumps(ForcingJumps):
             out[zone] = spline.t_coefficients(_POTENTIAL_TERMS)
         return out
 
-    # Transforms and potentials.
+    # The methods below give potentials of the jumps.
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of the closed-form parts divided by the half width w, without c_0 log(w).
+        """Closed-form potential over the half width w, without c_0 log(w), c_0 = total / (pi w).
 
         On the zone rho = e^{i theta}. For q = 0 the formula comes from partial fractions of
         -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)). For other q see `_potential`.
@@ -235,7 +237,9 @@ class DensityJumps(ForcingJumps):
         return out + self.poles.potential(zone, seen) if len(self.poles) else out
 
     def of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
-        """Potential of jumps k of the density itself, divided by w and h / pi, without c_0 log(w).
+        """Potential of jumps k of the density over w h / pi (w: half width, h: jump's height).
+
+        The term c_0 log(w), with c_0 = total / (pi w), is left out.
 
         w is the half width of the zone and h the height of the jump; log: log(2 rho).
         """
@@ -243,18 +247,21 @@ class DensityJumps(ForcingJumps):
         both = potential_series(up, rho) + potential_series(np.conj(up), rho)
         return np.real(up) * (log - rho**2 / 2) - both / 2
 
-    # Values at complex points, see `sie.density.plane`.
+    # The methods below give values at complex points (see `sie.density.plane`).
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """The logarithm log(2 rho (zeta - s)) of jumps k; away: zeta - s."""
+        """log(2 rho (zeta - s)) for jumps k at s, with rho = zeta - sqrt(zeta^2 - 1).
+
+        away: zeta - s.
+        """
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(2 * seen.rho[:, None] * away))
 
     def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """Derivative of `logarithm` by zeta."""
+        """Derivative of `logarithm` by the coordinate zeta."""
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential of jumps k divided by the half width w, without c_0 log(w)."""
+        """Potential of jumps k over the half width w, without c_0 log(w), c_0 = total / (pi w)."""
         higher = self.order[k] > 0
         out = super().plane_potential(k[higher], seen, away[:, higher], log[:, higher])
         kinks = k[~higher]
@@ -264,7 +271,8 @@ class DensityJumps(ForcingJumps):
             @ (self.height[kinks] / np.pi)
         )
 
-    # Closed forms.
+    # The methods below give factors in the closed forms of `PlacedJumps`, for jumps of the density
+    # itself.
     @cached_property
     def line(self) -> tuple[Array, Array]:
         first, second = self.order == 1, self.order == HIGHEST
@@ -273,25 +281,27 @@ class DensityJumps(ForcingJumps):
         )
 
     def turn(self, k: Index, away: Array) -> Array:
-        # At the jump itself only powers of the distance remain.
+        # At the jump itself the power (t - s)^q is zero for q > 0. A finite logarithm is then used,
+        # so that the product is zero.
         with np.errstate(divide="ignore"):
             return np.log(np.where((away == 0) & (self.order[k] > 0), 1.0, 2 * np.abs(away)))
 
     def turn_off(self, k: Index, rho: Array) -> Array:
-        # This is log |1 - rho e^{i phi}|^2, from the distance of the jump to the end on the side of
-        # the point. Both terms are positive, so that nothing cancels.
+        # The result is log |1 - rho e^(i phi)|^2. It is computed from the jump's distance to that
+        # end of the zone which is nearer to the point. Both terms are then positive, so that
+        # nothing cancels.
         end = np.where(rho > 0, self.right[k], self.left[k])
         return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
-        """pi eta at points given by their distances from the zone's ends in half widths."""
+        """theta for t > s and theta - pi for t < s, at points t = cos(theta), with a jump at s."""
         away, from_right, from_left = left - self.left[k], theta(left, right), theta(right, left)
         return np.where(
             away == 0, 0.5 * (from_right - from_left), np.where(away > 0, from_right, -from_left)
         )
 
     def _potential(self, q: int, k: Index, parts: tuple[Any, ...]) -> Any:
-        """Potential for orders q = 1 and 2, as a primitive of the transform.
+        """Potential of jumps k of order q = 1 or 2, as a primitive of the transform.
 
         Of all primitives it is the one that behaves as -c_0 ln(2 |rho|) far away. With
         L = ln(1 - 2 rho cos(phi) + rho^2), R = sgn(z) sqrt(z^2 - 1) and g = -ln|rho| = int dz / R,
@@ -332,7 +342,8 @@ class DensityJumps(ForcingJumps):
         return main + rest
 
     def sine_weights(self, k: Index, j: Array) -> Array:
-        # Angles are measured from the nearer end, so that their multiples keep their digits there.
+        # Angles are measured from the nearer end, so that multiples of small angles keep all
+        # digits.
         from_left = (self.psi < self.phi)[k][:, None]
         cosines = np.cos(j * np.minimum(self.phi, self.psi)[k][:, None])
         return np.asarray(np.where(from_left & (j % 2 == 1), cosines, -cosines))

@@ -21,7 +21,7 @@ from sie.jumps.formulas import OPTIONS
 
 @record
 class ExteriorLogarithms(PerZone):
-    """Logarithms outside zones, one entry for each zone that they are close to.
+    """Pairs of a zone and a logarithm of the right side that is outside but close to it.
 
     zone: the zone; which: index of the logarithm; rho: s - sgn(s) sqrt(s^2 - 1) of its position s
     in half widths from the middle of the zone; weight: its factor J/pi in the right side.
@@ -53,7 +53,8 @@ class ExteriorLogarithms(PerZone):
         at, which = at[order], which[order]
         reach = OPTIONS.reach * zones.half
         if period is not None:
-            # A position must be close to one end only, even if the zone is almost a period wide.
+            # A position may be close to only one end of a zone, even if the zone is almost a period
+            # wide.
             reach = np.clip(reach, 0.0, np.maximum(0.49 * period - zones.half, 0.0))
         found: list[tuple[Index, Index, Array]] = []
         for sign, ends in ((1.0, zones.b), (-1.0, zones.a)):
@@ -72,20 +73,21 @@ class ExteriorLogarithms(PerZone):
         return cls(zone, which, rho, weights[which])
 
     def sine_coefficients(self, count: int) -> Array:
-        """Coefficients of sin(j theta), j = 1 ... count, one row for each entry."""
+        """Coefficients of sin(j theta), j = 1 ... count, in the density of each entry."""
         j = np.arange(1, count + 1)
         return np.asarray(-2 * self.weight[:, None] * self.rho[:, None] ** j / j)
 
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Slopes of the density by the angle from the left and from the right end, by entry."""
+        """Derivatives of each entry's density by the angle, at both ends of its zone."""
         with np.errstate(divide="ignore"):
             return -2 * self.weight * self.rho / (1 + self.rho), -2 * self.weight * self.rho / (
                 1 - self.rho
             )
 
-    # Values at points (n,) of zones, given by their distances from the zone's ends in half widths.
+    # The methods below give values at points (n,). A point is given by its zone and by its
+    # distances from the zone's ends, in half widths.
     def density(self, zone: Index, left: Array, right: Array) -> Array:
-        """Density of the logarithms on their own zones."""
+        """Density that each zone's nearby logarithms cause on this zone."""
         phi = theta(left, right)
 
         def part(at: Index, k: Index) -> Array:
@@ -95,7 +97,7 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, -2 * self.weight, part)
 
     def own_transform(self, zone: Index, left: Array) -> Array:
-        """Transform on the zone itself.
+        """Transform, on the zone itself, of the density that nearby logarithms cause.
 
         It is ln(1 - 2 rho t + rho^2) = ln((1 - |rho|)^2 + 2 |rho| d), with d the distance from the
         end that is nearer to the logarithm.
@@ -111,7 +113,7 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def transform(self, zone: Index, rho: Array) -> Array:
-        """Transform at points off the zone, given by their rho."""
+        """Transform at points off the zone, from rho = zeta - sqrt(zeta^2 - 1) of each point."""
         return self.grouped.summed(
             zone, 2 * self.weight, lambda at, k: np.log1p(-rho[at] * self.rho[k])
         )
@@ -138,7 +140,10 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def potential(self, zone: Index, log: Array, rho: Complex) -> Array:
-        """Potential divided by the half width w, without c_0 log(w); log: log(2 |rho|)."""
+        """Potential over the half width w, without c_0 log(w), c_0 = total / (pi w).
+
+        log: log(2 |rho|).
+        """
         return self.grouped.summed(
             zone, self.weight, lambda at, k: self._potential(k, log[at], rho[at]).real
         )
@@ -146,9 +151,9 @@ class ExteriorLogarithms(PerZone):
     def _potential(self, k: Index, log: Complex | Array, rho: Complex) -> Complex:
         return self.rho[k] * (log - rho**2 / 2) - potential_series(self.rho[k], rho)
 
-    # Values at complex points, see `sie.density.plane`.
+    # The methods below give values at complex points (see `sie.density.plane`).
     def log(self, k: Index, seen: InPlane) -> Complex:
-        """The logarithm 2 log(1 - rho rho_z) of entries k at points z, shape (points, k).
+        """2 log(1 - rho rho_z), with rho of the entries k and rho_z of the points z: (points, k).
 
         Close to the right end 1 - rho rho_z = (1 - rho_z) + rho_z (1 - rho) does not cancel. For
         rho < 0 the left end takes its place, with 1 + rho_z.
@@ -160,7 +165,7 @@ class ExteriorLogarithms(PerZone):
         )
 
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """Sum over entries k of their transform, its derivative by zeta, or their potential.
+        """Sum over entries k of the transform, its derivative by zeta, or the potential.
 
         The potential is divided by the half width w and lacks the term c_0 log(w).
         """

@@ -19,19 +19,20 @@ HIGHEST = 2
 
 @dataclass(frozen=True)
 class JumpOptions:
-    """Limits between the closed forms of jumps and singular points, and their series."""
+    """Limits that decide between closed forms and series for jumps and singular points."""
 
-    # Singular points outside a zone, within this many half widths of it, are treated in closed
-    # form. The effect of farther ones is smooth on the zone. Insensitive: 0.3 to 1.
+    # Singular points outside a zone, within this many half widths of the zone, are treated in
+    # closed form. The effect of more distant points is smooth on the zone. Insensitive: 0.3 to 1.
     reach: float = 0.5
-    # For |rho| below the first value closed forms cancel, so the series of all jumps of a zone is
-    # summed instead. With at least `far_jumps` jumps the series is faster up to the next values.
+    # The series of all jumps of a zone is summed at points whose |rho|, rho = zeta - sqrt(zeta^2 -
+    # 1), is below a limit. Below the first limit closed forms cancel. The next limits apply to
+    # zones with at least `far_jumps` jumps, because the series is then faster.
     far_rho: tuple[float, ...] = (0.25, 0.6, 0.87)
     far_jumps: tuple[int, ...] = (10, 36)
 
     @property
     def far_terms(self) -> Index:
-        """Terms of the series for each `far_rho`, down to round-off."""
+        """Number of terms with which the series reaches round-off at each value of `far_rho`."""
         return np.ceil(DIGITS / -np.log(self.far_rho)).astype(np.intp)
 
 
@@ -40,7 +41,7 @@ OPTIONS = JumpOptions()
 
 @record
 class PlacedJumps(PerZone):
-    """Jumps inside the zones.
+    """Jumps of a function, or of its derivatives, at places inside the zones.
 
     zone: zone of each jump; left, right: distances from the zone's ends in half widths w; order: q,
     the number of the derivative that jumps; height: h = J w^q / q!, with J the size of the jump.
@@ -59,7 +60,7 @@ class PlacedJumps(PerZone):
         return none, places, places, places, none
 
     def chosen(self, which: Mask | Index) -> Self:
-        """The jumps selected by a mask or by indices."""
+        """The jumps that a mask or an array of indices selects."""
         zone, left, right = self.zone[which], self.left[which], self.right[which]
         return replace(
             self,
@@ -72,67 +73,69 @@ class PlacedJumps(PerZone):
 
     @cached_property
     def phi(self) -> Array:
-        """Angle phi of each jump, s = cos(phi)."""
+        """Angle phi of each jump, whose place in the zone is s = cos(phi)."""
         return theta(self.left, self.right)
 
     @cached_property
     def psi(self) -> Array:
-        """pi - phi, without cancellation close to the left end."""
+        """The angle pi - phi of each jump from the left end, without cancellation."""
         return theta(self.right, self.left)
 
     @cached_property
     def sine(self) -> Array:
-        """sin(phi), without cancellation close to either end."""
+        """sin(phi) of each jump's angle phi, without cancellation close to either end."""
         return np.asarray(np.sin(np.minimum(self.phi, self.psi)))
 
     @cached_property
     def s(self) -> Array:
         return 0.5 * (self.left - self.right)
 
-    # Values of jumps k at points; the arrays of jumps and points are broadcast.
+    # The methods below give factors of the closed forms for jumps k at points. The arrays of jumps
+    # and points are broadcast.
     @cached_property
     def line(self) -> tuple[Array, Array]:
-        """(constant, slope) of the polynomial P_q(t) = constant + slope t, for each jump."""
+        """(constant, slope) of the polynomial P_q(t) in the transform of each jump of order q."""
         first, second = self.order == 1, self.order == HIGHEST
         return np.where(second, -1.5 * self.s, first) * self.sine, np.where(second, self.sine, 0.0)
 
     def polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
-        """Polynomial P_q(t) of jumps k."""
+        """The polynomial P_q(t) in the transform of jumps k of order q, at places t."""
         constant, slope = self.line
         return np.asarray(slope[k] * t + constant[k])
 
     def turn(self, k: Index, away: Array) -> Array:
-        """The factor of (t - s)^q in the transform on the zone; away = t - s."""
+        """The factor of (t - s)^q in the transform on the zone; away: t - s, with the jump at s."""
         return np.where(away > 0, self.psi[k], -self.phi[k])
 
     def turn_off(self, k: Index, rho: Array) -> Array:
-        """The factor of (z - s)^q in the transform off the zone."""
+        """The factor of (z - s)^q in the transform at points z off the zone; jump at s."""
         return np.asarray(2 * np.arctan2(rho * self.sine[k], 1 - rho * np.cos(self.phi[k])))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
-        """The function kappa at points given by distances from the zone's ends in half widths."""
+        """The function `kappa` of jumps k, at points given by distances from the zone's ends."""
         return kappa(
             np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k]), left - self.left[k]
         )
 
-    # Density, transform and potential of jumps k, divided by h / pi.
+    # The methods below give density, transform and potential of jumps k, divided by h / pi with the
+    # height h.
     def on_zone(self, k: Index, left: Array) -> Array:
-        """Transform on the zone."""
+        """Transform of jumps k at points on the zone, divided by height / pi."""
         away = left - self.left[k]
         return self.turn(k, away) * power(away, self.order[k]) - self.polynomial(k, left - 1)
 
     def off_zone(self, k: Index, z: Array, rho: Array) -> Array:
-        """Transform off the zone."""
+        """Transform of jumps k at points off the zone, divided by height / pi."""
         return power(z - self.s[k], self.order[k]) * self.turn_off(k, rho) - self.polynomial(k, z)
 
     def of_density(self, k: Index, left: Array, right: Array) -> Array:
-        """Density (t - s)^q kappa(t)."""
+        """Density (t - s)^q kappa(t) of jumps k at s, of order q (see `kappa`)."""
         away, q = left - self.left[k], self.order[k]
         with np.errstate(invalid="ignore"):
             return np.where((away == 0) & (q > 0), 0.0, power(away, q) * self.shape(k, left, right))
 
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Integral of the density from the left end, divided by the half width, for q = 0 only.
+        """Integral of the density by t from the zone's left end; only for jumps of order 0.
 
         The integral of kappa is (t - s) kappa - theta sin(phi).
         """
@@ -148,14 +151,14 @@ class PlacedJumps(PerZone):
             ] * theta(right, left)
 
     def potential_on(self, k: Index, left: Array, right: Array) -> Array:
-        """Potential on the zone, divided by the half width w, without c_0 log(w)."""
+        """Potential on the zone over the half width w, without c_0 log(w), c_0 = total / (pi w)."""
         away, nothing = left - self.left[k], np.zeros_like(left)
         return np.asarray(
             self.potential_of(k, away, 0.5 * (left - right), self.turn(k, away), nothing, nothing)
         )
 
     def potential_off(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
-        """Potential off the zone, divided by the half width w, without c_0 log(w)."""
+        """Potential off the zone over half width w, without c_0 log(w), c_0 = total / (pi w)."""
         seen = Outside(np.where(left > 0, 1.0, -1.0), np.maximum(-left, -right))
         return np.asarray(
             self.potential_of(
@@ -169,7 +172,7 @@ class PlacedJumps(PerZone):
         )
 
     def potential_of(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
-        """The potentials in closed form, at real or complex points.
+        """The potentials of jumps k in closed form, at real or complex points.
 
         away: z - s; turn, grown, root: the functions F, A and B of `sie.jumps.right_side`.
         """
@@ -185,7 +188,7 @@ class PlacedJumps(PerZone):
         return out
 
     def _potential(self, q: int, k: Index, parts: tuple[Any, ...]) -> Any:
-        """The potential in closed form of jumps of order q."""
+        """The potential in closed form of jumps k, which all have the same order q."""
         away, z, turn, grown, root = parts
         s, sine = self.s[k], self.sine[k]
         if q == 0:
@@ -198,15 +201,15 @@ class PlacedJumps(PerZone):
             rest = rest + (square / 9 - s * s / 2 - 1 / 12 - np.log(2) * (square / 6 + s * s / 2))
         return raised(away, q + 1) * turn / (q + 1) + sine * rest
 
-    # Series of jumps k.
+    # The methods below give the series of jumps k.
     def sine_weights(self, k: Index, j: Array) -> Array:
-        """Weights b_j of jumps k; for q = 0 the density is (h/pi) sum_j (2/j) b_j sin(j theta)."""
+        """Weights b_j of jumps k: for order 0, density = height/pi sum_j (2/j) b_j sin(j theta)."""
         from_left = (self.psi < self.phi)[k][:, None]
         sines = np.sin(j * np.minimum(self.phi, self.psi)[k][:, None])
         return np.asarray(np.where(from_left & (j % 2 == 0), -sines, sines))
 
     def coefficients(self, k: Index, row: Index, rows: int, count: int) -> Array:
-        """Coefficients of T_l / sqrt(1 - t^2) of jumps k, summed in rows (rows, count).
+        """Coefficients (rows, count) of T_l / sqrt(1 - t^2), summed over the jumps of each row.
 
         (t - s)^q is expanded in powers of t, so that each row, not each jump, is multiplied by t.
         """
@@ -240,13 +243,13 @@ def kappa(up: Array, vp: Array, away: Array) -> Array:
     """
     small, large = np.minimum(up, vp), np.maximum(up, vp)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # 2 artanh of the ratio is accurate to all digits for a jump or a point close to an end.
+        # If the jump or the point is close to an end, 2 artanh(small / large) keeps all digits.
         far = 2 * np.arctanh(np.minimum(small / large, 0.5))
         return np.where(small < 0.5 * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away))))
 
 
 def power(away: Array, order: Index) -> Array:
-    """away^order for orders 0 to 2.
+    """The power away^order, for orders 0, 1 and 2.
 
     Products are ten times as fast as general powers. Knots of splines need squares only.
     """
@@ -258,12 +261,12 @@ def power(away: Array, order: Index) -> Array:
 
 
 def raised(away: Any, q: int) -> Any:
-    """away^q by products."""
+    """The power away^q, computed by products."""
     return math.prod([away] * (q - 1), start=away)
 
 
 def of_sines(beta: Array) -> Array:
-    """Coefficients of T_l / sqrt(1 - t^2), l >= 0, from those of sin(j theta), j >= 1.
+    """Coefficients of T_l / sqrt(1 - t^2), l >= 0, from coefficients of sin(j theta), j >= 1.
 
     The sum acts along the last axis.
     """
@@ -273,7 +276,7 @@ def of_sines(beta: Array) -> Array:
 
 
 def _times_t(c: Array) -> Array:
-    """Coefficients of t times sum c_l T_l, without the last one."""
+    """Chebyshev coefficients of the product t sum c_l T_l, without the last coefficient."""
     out = np.zeros_like(c)
     out[:, 1:] += 0.5 * c[:, :-1]
     out[:, 1] += 0.5 * c[:, 0]

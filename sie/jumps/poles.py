@@ -40,7 +40,8 @@ from sie.basis.sums import PerZone
 from sie.basis.zones import Zones
 from sie.jumps.formulas import OPTIONS as JUMPS
 
-# Step of the trapezoidal rule in log(eta), with an error of exp(-pi^2/step) = exp(-DIGITS).
+# Step of the trapezoidal rule in log(eta), where eta is a pole's distance from the line. The rule's
+# relative error is exp(-pi^2/step) = exp(-DIGITS).
 _STEP = np.pi * np.pi / DIGITS
 
 
@@ -97,23 +98,24 @@ class AlgebraicPoints:
 
     @cached_property
     def weights(self) -> Complex:
-        """Factor c_k / (h eta_k^(p+1)) of the pole coefficients of each point."""
+        """The factor of the poles' coefficients that is the same for all poles of a point."""
         p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
-        # In degrees the zeros of sine and cosine are exact, so that a polynomial has no poles.
+        # With angles in degrees, the zeros of sine and cosine are exact, so that a polynomial has
+        # no poles.
         odd, even = cosdg(90.0 * p) * (right - left), sindg(90.0 * p) * (right + left)
         return np.asarray((odd + 1j * even) / np.pi)
 
     @cached_property
     def places(self) -> Array:
-        """Distinct positions, ascending."""
+        """The different positions of the points, in ascending order."""
         return np.unique(np.asarray(self.at))
 
     def lowest(self, place: int) -> float:
-        """Least exponent at the position with index `place`."""
+        """Least exponent of the points at the position with index `place`."""
         return float(np.asarray(self.exponents)[self._at(place)].min())
 
     def poles(self, place: int, farthest: float) -> tuple[Array, Complex]:
-        """(distances eta_k, coefficients c_k) of the poles of a position.
+        """(distances from the line, coefficients) of the poles of the position with index `place`.
 
         The largest distance is `farthest`. All powers at the position share the same poles.
         """
@@ -124,7 +126,7 @@ class AlgebraicPoints:
         return away, _STEP * (away[:, None] ** (p + 1.0)) @ weights
 
     def left_out(self, place: int, farthest: float) -> complex:
-        """Sum of c / eta over the omitted poles, which are closer to the position than all others.
+        """Sum of coefficient / distance over the omitted poles, all very close to the position.
 
         They matter at the position itself only, and only for small exponents. The sum is infinite
         if an exponent is not positive.
@@ -141,7 +143,7 @@ class AlgebraicPoints:
 
 @record
 class Poles(PerZone):
-    """Poles of the right side in zones and close to them.
+    """Poles that represent the right side's algebraic points in zones and close to zones.
 
     All lengths are in half widths of the zone. zone: zone of each pole; left, right: distances of
     its point from the zone's ends; away: distance eta of the pole from the line; size: coefficient
@@ -171,7 +173,7 @@ class Poles(PerZone):
         period: float | None,
         of_density: bool = False,
     ) -> "Poles":
-        """The poles of all points in zones and close to them.
+        """The poles of all algebraic points that lie in zones or close to zones.
 
         of_density: whether the points are those of the wanted density, not of the right side.
         """
@@ -198,7 +200,7 @@ class Poles(PerZone):
 
     @cached_property
     def roots(self) -> tuple[Complex, Complex]:
-        """((z + 1)^(1/2), (z - 1)^(1/2)) in the first quadrant, without cancellation."""
+        """(sqrt(z + 1), sqrt(z - 1)) of the poles z, in the first quadrant, not cancelling."""
         return np.sqrt(self.left + 1j * self.away), np.sqrt(-self.right + 1j * self.away)
 
     @cached_property
@@ -216,20 +218,21 @@ class Poles(PerZone):
         return np.asarray(-2.0 * self.size / (p * m))
 
     def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
-        """Real part of the sum over the poles of the zone of each point.
+        """For each point, the real part of a sum over the poles of the zone of this point.
 
         of(points, poles): the term of each pair.
         """
         return self.grouped.summed(zone, np.ones(len(self.zone)), of)
 
-    # Values at points (n,) of zones, given by their distances from the zone's ends in half widths.
+    # The methods below give values at points (n,). A point is given by its zone and by its
+    # distances from the zone's ends, in half widths.
     def _past(self, at: Index, k: Index, left: Array, right: Array) -> Complex:
-        """The differences t - z of points and poles, computed from the end nearer to the point."""
+        """The differences t - z of points t and poles z, computed from the end nearer to t."""
         past = np.where(left[at] <= right[at], left[at] - self.left[k], self.right[k] - right[at])
         return np.asarray(past - 1j * self.away[k])
 
     def own_transform(self, zone: Index, left: Array) -> Array:
-        """Transform of the density of the poles on the zone itself."""
+        """Transform, on the zone itself, of the density of the zone's poles."""
 
         def part(at: Index, k: Index) -> Array:
             return np.real(
@@ -248,7 +251,7 @@ class Poles(PerZone):
         return out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the density from the zone's left end, divided by the half width."""
+        """Integral of the poles' density from the zone's left end, divided by the half width."""
         angle, sine = theta(right, left), root_weight(np.maximum(left, 0.0), np.maximum(right, 0.0))
         p, m = self.roots
         tangent = np.sqrt(left / np.maximum(right, 1e-300))
@@ -264,7 +267,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def transform(self, zone: Index, rho: Array) -> Array:
-        """Transform at points off the zone, given by their rho."""
+        """Transform at points off the zone, from rho = zeta - sqrt(zeta^2 - 1) of each point."""
 
         def part(at: Index, k: Index) -> Array:
             both = self.rho[k] * rho[at]
@@ -273,7 +276,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_on(self, zone: Index, left: Array, right: Array) -> Array:
-        """Potential on the zone, divided by the half width w, without c_0 log(w)."""
+        """Potential on the zone over the half width w, without c_0 log(w), c_0 = total / (pi w)."""
         t = 0.5 * (left - right)
 
         def part(at: Index, k: Index) -> Array:
@@ -286,7 +289,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_off(self, zone: Index, rho: Array) -> Array:
-        """Potential off the zone, divided by the half width w, without c_0 log(w)."""
+        """Potential off the zone over half width w, without c_0 log(w), c_0 = total / (pi w)."""
 
         def part(at: Index, k: Index) -> Array:
             return np.real(
@@ -302,15 +305,15 @@ class Poles(PerZone):
         return np.asarray((rho - 1.0 / rho) * np.log1p(-rho * seen) - seen - rho * log)
 
     def potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential on the zone and off it, divided by the half width w, without c_0 log(w)."""
+        """Potential on or off the zone over half width w, less c_0 log(w), c_0 = total / (pi w)."""
         out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
         out[on] = self.potential_on(zone[on], seen.left[on], seen.right[on])
         out[off] = self.potential_off(zone[off], seen.rho[off])
         return out
 
-    # Sums for each zone.
+    # The methods below sum over the poles of each zone.
     def sine_coefficients(self, zones: int, count: int) -> Array:
-        """Coefficients of sin(j theta), j = 1 ... count, of the density of each zone.
+        """Coefficients of sin(j theta), j = 1 ... count, in the density of each zone's poles.
 
         The right side has the same coefficients, of the polynomials T_j.
         """
@@ -321,7 +324,7 @@ class Poles(PerZone):
         return out.T
 
     def mean_offsets(self, zones: int) -> Array:
-        """Corrections of the mean of the primitive of g, as in `ForcingJumps.mean_offsets`.
+        """For each zone, the poles' part of `ForcingJumps.mean_offsets`.
 
         T_1 contributes -1/4. T_j with odd j > 1 contributes 1 / (j^2 - 1).
         """
@@ -330,7 +333,7 @@ class Poles(PerZone):
         return np.asarray(np.bincount(self.zone, parts.real, zones), dtype=float)
 
     def edge_slopes(self, zones: int) -> tuple[Array, Array]:
-        """Slopes of the density by the angle from the left and the right end of each zone."""
+        """Derivatives of the poles' density by the angle, at each zone's left and right end."""
         p, m = self.roots
         left, right = (0.5 * self.q / root**2 for root in (p, m))
         out = np.array(
@@ -342,9 +345,9 @@ class Poles(PerZone):
         """Round-off of the sum over the poles of each zone."""
         return np.asarray(np.bincount(self.zone, 2.2e-16 * np.abs(self.q), zones), dtype=float)
 
-    # Values at complex points, see `sie.density.plane`.
+    # The methods below give values at complex points (see `sie.density.plane`).
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """Sum over poles k of their transform, its derivative by zeta, or their potential.
+        """Sum over poles k of the transform, of the transform's derivative, or of the potential.
 
         The potential is divided by the half width w and lacks the term c_0 log(w).
         """
@@ -363,7 +366,7 @@ class Poles(PerZone):
 def _seen(
     zones: Zones, places: Array, period: float | None
 ) -> Iterator[tuple[int, int, float, float]]:
-    """(index of the position, zone, distances from the left and right end) of all close pairs.
+    """Yield (position index, zone, distances from left and right end) for all close pairs.
 
     A position is close to a zone if it lies in it or within `JumpOptions.reach` half widths.
     """

@@ -46,16 +46,17 @@ from sie.jumps.poles import NO_POLES, Poles
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import ConjugateSpline, QuadraticSpline, with_jumps
 
-# A spline takes the place of many jumps of order 2: a ConjugateSpline for jumps of the right side,
-# a QuadraticSpline for jumps of the density. Both have the same methods; a method raises ValueError
-# if its kind has no closed form.
+# One spline replaces many jumps of order 2, that is, of the second derivative. It is a
+# ConjugateSpline for jumps of the right side, and a QuadraticSpline for jumps of the density. Both
+# classes have the same methods. A method raises ValueError if its spline has no closed form for the
+# quantity.
 Spline = QuadraticSpline | ConjugateSpline
 MakeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
 
 @record
 class ForcingJumps(PlacedJumps):
-    """Jumps inside the zones.
+    """Jumps of the right side or its derivatives inside zones, with splines and poles.
 
     splines: the spline of each zone with very many jumps of order 2; it replaces most of them.
     poles: the poles of algebraic points in zones and close to them.
@@ -96,7 +97,7 @@ class ForcingJumps(PlacedJumps):
     def placed(
         cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None
     ) -> Self:
-        """The jumps inside zones, without splines."""
+        """The jumps that lie inside zones; none of them are replaced by splines."""
         at, i, inside = cls.located(zones, at, period)
         i, at, q = i[inside], at[inside], orders[inside]
         w = zones.half[i]
@@ -128,7 +129,7 @@ class ForcingJumps(PlacedJumps):
     def _with_splines(
         self, zones: Zones, f: Callable[[Array], Array], make: MakeSpline, least: int
     ) -> Self:
-        """The jumps, with a spline in every zone that has at least this many jumps of order 2.
+        """The jumps, replaced by a spline in zones with at least `least` jumps of order 2.
 
         make: makes a spline from the knots, their jumps and the function f. If f is not a quadratic
         spline with these jumps, the spline is made from the jumps alone.
@@ -167,7 +168,7 @@ class ForcingJumps(PlacedJumps):
 
     @property
     def count(self) -> Index:
-        """Number of jumps and singular points of each zone, knots of its spline included.
+        """Number of jumps and singular points of each zone, knots of the zone's spline included.
 
         The array ends with the last zone that has any.
         """
@@ -192,7 +193,7 @@ class ForcingJumps(PlacedJumps):
         return left, order
 
     def angles(self, zone: int) -> Array:
-        """Angles of the jumps of a zone and of its spline's knots, unsorted."""
+        """Angles of the jumps of a zone and of the knots of the zone's spline, unsorted."""
         if zone not in self.splines:
             return self.phi[self.by_zone[zone]]
         left = self.places(zone)[0]
@@ -214,13 +215,14 @@ class ForcingJumps(PlacedJumps):
         others = *self.splines, *self.near.by_zone, *self.poles.by_zone
         return {zone: np.zeros(0, np.intp) for zone in others} | self.grouped.places()
 
-    # Values at points (n,) of zones, given by their distances from the zone's ends in half widths.
+    # The methods below give values at points (n,). A point is given by its zone and by its
+    # distances from the zone's ends, in half widths.
     def smooth_part(self, zone: Index, left: Array) -> Array:
-        """The function that makes the right side g smooth when it is added to g."""
+        """The function whose sum with the right side g is smooth."""
         return -self.carried(zone, left)
 
     def level_part(self, zone: Index, left: Array) -> Array:
-        """`smooth_part` for the jumps of g itself alone: piecewise constant, with steps there."""
+        """`smooth_part` for the jumps of the right side g itself: a piecewise constant function."""
         return -replace(self.chosen(self.order == 0), splines={}, poles=NO_POLES).carried(
             zone, left
         )
@@ -233,11 +235,11 @@ class ForcingJumps(PlacedJumps):
         return out + self.poles.own_transform(zone, left) if len(self.poles) else out
 
     def own_transform(self, zone: Index, left: Array) -> Array:
-        """Transform, on the zones, of all closed-form parts."""
+        """Transform, on the zones, of jumps, splines, poles and nearby logarithms."""
         return self.carried(zone, left) + self.near.own_transform(zone, left)
 
     def density(self, zone: Index | int, left: Array, right: Array) -> Array:
-        """Density of all closed-form parts."""
+        """Density of all parts in closed form: jumps, splines, poles and nearby logarithms."""
         zone = np.broadcast_to(zone, left.shape)
         out = self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
@@ -247,7 +249,7 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.density(zone, left, right) if len(self.near) else out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the closed-form density from the zone's left end, divided by half width."""
+        """Integral of the closed-form density from the left end, divided by the half width."""
         out = self.summed(zone, lambda at, k: self.integral_of(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.integral(left[here])
@@ -256,7 +258,7 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.integral(zone, left, right) if len(self.near) else out
 
     def transform(self, zone: Index, seen: OnLine) -> Array:
-        """Transform of all closed-form parts, on the zones and off them.
+        """Transform of jumps, splines, poles and nearby logarithms, on the zones and off them.
 
         Off the zones the Chebyshev series of all jumps of a zone replaces the closed forms where it
         is shorter, or where they cancel.
@@ -281,7 +283,7 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.transform(zone, rho) + self.poles.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of the closed-form parts divided by the half width w, without c_0 log(w).
+        """Closed-form potential over the half width w, without c_0 log(w), c_0 = total / (pi w).
 
         The formulas are at the head of this file.
         """
@@ -307,20 +309,20 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
-        """Sum over the jumps in the zone of each point.
+        """For each point, the sum of a function over the jumps in the zone of this point.
 
         of(points, jumps): the summand divided by h / pi, with the height h, for each pair.
         """
         return self.grouped.summed(zone, self.height / np.pi, of)
 
     def _in_splines(self, zone: Index) -> Iterator[tuple[Spline, Index]]:
-        """The spline of each zone that has one, with the indices of the points on that zone."""
+        """Yield (spline, indices of points on its zone) for each zone that has a spline."""
         for i, here in Grouped.by(zone).places().items() if self.splines else ():
             if i in self.splines:
                 yield self.splines[i], here
 
     def _far(self, zone: Index, seen: OnLine) -> Mask:
-        """Whether each point is so far from its zone that the series of the zone is used."""
+        """Whether each point is so far from its zone that the series of the jumps is used."""
         return np.asarray(
             ~seen.on
             & (np.abs(seen.rho) < np.array(OPTIONS.far_rho)[self._length[self.grouped.rows(zone)]])
@@ -328,35 +330,38 @@ class ForcingJumps(PlacedJumps):
 
     @cached_property
     def _length(self) -> Index:
-        """Index in `JumpOptions.far_rho` of the longest series that pays off for each zone."""
+        """For each zone, the index of the value of `JumpOptions.far_rho` that applies."""
         return np.searchsorted(OPTIONS.far_jumps, self.grouped.count, side="right")
 
     @cached_property
     def _series(self) -> Array:
-        """Coefficients of T_l / sqrt(1 - t^2) of all jumps of each zone."""
+        """Coefficients of T_l / sqrt(1 - t^2) in the density of all jumps of each zone."""
         return self._coefficients(OPTIONS.far_terms[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
-        """Correction of the mean of the primitive of g on each zone, divided by the half width.
+        """Correction of the mean of the right side's primitive on each zone, over half width.
 
         `System.levels` uses it. The primitive is shifted so that its end values add up to zero. The
         correction is its mean less the mean that the coefficients of the smooth part give.
         """
         phi, s, q = self.phi, self.s, self.order
         sine, double = self.sine, np.sin(2 * phi)
-        # A jump of g itself is computed from its distance d from the nearer end. Close to the end
-        # the terms would cancel and leave a result of the order d^(3/2).
+        # The contribution of a jump of g itself is computed from the jump's distance d to the
+        # nearer end. Otherwise terms would cancel close to the end, where the result is of the
+        # order d^(3/2).
         near, angle = np.minimum(self.left, self.right), np.minimum(phi, self.psi)
         kink = (sine - angle * (1 - near)) / np.pi - 0.5 * near
-        # Primitives of (t - s)_+^q at t = 1, and their means.
+        # `end` is the primitive of (t - s)_+^q at t = 1, and `mean` is the mean of this primitive
+        # over theta.
         end = self.right ** (q + 1) / (q + 1)
         cubic = (
             (sine - sine**3 / 3) - 3 * s * (phi / 2 + double / 4) + 3 * s * s * sine - s**3 * phi
         )
         square = (phi / 2 + double / 4) - 2 * s * sine + s * s * phi
         mean = np.where(q == 1, square / 2, cubic / 3) / np.pi
-        # Primitives of C_q that vanish at t = 0: half the sum of their values at both ends, and
-        # their means.
+        # The primitive of C_q (head of this file) is taken that vanishes at t = 0. `ends_c` is half
+        # the sum of the values of this primitive at both ends, and `mean_c` is the mean of this
+        # primitive.
         ends_c = np.where(q == 1, phi / 2, -s * phi + sine / 2) / np.pi
         mean_c = np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4) / np.pi
         parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)
@@ -366,7 +371,7 @@ class ForcingJumps(PlacedJumps):
         return out + self.poles.mean_offsets(len(zones)) if len(self.poles) else out
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
-        """First `count` coefficients of T_l / sqrt(1 - t^2) of the closed-form density.
+        """The first `count` coefficients of T_l / sqrt(1 - t^2) in the closed-form density.
 
         The shape is (zones, count).
         """
@@ -382,7 +387,7 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def first_coefficients(self, zones: Zones, counts: Index) -> Array:
-        """`t_coefficients` with a count for each zone (Z,), and zeros after them."""
+        """`t_coefficients` with a count for each zone (Z,); later coefficients are zero."""
         if len(self.near) or len(self.poles):
             count = int(counts.max(initial=0))
             return np.where(
@@ -404,11 +409,11 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def high_coefficients(self, zones: Zones) -> Array:
-        """Coefficients of the parts whose potential has no closed form: none, shape (zones, 0)."""
+        """Coefficients of the parts whose potential has no closed form: none here, (zones, 0)."""
         return np.zeros((len(zones), 0))
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
-        """Slopes of the closed-form density by the angle from the left and the right end, by zone.
+        """Derivatives of the closed-form density by the angle, at zones' left and right ends.
 
         Close to an end the density is the slope times the angle theta from that end.
         """
@@ -428,7 +433,7 @@ class ForcingJumps(PlacedJumps):
         return out[0], out[1]
 
     def _edge_slopes(self) -> tuple[Array, Array]:
-        """Slopes of the density by the angle from both ends, for each jump.
+        """Derivatives of each jump's density by the angle, at the left and right end of its zone.
 
         At the right end kappa ~ theta cot(phi/2).
         """
@@ -436,7 +441,7 @@ class ForcingJumps(PlacedJumps):
         return scale * (-self.left) ** self.order / cot, scale * self.right**self.order * cot
 
     def sharpest(self, zone: int) -> tuple[Array, Array]:
-        """(distances from the left end in half widths, heights) of the sharpest points of a zone.
+        """(distances from the left end, heights) of points where a zone's density is steepest.
 
         The density is steepest close to them. They are the jumps of the lowest order in the zone,
         if it is 0 or 1, and algebraic points with exponents below 1, whose height is infinite.
@@ -450,12 +455,12 @@ class ForcingJumps(PlacedJumps):
         )
 
     def left_out(self, x: Array) -> Array:
-        """The part of the right side at points x that its given values omit: zero here."""
+        """The part of the right side that its values at points x do not contain: zero here."""
         return np.zeros(x.shape)
 
-    # Values at complex points, see `sie.density.plane`.
+    # The methods below give values at complex points (see `sie.density.plane`).
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """The logarithm -i log(B / A) of jumps k, with A, B = 1 - rho e^(+-i phi)."""
+        """-i log(B / A), A, B = 1 - rho e^(+-i phi), for rho of the points and phi of jumps k."""
         c, s = half_angles(self.left[k], self.right[k])
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(
@@ -466,11 +471,11 @@ class ForcingJumps(PlacedJumps):
             )
 
     def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """Derivative of `logarithm` by zeta."""
+        """Derivative of `logarithm` by the coordinate zeta."""
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential of jumps k divided by the half width w, without c_0 log(w)."""
+        """Potential of jumps k over the half width w, without c_0 log(w), c_0 = total / (pi w)."""
         parts = self.potential_of(
             k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None]
         )
@@ -478,17 +483,17 @@ class ForcingJumps(PlacedJumps):
 
     @property
     def near(self) -> ExteriorLogarithms:
-        """Logarithms of the right side outside zones but close to them: none here."""
+        """Logarithms of the right side close to zones but outside of them: none here."""
         return NOWHERE
 
     @cached_property
     def kinked(self) -> list[int]:
-        """Zones with a jump of g itself, or with a logarithm close to them."""
+        """Zones with a jump of the right side itself, or with a logarithm close to the zone."""
         return sorted({*self.zone[self.order == 0].tolist(), *self.near.by_zone})
 
 
 def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array) -> Array:
-    """Values of f at distances from the zone's left end, given in half widths."""
+    """Values of f at places given by distances from the zone's left end, in half widths."""
     return f(zones.a[zone] + zones.half[zone] * left)
 
 

@@ -57,15 +57,17 @@ from sie.trees.tree import SEPARATION, TERMS
 
 @dataclass(frozen=True)
 class SplineOptions:
-    """Numbers of jumps from which a spline replaces them, and the length of its series."""
+    """Numbers of jumps above which a spline replaces the jumps, and length of its series."""
 
-    # From this number of jumps of g'' in a zone on, a spline replaces them. With fewer jumps, their
-    # closed forms are faster.
+    # If a zone has at least this many jumps of g'', the second derivative of the right side, a
+    # spline replaces them. With fewer jumps, the closed forms of single jumps are faster.
     min_jumps: int = 400
-    # The same number for jumps of the density. It is smaller because other zones are affected by
-    # the round-off of n jumps, which is n^2 units of the last digit.
+    # Least number of jumps of the density's second derivative in a zone that a spline replaces. It
+    # is smaller than `min_jumps`, because the round-off of n jumps grows as n^2 and affects other
+    # zones.
     min_density_jumps: int = 128
-    # Chebyshev coefficients per knot in the series for the potential of a spline of the density.
+    # Number of Chebyshev coefficients for each knot, in the series for the potential of a spline of
+    # the density.
     coefficients_per_knot: int = 8
 
 
@@ -73,7 +75,7 @@ OPTIONS = SplineOptions()
 
 
 def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
-    """Whether the jumps found between pieces equal the wanted ones, up to round-off.
+    """Whether the jumps `found` between pieces equal the `wanted` jumps, up to round-off.
 
     length: lengths of the pieces; size: size of the values from which the jumps were found.
     """
@@ -84,7 +86,7 @@ def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
 
 
 def with_jumps(knots: Array, jumps: Array) -> Callable[[Array], Array]:
-    """The quadratic spline on a zone with these jumps and the least sum of squares at the knots.
+    """The quadratic spline with these jumps and the least sum of squared values at the knots.
 
     The jumps are half of those of the second derivative. If a function is not itself a quadratic
     spline, this spline is the part of it that has the jumps.
@@ -92,8 +94,8 @@ def with_jumps(knots: Array, jumps: Array) -> Callable[[Array], Array]:
     ends = np.concatenate(([0.0], knots, [2.0]))
     length, bend, before = np.diff(ends), np.concatenate(([0.0], np.cumsum(jumps))), np.zeros(3)
     for _ in range(2):
-        # The quadratic trend is subtracted twice: the round-off of the first time may still be
-        # larger than small values.
+        # The quadratic trend is subtracted twice, because the round-off of the first subtraction
+        # may exceed small values of the spline.
         slope = before[1] + np.concatenate(([0.0], np.cumsum(2 * bend * length)[:-1]))
         value = before[0] + np.concatenate(([0.0], np.cumsum(length * (slope + bend * length))))
         trend = np.polynomial.polynomial.polyfit(ends, value, 2)
@@ -117,7 +119,7 @@ def with_jumps(knots: Array, jumps: Array) -> Callable[[Array], Array]:
 
 @record
 class QuadraticSpline(Kept):
-    """A quadratic spline on a part of a zone, as a part of the density.
+    """A quadratic spline on part of a zone, used as a part of the density.
 
     knots: (n,) ascending; pieces: (n - 1, 3) coefficients of powers of the distance from the left
     knot of each piece.
@@ -128,7 +130,7 @@ class QuadraticSpline(Kept):
 
     @classmethod
     def of(cls, knots: Array, control: Array) -> "QuadraticSpline":
-        """The spline whose pieces have these middle Bezier control points.
+        """The spline whose quadratic pieces have the middle Bezier control points `control`.
 
         It is zero at the first and the last knot. If the first and the last of the control points
         are zero, so are the slopes there.
@@ -150,7 +152,7 @@ class QuadraticSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, f: Callable[[Array], Array]
     ) -> "tuple[QuadraticSpline, Array, Array] | None":
-        """(spline of the B-splines of f, remaining jumps, empty table of added jumps), or None.
+        """(sum of f's B-splines inside the zone, remaining jumps, empty table), or None.
 
         Jumps are half of those of the second derivative. The result is None if f has other jumps
         than the given ones.
@@ -185,12 +187,12 @@ class QuadraticSpline(Kept):
         return np.where(inside, p[..., 0] + y * (p[..., 1] + y * p[..., 2]), 0.0)
 
     def density(self, left: Array, right: Array) -> Array:
-        """Value at distances from both ends of the zone."""
+        """Values of the spline at points given by their distances from both ends of the zone."""
         return self(left)
 
     @property
     def jumps(self) -> Array:
-        """Half of the jumps of the second derivative at the knots."""
+        """Half of the jumps of the spline's second derivative at the knots."""
         return np.diff(self.pieces[:, 2], prepend=0.0, append=0.0)
 
     @property
@@ -201,12 +203,12 @@ class QuadraticSpline(Kept):
         raise ValueError("the potential of a spline of the density is no closed form")
 
     def transform_off(self, z: Array, rho: Array) -> Array:
-        """Transform off the zone; z is the distance from the middle of the zone in half widths."""
+        """Transform of the spline at points z off the zone (half widths from the middle)."""
         return self.own_transform(1 + z)
 
     @property
     def edge_slopes(self) -> tuple[float, float]:
-        """Slopes of the density by the angle from both ends of the zone: zero."""
+        """Derivatives of the spline by the angle at the zone's ends: zero, as it vanishes there."""
         return 0.0, 0.0
 
     @property
@@ -229,13 +231,13 @@ class QuadraticSpline(Kept):
         return np.where(inside, part, np.where(x < self.knots[0], 0.0, self._before[-1]))
 
     def t_coefficients(self, count: int) -> Array:
-        """First `count` coefficients of the spline as a sum of T_l / sqrt(1 - t^2).
+        """The first `count` coefficients c_l of the spline as a sum of c_l T_l / sqrt(1 - t^2).
 
         They are (2/pi) int f T_l dt, and half of it for l = 0.
         """
         angle = np.arccos(np.clip(self.knots - 1, -1.0, 1.0))
         parts = np.maximum(np.ceil(-np.diff(angle) * (count / SUMS.max_turn)), 1.0).astype(np.intp)
-        # Knots ascend, so the angles descend and the weights are negative.
+        # The knots ascend, so that their angles descend and the quadrature weights are negative.
         theta, weights = legendre(angle, SUMS.gauss_nodes, parts)
         out = waves(
             (-2 / np.pi) * weights * np.sin(theta) * self(sides(theta)[0]), theta, count
@@ -243,7 +245,7 @@ class QuadraticSpline(Kept):
         out[:1] *= 0.5
         return out
 
-    # Transform and potential.
+    # The methods below give the transform of the spline.
     @cached_property
     def _reach(self) -> tuple[float, float]:
         half = 0.5 * (self.knots[-1] - self.knots[0])
@@ -251,7 +253,7 @@ class QuadraticSpline(Kept):
 
     @cached_property
     def _close(self) -> PiecewiseTransform:
-        """The transform on the spline and close to it, from Chebyshev series on cells."""
+        """The transform on and near the spline's interval, from Chebyshev series on cells."""
         lo, hi = self._reach
         first, last = np.diff(self.knots)[[0, -1], None] * (2.0 ** np.arange(1, 60) - 1)
         before = self.knots[0] - first[first < 0.75 * (self.knots[0] - lo)]
@@ -265,7 +267,7 @@ class QuadraticSpline(Kept):
 
     @cached_property
     def _moments(self) -> Array:
-        """(1/pi) int f T_k dt, doubled for k > 0, with the T_k of the spline's own interval."""
+        """Moments (1/pi) int f T_k dt of the spline f on its own interval, doubled for k > 0."""
         x, weights = legendre(self.knots, TERMS)
         u = (x - 0.5 * (self.knots[0] + self.knots[-1])) / (0.5 * (self.knots[-1] - self.knots[0]))
         values, angle = self(x) * weights, np.arccos(np.clip(u, -1.0, 1.0))
@@ -274,7 +276,7 @@ class QuadraticSpline(Kept):
         )
 
     def own_transform(self, x: Array) -> Array:
-        """(1/pi) PV int f / (x - xi) at points on the zone and off it."""
+        """Transform (1/pi) PV int f(xi) / (x - xi) dxi of the spline f at all real points x."""
         lo, hi = self._reach
         close = (x >= lo) & (x <= hi)
         out = np.empty(x.shape)
@@ -286,7 +288,7 @@ class QuadraticSpline(Kept):
         return out
 
     def in_plane(self, seen: InPlane, what: What) -> Complex:
-        """(1/pi) int f / (zeta - tau) dtau, or its derivative, at complex points.
+        """Transform (1/pi) int f / (zeta - tau) dtau of the spline f, or its derivative by zeta.
 
         The integral over each piece is computed by Gauss's rule or, close to the piece, by
 
@@ -298,15 +300,16 @@ class QuadraticSpline(Kept):
         h = np.diff(knots)
         places, weights = legendre(knots, SUMS.gauss_nodes)
         weighted = self(places) * weights
-        # At this distance, in lengths of a piece, Gauss's rule errs by (4 distance)^(-2 nodes),
-        # which is the square of a round-off.
+        # At this distance from a piece, in lengths of the piece, Gauss's rule has the error (4
+        # distance)^(-2 nodes). This error is the square of the round-off.
         near = 0.25 * EPS ** (-1 / SUMS.gauss_nodes)
         power = 1 if what == "transform" else 2
         sign = 1.0 if what == "transform" else -1.0
         out = np.empty(seen.left.shape, dtype=complex)
         for here in pair_blocks(len(out), len(places)):
             at = seen.left[here]
-            # A piece is close to a point if its middle is within a few of its lengths.
+            # A piece is close to a point if the middle of the piece is within `near` lengths of the
+            # piece.
             close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < near * h
             terms = sign * weighted / (at[:, None] - places) ** power
             value = np.where(np.repeat(close, SUMS.gauss_nodes, axis=1), 0.0, terms).sum(axis=1)
@@ -316,8 +319,8 @@ class QuadraticSpline(Kept):
             with np.errstate(divide="ignore", invalid="ignore"):
                 log = np.log(past) - np.log(before)
                 f = one + past * (two + past * three)
-                # At a knot both pieces have the same value. So the infinite parts of their
-                # logarithms cancel and are omitted.
+                # At a knot the two adjacent pieces have the same value. The infinite parts of the
+                # logarithms of these pieces therefore cancel, and are omitted.
                 log = np.where(
                     (past == 0) | (before == 0),
                     np.where(past == 0, -1.0, 1.0) * np.log(size) - 1j * np.pi * (past == 0),
@@ -336,7 +339,7 @@ class QuadraticSpline(Kept):
 
 @record
 class ConjugateSpline(Kept):
-    """The density, bounded at both ends, whose transform is a spline less its mean over theta.
+    """The bounded density whose transform is a spline minus its mean over theta = arccos(t).
 
     spline: the spline g from one end of the zone to the other, as a function of the distance from
     the left end in half widths. Its value and slope are zero at both ends.
@@ -383,12 +386,12 @@ class ConjugateSpline(Kept):
 
     @property
     def knots(self) -> Array:
-        """The inner knots."""
+        """The spline's knots, without the two ends of the zone."""
         return self.spline.knots[1:-1]
 
     @property
     def jumps(self) -> Array:
-        """Half of the jumps of the second derivative at the inner knots."""
+        """Half of the jumps of the spline's second derivative at the inner knots."""
         return np.diff(self.spline.pieces[:, 2])
 
     @property
@@ -397,7 +400,7 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _cuts(self) -> Array:
-        """Cuts between panels that double in length away from both ends.
+        """Angles that cut (0, pi) into panels whose lengths double away from both ends.
 
         Close to an end g grows as the fourth power of the angle. The first panel is so short that g
         is negligible within it.
@@ -410,20 +413,21 @@ class ConjugateSpline(Kept):
         )
         return _graded(float(first), float(last))
 
-    # Moments of g.
+    # The methods below integrate the spline g times smooth functions.
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
-        """(angles phi, weights), so that int_0^pi g F dphi is the sum of weights times F(phi).
+        """(angles phi, weights) with int g F dphi = sum of weights times F(phi), g: the spline.
 
         F is any function that is smooth between the cuts.
         """
         ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
         phi, weights = legendre(theta(ends, 2 - ends), SUMS.gauss_nodes)
-        # Knots ascend, so the angles descend and the weights are negative.
+        # The knots ascend, so that their angles descend and the quadrature weights are negative.
         values = -weights * self.spline(sides(phi)[0])
         panel = np.clip(np.searchsorted(cuts, phi, side="right") - 1, 0, len(cuts) - 2)
         half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
         u = (phi - middle[panel]) / half[panel]
-        # T moments of each panel, then weights of Gauss-Chebyshev nodes with the same moments.
+        # The moments of the spline with the Chebyshev polynomials are computed on each panel.
+        # Weights at Gauss-Chebyshev nodes with the same moments follow from them.
         moments = np.empty((len(half), TERMS))
         one, two = np.ones(len(u)), u
         for k in range(TERMS):
@@ -437,16 +441,16 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
-        """Nodes and weights on panels that double in length away from both ends."""
+        """Nodes and weights (see `_moments`) on panels whose lengths double away from both ends."""
         return self._moments(self._cuts)
 
     @cached_property
     def mean(self) -> float:
-        """Mean of g over theta."""
+        """Mean of the spline over the angle theta, with the place t = cos(theta)."""
         return float(self._nodes[1].sum() / np.pi)
 
     def t_coefficients(self, count: int) -> Array:
-        """First `count` coefficients of the density as a sum of T_l / sqrt(1 - t^2)."""
+        """First `count` coefficients c_l of the density as a sum of c_l T_l / sqrt(1 - t^2)."""
         known = self.known.get("c", np.zeros(0))
         if len(known) < count:
             panels = int(np.ceil(np.pi * (count + 1) / SUMS.max_turn)) + 1
@@ -458,28 +462,28 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
-        """Slopes of the density by the angle from the left and from the right end."""
+        """Derivatives of the density, at each end, by the angle from this end: (left, right)."""
         phi, weight = self._nodes
         left, right = (float((weight / side).sum() / np.pi) for side in sides(phi))
         return left, -right
 
     @cached_property
     def mean_offset(self) -> float:
-        """Mean over theta of the primitive of g less half the sum of its end values.
+        """Mean over theta of a primitive of the spline, minus the mean of its two end values.
 
         It is divided by the half width of the zone.
         """
         phi, weight = self._nodes
         return float(weight @ ((phi - 0.5 * np.pi) * np.sin(phi))) / np.pi
 
-    # Values on the zone.
+    # The methods below give the transform and the density on the zone.
     def own_transform(self, left: Array) -> Array:
-        """Transform on the zone: g less its mean over theta."""
+        """Transform of the density on the zone: the spline minus its mean over theta."""
         return self.spline(left) - self.mean
 
     @cached_property
     def _cells(self) -> tuple[Array, Array]:
-        """(ends of the cells in theta, Chebyshev series (terms, cells)) of the analytic part."""
+        """(ends of cells in theta, Chebyshev series on cells) of the density's analytic part."""
         cuts = self._cuts[1:-1]
         nearest = np.array([0.25, 0.5])
         cuts = np.concatenate((nearest * cuts[0], cuts, np.pi - nearest[::-1] * (np.pi - cuts[-1])))
@@ -493,7 +497,7 @@ class ConjugateSpline(Kept):
         return cuts, np.ascontiguousarray((values @ chebyshev.to_series(TERMS)).T)
 
     def density(self, left: Array, right: Array) -> Array:
-        """The density at points given by their distances from both ends."""
+        """The density at points given by their distances from both ends of the zone."""
         from_right, from_left = theta(left, right), theta(right, left)
         cuts = self._cells[0]
         close = (from_right >= cuts[0]) & (from_right <= cuts[-1])
@@ -524,16 +528,16 @@ class ConjugateSpline(Kept):
         left, right = (value / angle - np.array(self.edge_slopes)) / angle**2
         return float(left), float(right)
 
-    # Values off the zone.
+    # The methods below give the density's transform off the zone, and its potential.
     def transform_off(self, z: Array, rho: Array) -> Array:
-        """Transform of the density off the zone."""
+        """Transform of the density at points off the zone."""
         out = np.empty(rho.shape)
         (phi, weight), (left, right) = self._nodes, sides(self._nodes[0])
         for here in pair_blocks(len(rho), len(phi)):
             near = np.where(rho[here, None] > 0, right, left)
             size = np.abs(rho[here])[:, None]
-            # rho (cos(phi) - rho) = |rho| (1 - |rho| - near), with `near` the distance of cos(phi)
-            # from the end on that side.
+            # `near` is the distance of cos(phi) from the right end for rho > 0, and from the left
+            # end for rho < 0. Then rho (cos(phi) - rho) = |rho| (1 - |rho| - near).
             out[here] = (
                 (size * ((1 - size) - near) / ((1 - size) ** 2 + 2 * size * near))
                 @ weight
@@ -542,7 +546,7 @@ class ConjugateSpline(Kept):
         return out
 
     def in_plane(self, seen: InPlane, what: What) -> Complex:
-        """Transform of the density, or its derivative by zeta, at complex points."""
+        """Transform of the density, or its derivative by zeta, at complex points zeta."""
         phi, weight = self._nodes
         rho, turn = seen.rho[:, None], np.exp(-1j * phi)
         b, own = (
@@ -560,7 +564,7 @@ class ConjugateSpline(Kept):
         )
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
-        """Potential of the density divided by the half width w, without c_0 log(w).
+        """Potential over the half width w, without c_0 log(w), c_0 = total / (pi w).
 
         It holds on the zone and off it.
         """
@@ -581,7 +585,7 @@ class ConjugateSpline(Kept):
 
 
 def _graded(first: float, last: float) -> Array:
-    """Cuts from 0 to pi: panels of lengths `first` and `last` at the ends, then doubling inwards.
+    """Ends of panels from 0 to pi: lengths `first` and `last` at the ends, doubling inwards.
 
     No inner panel is longer than its distance from 0 and from pi.
     """
@@ -606,7 +610,7 @@ def _two_pieces(
     It has the given values and slopes at 0 and 2. It and its slope are continuous at the cut.
     """
     beyond = 2.0 - cut
-    # Control points of both pieces.
+    # `before`, `middle` and `after` are control points of the two quadratic pieces.
     before, after = left + 0.5 * cut * left_slope, right - 0.5 * beyond * right_slope
     middle = 0.5 * (beyond * before + cut * after)
     bends = (left - 2 * before + middle) / cut**2, (right - 2 * after + middle) / beyond**2

@@ -119,7 +119,7 @@ class SlitDensity(DensityBase):
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
     def _of_slits(self, power: int) -> list[list[Array]]:
-        """Series of sigma / X^power on each slit; sigma = s X, slack s and X = sqrt(1 - t^2)."""
+        """Series of sigma / X^power on each slit; sigma = s X, slack s, X = sqrt(1 - t^2)."""
         return [
             [slit.over(d, power) for slit, d in zip(here.slits, row, strict=True)]
             for here, row in zip(self.slits, self.series, strict=True)
@@ -156,7 +156,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _edged(self) -> Density:
-        """The density's smooth part plus the unbounded part that the slack causes."""
+        """The density's smooth part plus the unbounded part of the slack's density."""
         alpha, beta = (part.copy() for part in self.smooth.singular)
         for here, row in zip(self.slits, self.series, strict=True):
             for slit, d in zip(here.slits, row, strict=True):
@@ -170,7 +170,7 @@ class SlitDensity(DensityBase):
 
     # The methods below give values of the density on the given zones.
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by a zone and distances from its ends in half widths."""
+        """Density at points given by a zone and distances from the zone's ends in half widths."""
         zone = np.asarray(zone, dtype=np.intp)
         # A given zone without adjacent slits is itself a wide zone.
         if not self.geometry.next_to_slit[zone].any():
@@ -389,7 +389,7 @@ class SlitDensity(DensityBase):
 
     # The methods below give the fields and the slack at points of the real line.
     def _into_wide(self, x: Array) -> Array:
-        """x moved by whole periods into the period that begins at the first wide zone."""
+        """x moved by periods into the period that begins at the first wide zone's left end."""
         return wrapped(x, self.geometry.wide.a[0], self.kernel.period)
 
     @property

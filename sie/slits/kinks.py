@@ -181,7 +181,7 @@ class SlitKink(Kept):
     # The methods below give the density P[psi] that the slack psi causes on the wide zone.
     @cached_property
     def edge(self) -> tuple[float, float]:
-        """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the density by psi."""
+        """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the slack's density."""
         from_left, from_right, _, _ = self.seen
         return float(self._over_root @ (0.5 * (from_left - from_right))), float(
             self._over_root.sum()

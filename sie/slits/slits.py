@@ -299,7 +299,7 @@ class Slit(Kept):
         return self.width * self.means((self.theta - middle) / self.x_root)
 
     def slack_matrix(self, count: int) -> Array:
-        """Matrix from the slit's series d to the slack's coefficients s_k, k <= count."""
+        """Matrix from the slit's series d to the zone's slack coefficients s_k, k <= count."""
         k = np.arange(count + 1)[:, None]
         return 2 * self.half * self.means(np.sin(k * self.theta) / self.x_root)
 

@@ -265,7 +265,7 @@ class SlitSystem(Kept):
         )
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
-        """`State.tails` of the wide zones, without the slack's coefficients in the unknowns."""
+        """`State.tails` of the wide zones, with the slack taken out of the unknowns."""
         return field_tails(
             self.system, wide.unknowns - self._among_unknowns(self.slack(d, False)), wide.density
         )
@@ -475,7 +475,7 @@ class SlitState(Answered):
 
     @cached_property
     def _sines(self) -> Array:
-        """sqrt(1 - t^2) of each given zone, divided by that of its wide zone (n, LOOKS)."""
+        """sqrt(1 - t^2) of each given zone over sqrt(1 - t^2) of its wide zone (n, LOOKS)."""
         return np.asarray(np.sin(THETA) / self._wide_sines)
 
     def _errors_over(self, sizes: Array) -> Array:
