@@ -409,6 +409,7 @@ class DetailOptions:
     samples: number of slopes whose largest one and mean square are taken, of places where values
         must be numbers, and of places where claims are checked. A factor of two changes no answer.
     max_samples: largest number of heights in a search.
+    counts: smallest term of the slope that counts, over the largest one.
     counts_of_sharp: smallest term of the slope that counts, over the largest one, where the series
         of a shape with corners has not converged.
     samples_per_length: number of samples in the smallest length of a shape. The smallest length is
@@ -417,6 +418,7 @@ class DetailOptions:
 
     samples: int = 2**10
     max_samples: int = 2**15
+    counts: float = 1e-5
     counts_of_sharp: float = 0.1
     samples_per_length: int = 16
 
@@ -436,7 +438,7 @@ def detail_of(
 
     It is that of the last term of the slope's Chebyshev series that counts.
     """
-    length, n, counts = hi - lo, options.min_samples, VERDICTS.counts
+    length, n, counts = hi - lo, options.min_samples, options.counts
     while True:
         # The samples leave out the ends: an end may be a corner, outside which there is no body.
         x = lo + length * np.sin(0.25 * np.pi * (2 * np.arange(n) + 1) / n) ** 2
