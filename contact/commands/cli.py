@@ -307,8 +307,8 @@ main.add_command(explore_command)
     help="Folder, made.",
 )
 def figures_command(numbers: tuple[str, ...], out: Path) -> None:
-    """Draw figures N of the paper (2A 2B 7 8 9 10 11 12 13; all if none is named), and write their
-    numbers as CSV.
+    """Draw figures N of the paper (2A 2B 7 8 9 10 11 12 13; all if none is named), and write the
+    plotted numbers as CSV.
 
     Each has the exact solution beside the paper's curves; see docs/paper.
     """

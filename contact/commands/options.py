@@ -78,7 +78,9 @@ class Outputs:
         self._writers: dict[Path, Write] = {}
 
     def add(self, option: str, path: Path | None, writers: Mapping[str, Write]) -> None:
-        """Add an output file; its ending selects the function that writes it. None adds nothing."""
+        """Add an output file and the function that writes it, selected by the file's ending. If
+        `path` is None, nothing is added.
+        """
         if path is None:
             return
         if path in self._writers:

@@ -104,7 +104,8 @@ def drawn(solution: Solution, seconds: float, points: int = POINTS.screen_points
     push = prefix(
         float(np.max(np.abs(pressure[np.isfinite(pressure)]), initial=0.0)) if top <= 0 else top
     )
-    # The pressure is infinite at corners and at adhesive ends: its curve is cut off there.
+    # The pressure is infinite at corners and at adhesive ends: the curve of the pressure is cut off
+    # there.
     shown = np.clip(
         np.nan_to_num(pressure, nan=0.0, posinf=2 * top, neginf=-2 * top),
         -1.5 * abs(top),

@@ -125,8 +125,8 @@ class Explorer:
     # The next methods set the scene and its sliders.
 
     def _begin(self, scene: Scene, tables: Mapping[str, Any] | None) -> None:
-        """Show a new scene with its sliders and first frame. `tables` are those of the scene's
-        file.
+        """Show a new scene with its sliders and first frame. `tables` are the tables of the
+        scene's file.
         """
         self.base, self.tables = scene, tables or {}
         self.moved, self.known, self.frame = {}, handles(scene), None

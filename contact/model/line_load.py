@@ -142,8 +142,8 @@ class SmoothPart:
 def _shortest(symbol: Symbol) -> float | None:
     """The wavenumber [1/m] above which the symbol L is 1; None if L = 1 everywhere."""
     deviation = np.abs(np.asarray(symbol(WAVES)) - 1)
-    # At the largest wavenumbers L is 1, so that its deviation from 1 there shows its rounding
-    # error.
+    # At the largest wavenumbers the symbol L is 1: deviations from 1 there are round-off errors of
+    # L.
     level = max(EPS, 4 * float(deviation[-8:].max()))
     seen = np.flatnonzero(deviation > level)
     if len(seen) == 0:
@@ -189,8 +189,8 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
             out[near] = np.sin(r[near, None] * q) @ weighted
         if not near.all():
             far = r[~near, None]
-            # int_0^inf sin x dx is taken as 1 (its Abel sum). The sum over L less its long-wave
-            # limit vanishes for large r.
+            # int_0^inf sin x dx is taken as 1 (its Abel sum). The sum over L minus the long-wave
+            # limit of L vanishes for large r.
             out[~near] = (
                 base - 1 + (np.asarray(symbol(_OOURA / far)) - base) @ _OOURA_WEIGHTS
             ) / far[:, 0]
@@ -223,8 +223,8 @@ def _ooura_mori(density: float = 40.0, reach: float = 7.0) -> tuple[Array, Array
     tiny = ~np.isfinite(phi) | ~np.isfinite(slope)
     phi[tiny], slope[tiny] = 0.0, 0.0
     x = density * phi
-    # For t > 0 the nodes tend to multiples of pi. The sine there is computed from the small
-    # distance of a node to its multiple of pi.
+    # For t > 0 the nodes tend to multiples of pi. The sine of a node is computed from the node's
+    # small distance to a multiple of pi.
     n = np.rint(t / h)
     left = density * np.where(t > 0, t * grown / np.where(t > 0, below, 1.0), 0.0)
     sine = np.where(t > 0, np.cos(np.pi * n) * np.sin(left), np.sin(x))

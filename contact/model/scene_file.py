@@ -39,7 +39,8 @@ T = TypeVar("T")
 TABLES = ("profile", "material", "interaction", "control")
 # Tables of a scene file that may be left out, with the registries of their classes.
 OPTIONAL = {"substrate": SUBSTRATES, "law": LAWS}
-# The table of a rough counter body. It has the keys of [profile], and others that place the body.
+# The table of a rough counter body. It has the keys of [profile], and further keys for the position
+# of the body.
 COUNTER = "counter"
 MODULI = ("E_star", "E1", "nu1", "E2", "nu2")
 

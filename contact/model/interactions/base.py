@@ -89,8 +89,8 @@ class Interaction(Named):
         )
 
     def symbol(self, q: Array) -> Array:
-        """The symbol L(q), q in 1/m, of the interaction's own kernel. It makes the operator
-        invertible. If all periods act, it may replace `kernel`.
+        """The symbol L(q), q in 1/m, of the interaction's own kernel. This symbol makes the
+        operator invertible, and may replace `kernel` if all periods act.
         """
         raise NotImplementedError(
             f"{type(self).__name__} has no symbol of its own: that of the substrate acts"
@@ -98,8 +98,8 @@ class Interaction(Named):
 
     def columns(self, period: float | None, centre: float) -> tuple[sie.Forcing, ...]:
         """Terms of the right side with unknown amplitudes, about the centre of the strip. If a
-        model with a `strip` does not define this method, it has one term: that of the nominal
-        pressure outside the strip.
+        model with a `strip` does not define this method, the model has one term: that of the
+        nominal pressure outside the strip.
         """
         return ()
 

@@ -159,7 +159,7 @@ class Law(Named, sie.Kept):
 
     def intensity(self, E_star: float) -> float:
         """The edge intensity K [Pa m^(1/2)]: the pressure is K / sqrt(distance) near an end of a
-        zone. It holds at free ends, and at ends fixed by a given half width.
+        zone. The law sets K at free ends, and at ends fixed by a given half width.
 
         It is negative where the surfaces pull.
         """

@@ -67,8 +67,7 @@ def _require_heights(profile: Profile, x: Array) -> None:
     x = np.linspace(*ends, DETAIL.samples + 1) if ends is not None else x
     with of_author("profile.height(x)", "height"):
         heights = np.asarray(profile.height(x.copy()), dtype=np.float64)
-    # Without ends, heights far from 0 may be anything here. They are checked where the contact is
-    # searched for.
+    # Without ends, heights far from 0 are not checked here, but where the contact is searched for.
     if ends is not None:
         require_numbers(x, heights)
     central = heights if ends is not None else heights[np.abs(x) <= np.median(np.abs(x))]

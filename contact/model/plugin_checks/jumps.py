@@ -76,8 +76,8 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
 
     nearest: the shortest step, for places that are not known to the last digit.
     """
-    # Values of f' are used if the author defines it, otherwise values of f: a derived slope mixes
-    # points from both sides of a jump.
+    # Values of f' are used if the author defines f', otherwise values of f. A slope computed from f
+    # would mix points from both sides of a jump.
     first = 0 if profile.slope_is_derived else 1
     function = profile.height if profile.slope_is_derived else profile.slope
     k = np.arange(1.0, CHECKS.points + 1)

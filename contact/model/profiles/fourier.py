@@ -125,8 +125,8 @@ class _Waves:
         return Sum.of(self.amplitudes)
 
     def __call__(self, x: Array) -> Array:
-        """The sum at x. A short sum over k = r + s q is a matrix product over r and a sum of about
-        sqrt(N) terms over q, with N the number of harmonics.
+        """The sum at x. A sum of few harmonics N uses k = r + s q: a matrix product over r, then a
+        sum of about sqrt(N) terms over q.
 
         Each power is an exponential of its own, so no round-off accumulates as in a recurrence.
         """

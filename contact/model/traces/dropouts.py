@@ -43,7 +43,7 @@ class WarningLimits:
     # Also the least step from a mark (such as -32768) to its neighbours, relative to the upper
     # quartile of the other steps.
     far: float = 10.0
-    # Number of points of the running median. Spikes are narrower than half of them.
+    # Number of points of the running median; a spike has less than half as many points.
     median_points: int = 9
     # A larger fraction of missing heights causes a warning. A larger fraction of "spikes" belongs
     # to the surface.

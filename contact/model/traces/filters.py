@@ -33,7 +33,7 @@ def refuse_cut_offs(lambda_s: Any, lambda_c: Any) -> None:
 
 
 def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
-    """Low-pass filtered heights at evenly spaced positions; `name` of the cut-off is for error
+    """Low-pass filtered heights at evenly spaced positions; `name` is the cut-off's name in error
     messages.
     """
     length = float(x[-1] - x[0])

@@ -190,7 +190,7 @@ def _word_behind_name(field: str) -> str:
 
 def units_row(cells: Sequence[str], above: Sequence[str]) -> tuple[Unit | None, ...] | None:
     """The units in a row that contains units only; None for other rows. `above` is the row before
-    it.
+    this row.
     """
     words = [_BRACKETS.sub(r"\1", cell).strip(' "') for cell in cells]
     units = tuple(Unit(word, scale_of(word)) if word else None for word in words)
@@ -225,7 +225,7 @@ def mentioned(line: str) -> str | None:
 
 
 def unit_words(line: str) -> list[str]:
-    """The units in a line, found where a unit may follow a name, whatever column they belong to."""
+    """The units in a line, found where a unit may follow a name, in any column."""
     words = _NAME_MARK.sub(_with_mark, line).split()
     found = [unit_of(word) for word in words]
     return [unit.word for unit in found if unit is not None]

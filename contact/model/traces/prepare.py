@@ -54,7 +54,7 @@ class TraceLimits:
     max_regrid: int = 20_000
     # Smallest plausible pitch and range of heights [m]: less than the size of an atom.
     atom: float = 1e-11
-    # Longest plausible trace and widest plausible pitch [m]: those of a guideway or a road.
+    # Longest plausible trace and widest plausible pitch [m], as for a guideway or a road.
     max_length: float = 1.0
     max_pitch: float = 1e-3
     # Fraction of these limits that counts if no units are given. Metres are then a guess: a trace
@@ -83,7 +83,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Preparation:
-    """The steps of the preparation in their order. Their names are those of the keys of [profile]."""
+    """The steps of the preparation in order, named like the keys of [profile] in a scene file."""
 
     sort: bool = False
     invert: bool | None = None
@@ -300,8 +300,8 @@ def _measured_length(x: Array, height: Array) -> float:
 
 
 def _doubtful_heights(name: str, x: Array, height: Array, many: str) -> tuple[str, ...]:
-    """Warnings about doubtful heights. `many` is a note on missing heights if they are a large
-    part, else "".
+    """Warnings about doubtful heights. `many` is a note on missing heights if a large part of all
+    heights is missing, else "".
     """
     missing = [f"{many}, more than a tenth of them"] if many else []
     far = marks(height) or spikes(x, height)
