@@ -142,8 +142,9 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
     if not rough[i] > CHECKS.stands_out * float(np.median(rough)):
         return None
     a, b = float(x[i]), float(x[i + last])
-    # The interval around the corner shrinks until round-off hides the corner. Its first width is a
-    # scale for this limit, too: a corner at 0 would otherwise be halved into underflow.
+    # The interval around the corner shrinks until round-off hides the corner. The first width of
+    # the interval is a scale for this limit, too: a corner at 0 would otherwise be halved into
+    # underflow.
     while b - a > 64 * EPS * max(abs(a), abs(b), hi - lo):
         x = np.linspace(a, b, 4 * last + 1)
         rough, last = _roughness(function, x)

@@ -259,7 +259,7 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
 
 
 def room_around(places: Array, others: Array, width: float, periodic: bool) -> Array:
-    """Distance from each place within which there is none of the other places."""
+    """Distance around each of the places within which there is none of the places `others`."""
     others = np.concatenate((others, others - width, others + width)) if periodic else others
     others = np.concatenate(([-np.inf], np.sort(others), [np.inf]))
     before = others[np.searchsorted(others, places - _one_place(width)) - 1]
