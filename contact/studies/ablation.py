@@ -50,7 +50,7 @@ class Switch:
     off: Callable[[Any], Any]
 
     def find(self) -> tuple[Any, str]:
-        """Return the owner and the name of the target; AttributeError if it does not exist."""
+        """Return (owner, name) of the target; AttributeError if the target does not exist."""
         module, _, path = self.target.partition(":")
         owner: Any = require(module)
         *outer, name = path.split(".")
@@ -61,7 +61,7 @@ class Switch:
         return owner, name
 
     def apply(self) -> None:
-        """Replace the target in its module, and in every module that imported it by name."""
+        """Replace the target in its module and in all modules that imported the target by name."""
         owner, name = self.find()
         old = vars(owner)[name]
         new = self.off(old)

@@ -160,7 +160,7 @@ class Design:
         return self.orientation(zone) * self.integral(self.ends[zone, 1], self.ends[zone + 1, 0])
 
     def intensity(self, zone: int, side: int) -> float:
-        """Intensity K of the density at an end; 0 if the density is bounded there."""
+        """Intensity K of the density at an end; 0 if the density is bounded at this end."""
         if self.signs[zone, side] > 0:
             return 0.0
         scale = 1.0 if self.period is None else np.sqrt(self.period / np.pi)

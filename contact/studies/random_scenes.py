@@ -251,7 +251,7 @@ def unsound(scene: contact.Scene, solution: contact.Solution, tol: float) -> str
 
 
 def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
-    """Return a message if a solution contradicts one at a thousandth of the tolerance; else ''."""
+    """Return a message if a solution contradicts a solution of smaller tolerance; else ''."""
     try:
         tight = contact.solve(scene, tol=max(1e-3 * tol, 1e-13))
     except contact.NotConverged as error:

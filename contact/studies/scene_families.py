@@ -102,7 +102,7 @@ class Mixed(contact.Profile):
 
 
 def sinusoid(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A sinusoid with one wave per cell."""
+    """A sinusoid whose wavelength is the length of the cell."""
     return contact.Sinusoid(length * 10 ** rng.uniform(-3, -1) / (2 * np.pi), length)
 
 

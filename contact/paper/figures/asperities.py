@@ -135,7 +135,7 @@ class _Pressures:
 def _at_widths(
     profile: Profile, half_widths: Array, numbers: Mapping[str, Callable[[Solution], float]]
 ) -> dict[str, Array]:
-    """Columns of numbers for each model at given half-widths; nan if there is no such contact."""
+    """Columns of numbers for each model at given half-widths; nan where a model has no contact."""
     columns: dict[str, Array] = {}
     for model in MODELS:
         found = [solved(profile, model, half_width=a) for a in half_widths]
@@ -149,7 +149,7 @@ def _at_widths(
 def _draw_errors(
     axes: Any, columns: dict[str, Array], names: Mapping[str, float | None], up: str, most: float
 ) -> None:
-    """Draw the errors of the models relative to the exact model [%] over the first column.
+    """Draw the errors of the models relative to the exact model [%] against the first column.
 
     names: the quantities, each with a line width, or None for the line width of the model; up:
     label of the ordinate; most: limit of the ordinate.

@@ -133,7 +133,7 @@ State = TypeVar("State", bound=AdhesiveZone)
 
 
 class Equilibria(Generic[State]):
-    """The curve of equilibria of one profile; its parameter grows with the contact.
+    """The curve of equilibria of one profile, with a parameter that grows with the contact.
 
     Turning points cut the curve into branches. `stable` is the first stable branch, `narrow` the
     one before it and `wide` the one after it. `last` is the branch at the end of the curve.
@@ -222,11 +222,11 @@ class Equilibria(Generic[State]):
         return parts[number]
 
     def at_load(self, load: float, branch: str = "stable") -> State:
-        """The equilibrium at a load (per period) on a branch; OutOfRange if there is none."""
+        """The equilibrium at a load (per period) on a branch; OutOfRange if it does not exist."""
         return self._carrying(load, self._solve("load", finite("load", load), branch, inf))
 
     def at_approach(self, approach: float, branch: str = "stable") -> State:
-        """The equilibrium at an approach on a branch; OutOfRange if there is none."""
+        """The equilibrium at an approach on a branch; OutOfRange if it does not exist."""
         return self.at(self._solve("approach", finite("approach", approach), branch, 0.0))
 
     def _solve(self, control: str, value: float, branch: str, machine_compliance: float) -> float:

@@ -225,9 +225,9 @@ class SymmetricZone(PressedBody):
     True
     """
 
-    # Every solution defines the next four formulas. Their arguments are r = |x|, the distance
-    # d = a - r of a point in the zone from the zone's end, and the distance e = r - a of a point
-    # outside the zone.
+    # Every solution defines the next four formulas. The argument r is |x|. For a point in the zone,
+    # d = a - r is the distance from the zone's end. For a point outside the zone, e = r - a is the
+    # distance from the zone's end.
     def _height(self, r: Array) -> Array:
         raise NotImplementedError
 

@@ -151,8 +151,8 @@ class DugdaleZone(_DugdaleState):
         scale = scale * np.maximum(cosine(x, length), 1e-100) ** 2
         square = sine(e, length) * sine(x + a, length) * cosine(c, length) ** 2 / scale
         rest = np.abs(sine(f, length)) * sine(c + x, length) * cosine(a, length) ** 2 / scale
-        # The function artanh is computed by the identities artanh X = arsinh(X/sqrt(1 - X^2)) and
-        # artanh(1/X) = arsinh(1/sqrt(X^2 - 1)), as X^2 and |1 - X^2| are accurate.
+        # The numbers X^2 and |1 - X^2| are accurate. Therefore artanh is computed as arsinh:
+        # artanh X = arsinh(X/sqrt(1 - X^2)) and artanh(1/X) = arsinh(1/sqrt(X^2 - 1)).
         return np.asarray(np.arcsinh(np.sqrt(np.minimum(square, 1.0) / np.maximum(rest, 1e-300))))
 
     @property
@@ -232,8 +232,9 @@ class DugdaleZone(_DugdaleState):
         """
 
         def gap(e: Array, f: Array) -> Array:
-            # The gap that the tension adds is an integral of its slope F(y) from a to x. The order
-            # of the integrals is exchanged: int_a^c int_a^x F(y) dy dx = int_a^c (c - y) F(y) dy.
+            # The gap that the tension adds is int_a^x F(y) dy, where F is the slope of this gap.
+            # The order of the integrals over x and y is exchanged:
+            # int_a^c int_a^x F(y) dy dx = int_a^c (c - y) F(y) dy.
             return self.zone._gap(e) + self._unit * f * self.opening_rate(e, f)
 
         area = float(integrated(gap, self.cohesive_end - self.half_width))
@@ -245,7 +246,7 @@ class DugdaleZone(_DugdaleState):
         The rate of the approach is nan without a datum.
         """
         # The variables arcosh, log_ratio and share_rate are l, r and dB/dc of the head of this
-        # file, where tan C/tan A - 1 = sin(C - A)/(cos C sin A).
+        # file. In r, tan C/tan A - 1 is computed as sin(C - A)/(cos C sin A).
         a, c, length = self.half_width, self.cohesive_end, self.period
         arcosh = float(arcosh1p(sine_excess(a, c - a, length)))
         log_ratio = float(np.log1p(sine(c - a, length) / (cosine(c, length) * sine(a, length))))
@@ -260,7 +261,7 @@ class DugdaleZone(_DugdaleState):
 
 @dataclass(frozen=True)
 class MetDugdaleZone(_DugdaleState):
-    """Cohesive intervals that meet at L/2: a frictionless zone under a uniform tension.
+    """State whose cohesive intervals fill the gap: a frictionless zone under uniform tension.
 
     A uniform tension leaves the gap as it is, and P = P_0 - s L with the frictionless load P_0. The
     work of adhesion is at least the stress times the gap at L/2. Energies are in `AdhesiveZone`,
@@ -380,8 +381,8 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
         return DugdaleZone(self._frictionless(self._half_width(parameter)), self.stress, parameter)
 
     def _carrying(self, load: float, parameter: float) -> _DugdaleState:
-        # If the cohesive intervals are wide, the gap at their end hardly depends on the half width
-        # a, so that a is inaccurate. One Newton step makes the load right.
+        # If the cohesive intervals are wide, the gap at the end c hardly depends on the half width
+        # a, so that a is inaccurate. One Newton step corrects the load.
         found = self.at(parameter)
         if not isinstance(found, DugdaleZone):
             return found
@@ -458,7 +459,7 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
 
     @property
     def tabor(self) -> float:
-        """Maugis's parameter 4 stress/(pi^2 E*^2 work/radius)^(1/3); JKR's law if it is large."""
+        """Maugis's parameter 4 stress/(pi^2 E*^2 work/radius)^(1/3); large values mean JKR."""
         cube = pi**2 * self.E_star**2 * self.work / self.radius
         return 4.0 * self.stress / float(cube ** (1.0 / 3.0))
 

@@ -281,7 +281,7 @@ class JKRWave(Wave, _JKREquilibria):
     True
     """
 
-    # Full contact has no zone end, from which it could open: an opening needs a flaw.
+    # Full contact has no zone end where a gap could begin to open: the opening needs a flaw.
     stays_closed = True
 
     @property

@@ -231,7 +231,7 @@ def _load(isolated: Isolated, period: float, closure: str) -> float:
 def localized_at_load(
     family: type[Isolated], load: float, period: float, closure: str = FIRST_ORDER, **shape: Any
 ) -> LocalizedZone:
-    """The localized solution at a load per period, on the branch that starts at zero load.
+    """The localized solution that carries a given load, on the branch that starts at zero load.
 
     The first-order load of a sinusoid has a maximum on that branch, near a/L = 0.44.
 

@@ -27,8 +27,8 @@ from contact.model.checks import keep, positive
 from contact.reference.exact.base import check_number
 from contact.reference.exact.numerics import Array, least_value, root
 
-# A function G(y, m, h) = f'/v of y = v^2 (head of this module), on one zone in y with middle m and
-# half width h.
+# A function G(y, m, h) = f'/v of the variable y = v^2 (head of this module). The zone in y has the
+# middle m and the half width h.
 Ratio = Callable[[Array, float, float], Array]
 
 
@@ -200,7 +200,7 @@ def _values(
 
 
 def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
-    """Middle of the zone in y for a pressure that is bounded at all ends; None if there is none.
+    """Middle of the zone in y for a pressure that is bounded at all ends; None if impossible.
 
     The condition is g_0 = 0 for the mean g_0 of G = f'/v over the angle (head of this module).
     There is no such middle if the zones have met at x = 0, or if y reaches `limit`. g_0 grows with

@@ -131,7 +131,7 @@ class TiltedZone(PressedBody):
 
 @dataclass(frozen=True)
 class TiltedParabola(TiltedZone):
-    """A tilted parabola f = x^2/2R: Hertz's zone with its middle at x = R tilt.
+    """The contact of a tilted parabola f = x^2/2R: Hertz's zone with the middle at R tilt.
 
     The moment is M = P R tilt; the approach is Hertz's less R tilt^2/2. Fields are in
     `TiltedZone`. Derived here.

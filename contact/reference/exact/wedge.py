@@ -27,8 +27,8 @@ class _Wedge(SymmetricZone):
         return np.full_like(r, self.wedge_slope)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # With u = pi |x|/L and A = pi a/L, y = tan A/tan u - 1 = sin(A - u)/(cos A sin u) is
-        # computed without cancellation.
+        # Here y is tan A/tan u - 1 with u = pi |x|/L and A = pi a/L. The equal form
+        # sin(A - u)/(cos A sin u) does not cancel near the zone's end.
         with np.errstate(divide="ignore"):
             y = sine(d, self.period) / (self._cosine() * sine(r, self.period))
         return self.E_star * self.wedge_slope / pi * arcosh1p(y)

@@ -229,8 +229,8 @@ class AdhesiveDesign(GivenZones):
             series = 2.0 * np.convolve(root, ratio)[: 2 * n][::-1]
             series[0] *= 0.5
             return DesignedProfile(series.astype(float), hull)
-        # At a complex point z above the real axis, with w = e^{2 pi i z/L}, the factor of an end e
-        # is 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
+        # Let z be a complex point above the real axis and w = e^{2 pi i z/L}. The factor of an end
+        # e is then 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
         angle = self._extended._turn * ends
         power_sums = np.array([0.5 * np.sum(np.exp(-2j * k * angle)) for k in range(n + 1)])
         root = np.exp(0.5j * (np.sum(angle) + n * self._extended.pi)) * exp_of_power_sums(
@@ -263,7 +263,10 @@ class AdhesiveDesign(GivenZones):
         return np.asarray(self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr))
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
-        """Mask of the points nearer to the left end of gap i, where their integration starts."""
+        """Mask of the points of gap i to which the slope is integrated from the left end.
+
+        These points are nearer to the left end than to the right end.
+        """
         return np.asarray((dl <= dr) | np.isnan(dr)) if i >= 0 else np.zeros(dl.shape, dtype=bool)
 
     @cached_property

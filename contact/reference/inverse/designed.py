@@ -121,7 +121,7 @@ def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
 
 @dataclass(frozen=True, eq=False)
 class GivenZones(ExactContact):
-    """Base class of the designed contacts; their fields follow from `CutProduct`'s products.
+    """Base class of contacts of given zones, whose fields follow from `CutProduct`.
 
     A subclass defines the profile, the zone loads, the pressure and the slope of the gap. Its
     formulas take the distances dl and dr of a point from the left and right end of its interval.
@@ -171,11 +171,11 @@ class GivenZones(ExactContact):
         raise NotImplementedError
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
-        """Mask of the points of gap i from whose left end the slope is integrated."""
+        """Mask of the points of gap i to which the slope is integrated from the left end."""
         raise NotImplementedError
 
     def _on(self, odd: bool, x: ArrayLike, function: Callable[[int, Array, Array], Array]) -> Array:
-        """Values of `function` at the points in gaps (if `odd`) or in zones; 0 at all others.
+        """Values of `function` at the points in gaps (if `odd`) or in zones; 0 elsewhere.
 
         Its arguments are the number of an interval and distances from the ends of this interval.
         """
@@ -390,8 +390,8 @@ class DesignedContact(GivenZones):
             series = 2.0 * self._extended_scale * exp_of_power_sums(power_sums).real[::-1]
             series[0] *= 0.5
             return DesignedProfile(series.astype(float), hull)
-        # At a complex point z above the real axis, with w = e^{2 pi i z/L}, the factor of an end or
-        # root e is 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
+        # Let z be a complex point above the real axis and w = e^{2 pi i z/L}. The factor of an end
+        # or root e is then 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
         angle = 2.0 * self._extended.pi / self.period * np.concatenate([ends, roots])
         power_sums = np.array([np.sum(exponents * np.exp(-1j * k * angle)) for k in range(n + 1)])
         phase = np.exp(0.5j * np.sum(exponents * angle))
@@ -415,9 +415,9 @@ class DesignedContact(GivenZones):
         return self._scale * self._product.side(i, dl, dr) * self._product.magnitude(i, dl, dr)
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
-        """Mask of the points of gap i on the left of its widest point.
+        """Mask of the points of gap i to which the slope is integrated from the left end.
 
-        The slope is integrated from the left end of the gap to these points.
+        These points lie on the left of the widest point of the gap.
         """
         return self._product.side(i, dl, dr) > 0.0
 

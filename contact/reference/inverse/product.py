@@ -144,7 +144,7 @@ class CutProduct:
 
     @cached_property
     def roots(self) -> Array:
-        """Distances of the roots of M from the ends of their gaps, (roots, 2).
+        """Distances of each root of M from the two ends of the gap with this root, (roots, 2).
 
         Newton's method solves int_gap |X| M = 0 for all gaps.
         """
@@ -245,7 +245,7 @@ class CutProduct:
             return np.asarray(np.cos(self._turn * (dl[..., None] + self._leftward[i])) / factors)
 
     def at_end(self, e: int) -> tuple[int, Any, Any]:
-        """End e as a point of an interval next to it: number, distances from the two ends."""
+        """End e as a point (interval number, dl, dr) of an interval that begins or ends at e."""
         zero = np.zeros(1, dtype=self.zones.dtype)
         if e + 1 < 2 * len(self.zones) or self.period is not None:
             return e, zero, self.steps[[e]]
@@ -267,9 +267,9 @@ class CutProduct:
         )
 
     def side(self, i: int, dl: Array, dr: Array) -> Array:
-        """Sign of the slope of the gap: +1 left of its widest point (a root of M), -1 right of it.
+        """Sign of the slope of a gap: +1 left of the gap's widest point, -1 right of this point.
 
-        The sign is -1 left of all zones and +1 right of all zones.
+        The widest point is a root of M. The sign is -1 left of all zones and +1 right of all zones.
         """
         if i < 0:
             return np.full_like(dl, -1.0)

@@ -17,7 +17,7 @@ ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 
 
 def measured(module: str, *arguments: str) -> dict[str, Any]:
-    """Return the JSON object that a module prints when it runs with these arguments."""
+    """Run a module in a new process and return the JSON object that the module prints."""
     environment = {**os.environ, **ONE_THREAD}
     command = [sys.executable, "-m", module, *arguments]
     run = subprocess.run(command, check=True, capture_output=True, text=True, env=environment)
@@ -25,7 +25,7 @@ def measured(module: str, *arguments: str) -> dict[str, Any]:
 
 
 def publish(table: Table, remarks: list[str], out: Path | None) -> None:
-    """Print a table with remarks below it, and write both to `out` for a page of the docs."""
+    """Print a table with remarks; write table and remarks to `out` for a page of the docs."""
     setup = ", ".join(" ".join(row) for row in machine.table(()).rows)
     remarks = [*remarks, f"Measured with {setup}."]
     show_table(table.title, table.columns, table.rows, numeric=range(1, len(table.columns)))

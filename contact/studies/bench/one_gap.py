@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class OneGap:
-    """The contact with one gap, of period 1 and E* = 1, just below full contact."""
+    """A contact just below full contact, with one gap in the period; period 1 and E* = 1."""
 
     profile: Fourier
     mean: float

@@ -83,7 +83,7 @@ def names(rows: Iterable[Row]) -> list[str]:
 
 
 def precision_table(rows: list[Row]) -> Table:
-    """Table of the solver's time, true error and stated error at every other tolerance."""
+    """Table of the solver's time, true error and stated error at every second tolerance."""
     out: list[tuple[str, ...]] = []
     for scene in names(rows):
         for row in of(rows, scene, OURS):

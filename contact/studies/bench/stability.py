@@ -89,7 +89,8 @@ def run(case: Extreme, patience: float = 60.0) -> Verdict:
     outcome = "FAIL"
     if found is not None:
         error, stated = truth.stated_measure(found, exact), found.error
-        # A reference solution that is not a closed form has an error of its own.
+        # A reference solution that is not a closed form is itself inexact; `error` states by how
+        # much.
         known_to = getattr(exact, "error", 0.0)
         if error <= case.allowed and error <= stated + known_to < np.inf:
             outcome = "pass"

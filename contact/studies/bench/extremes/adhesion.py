@@ -83,8 +83,9 @@ def _under_tension(
 ) -> Extreme:
     here, by_load = curve.at_load(load), _condition(curve, load, part)
     # The round-off of the ends is relative to the zone, but the pressure varies over the narrow
-    # strip of tension: this is the first factor. The end of the strip follows from the reach w/s,
-    # which is rounded too: the second factor is the condition by the work w.
+    # strip of tension. This ratio of widths is the first factor. The end of the strip follows from
+    # the reach (work / stress), which is rounded too. The second factor is therefore the condition
+    # with respect to the work.
     narrow = (
         here.half_width
         / (here.cohesive_end - here.half_width)

@@ -90,7 +90,7 @@ class CothZone(SymmetricZone):
 
     def _pressure(self, r: Array, d: Array) -> Array:
         unit = 0.5 * np.pi / self.h
-        # The difference sinh^2 V - sinh^2 v (head of this module) is written as the product
+        # The difference sinh^2 V - sinh^2 v (head of this module) is computed as
         # sinh(V - v) sinh(V + v), so that nothing cancels near an end.
         return np.asarray(
             np.cosh(unit * r) * np.sqrt(np.sinh(unit * d) * np.sinh(unit * (self.half_width + r)))
@@ -141,7 +141,7 @@ class UnderEllipse(Profile):
 
 @dataclass(frozen=True)
 class Ellipse(SymmetricZone):
-    """The contact of `UnderEllipse`: its pressure is half an ellipse on (-1, 1), for E* = 1."""
+    """The contact whose pressure is half an ellipse on (-1, 1), for E* = 1 (`UnderEllipse`)."""
 
     load = 0.25 * np.pi  # type: ignore[assignment]
     max_pressure = 0.5  # type: ignore[assignment]
