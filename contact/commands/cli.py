@@ -63,7 +63,7 @@ def explore_command(scene: Path | None, port: int | None, show: bool, tol: float
 
 
 class Commands(click.Group):
-    """A group of click commands that turns each error into an exit status and one line on stderr."""
+    """A click group that turns each error into an exit status and one line on stderr."""
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
         run: Callable[..., Any] = super().main

@@ -251,7 +251,7 @@ class Explorer:
             self._soon(self._settle, _PAGE.settling_time)
 
     def _settle(self) -> None:
-        """Complete the page after the last change: draw finer curves, the text and the load curve."""
+        """Complete the page after a change: draw finer curves, the text and the load curve."""
         left = self._rest_at - time.monotonic()
         if left > 0 and self._is_served:
             self._soon(self._settle, 1 + int(1e3 * left))

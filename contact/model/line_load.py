@@ -264,7 +264,7 @@ def _at_end(series: Array) -> float:
 
 
 def _summed(series: Array, t: Array) -> Array:
-    """The sum of the series at t >= 0, in units of the first panel; constant after the last panel."""
+    """Sum of the series at t >= 0, in units of the first panel; constant after the last one."""
     panels = len(series)
     end = 2.0 ** (panels - 1)
     out = np.full(np.shape(t), _at_end(series))

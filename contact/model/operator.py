@@ -334,7 +334,7 @@ class Operator(sie.Kept):
 
     @cached_property
     def strip_rest(self) -> Rest | None:
-        """The smooth potential of a strip and its images, up to a constant; None on a half-plane."""
+        """Smooth potential of a strip and its images, up to a constant; None on a half-plane."""
         if self.is_own or self.smooth_part.is_zero:
             return None
         return partial(_cells, self.smooth_part.primitive, self.kernel(1.0).poles, 0.0)

@@ -288,7 +288,7 @@ class Scene(sie.Kept):
 
     @property
     def turning(self) -> dict[str, float]:
-        """The given `tilt` [rad] or `moment` [N] of the body, by name; empty if neither is given."""
+        """The given `tilt` [rad] or `moment` [N], by name; empty if neither is given."""
         return {name: value for name in TURNING if (value := getattr(self, name)) is not None}
 
     @property

@@ -115,7 +115,7 @@ def read_scene(
 
 
 def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Scene:
-    """The scene that the tables of a scene file describe; file names are relative to `directory`."""
+    """The scene that these tables describe; file names in them are relative to `directory`."""
     if not isinstance(tables, Mapping):
         raise SceneError.of("tables", tables, f"a mapping with the keys {', '.join(TABLES)}")
     for name in tables:

@@ -53,7 +53,7 @@ class Equilibria:
 
     @property
     def several(self) -> bool:
-        """Whether there are several equilibria, so that a branch of equilibria has to be followed."""
+        """Whether there are several equilibria, so that a branch of them has to be followed."""
         return self.start is not None
 
 
@@ -189,7 +189,7 @@ class Law(Named, sie.Kept):
         return None
 
     def work_of_adhesion(self, E_star: float) -> float:
-        """Work that separates a unit of length [J/m^2] against the edge intensity and the tension."""
+        """Work [J/m^2] of separating a unit of length against the edge intensity and the tension."""
         return pi / E_star * self.intensity(E_star) ** 2 + self.tension * self.reach
 
     def surface_energy(self, fields: Any, width: float) -> float:

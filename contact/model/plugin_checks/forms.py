@@ -163,7 +163,7 @@ def require_form(kind: type, part: Any) -> None:
 
 
 def require_calls(kind: type, part: Any) -> None:
-    """Raise a SceneError that names the first method of a part that does not accept its arguments."""
+    """Raise a SceneError that names the first method that does not accept its arguments."""
     place = kind.__name__.lower()
     for name, arguments in _METHODS[kind].items():
         with of_author(f"{place}.{name}", place):

@@ -349,5 +349,5 @@ def _half_window(profile: Profile) -> float:
 
 
 def ends_of(profile: Profile) -> tuple[float, ...]:
-    """Left and right end of the body if the profile has no period; empty if the body has no ends."""
+    """Left and right end of a body without a period; empty if the body has no ends."""
     return (profile.support or profile.extent or ()) if profile.period is None else ()

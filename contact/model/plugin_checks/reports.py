@@ -189,7 +189,7 @@ def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
 
 
 def _reported(report: Report, fault: type[Fault] | None) -> Report:
-    """Return the report. If it has faults and `fault` is an error class, raise this error instead."""
+    """Return the report. If it has faults and `fault` is given, raise this error instead."""
     if fault is not None and not report.ok:
         raise fault(report)
     return report

@@ -348,7 +348,7 @@ class Profile(Named, sie.Kept):
         return None
 
     def _length(self) -> float | None:
-        """A typical length of the shape, from which the steps of numerical differences are chosen."""
+        """A typical length of the shape, which sets the steps of numerical differences."""
         if self.resolution is not None:
             return self.resolution
         if self.support is not None:

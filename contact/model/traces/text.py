@@ -59,7 +59,7 @@ class Layout:
 
 
 def _written_elsewhere(number: str) -> float | None:
-    """A number with a typographic minus sign or a Fortran exponent; None if it is no such number."""
+    """A number with a typographic minus sign or a Fortran exponent; None for other text."""
     try:
         return float(_FORTRAN.sub(r"\1e\2", number.replace("\u2212", "-")))
     except ValueError:
