@@ -134,7 +134,7 @@ class AdhesiveDesign(GivenZones):
 
     @property
     def _signs(self) -> Array:
-        """Sign of the square root X (head of this module) in the gap next to every end."""
+        """Sign of X, the root of the product of all end factors, in the gap next to every end."""
         return np.array([self._side(e if e % 2 else e - 1) for e in range(2 * len(self.zones))])
 
     @cached_property

@@ -280,7 +280,7 @@ class CutProduct:
         )
 
     def locate(self, x: Array) -> tuple[Index, Array, Array]:
-        """Number of the interval of every point, and distances from the ends of this interval.
+        """For every point, the number of its interval and the distances from the interval's ends.
 
         The number is -1 left of all zones.
         """

@@ -42,7 +42,7 @@ class HarmonicZone(SymmetricZone):
 
     @cached_property
     def _series(self) -> Array:
-        """Coefficients of the load as a Legendre series in c = cos(2 pi a/L), half width a."""
+        """Legendre coefficients of the load as a function of cos(2 pi half_width/period)."""
         n = np.arange(1, len(self.amplitudes) + 1)
         weight = 0.5 * pi * self.E_star * n * np.array(self.amplitudes)
         return np.append(weight, 0.0) - np.append(0.0, weight)
