@@ -55,7 +55,7 @@ def _turn(parts: int) -> Array:
 
 
 def u_coefficients(values: Array) -> Array:
-    """Coefficients g_k of sum g_k U_{k-1}, k = 1 ... n, from its values at the zeros of U_n.
+    """Coefficients g_k of sum g_k U_{k-1}, k = 1 ... n, from values at the n zeros of U_n.
 
     The transform acts along the last axis.
     """
@@ -66,7 +66,7 @@ def u_coefficients(values: Array) -> Array:
 
 
 def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
-    """U coefficients of functions on zones that have moved, from the coefficients g before.
+    """Coefficients of U_k for functions on moved zones, from coefficients g before the move.
 
     The function on a zone is sum g_k U_{k-1}(shift + stretch t), t the coordinate of the moved
     zone; all tables are (zones, n). Outside (-1, 1) the old series grows without bound. Places
@@ -122,7 +122,7 @@ def gauss_sides(n: int) -> tuple[Array, Array]:
 
 
 def t_matrix(n: int, count: int) -> Array:
-    """Values of Chebyshev's T_l, l = 0 ... count - 1, at the n Gauss nodes: (n, count)."""
+    """Matrix (n, count) of Chebyshev's T_l, l = 0 ... count - 1, at the n Gauss nodes."""
     return (_t_matrix if n * count <= OPTIONS.cache_pairs else _t_matrix.__wrapped__)(n, count)
 
 

@@ -61,7 +61,7 @@ def half_angles(left: Any, right: Any) -> tuple[Array, Array]:
 
 
 def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, Array]:
-    """(value, derivative by the angle) of `of`(1 + t, 1 - t), t = cos(angle), by differences.
+    """(value, derivative by the angle) of a function of (1 + t, 1 - t), where t = cos(angle).
 
     The step balances truncation and round-off.
     """
@@ -94,7 +94,7 @@ def decay_rate(excess: Any) -> Array:
 
 
 def excess_of(rate: float) -> float:
-    """The excess |zeta| - 1 at which `decay_rate` is `rate`: the inverse of that function."""
+    """The excess |zeta| - 1 at which `decay_rate` has the value `rate`."""
     return 2 * float(np.sinh(0.5 * rate)) ** 2
 
 
@@ -114,7 +114,7 @@ class Seen:
         return np.where(past, large, small), np.where(past, small, large)
 
     def first(self, width: Number) -> Array:
-        """Potential of 1 / sqrt(1 - t^2) over the half width w: log(width / (2 |rho|)).
+        """log(width / (2 |rho|)): potential of 1 / sqrt(1 - t^2), divided by the half width w.
 
         width: w divided by the kernel's `datum`.
         """
@@ -155,7 +155,7 @@ class Seen:
 
 @record
 class Outside(Seen):
-    """Points x outside intervals: the sign of zeta = (x - middle) / half width and |zeta| - 1."""
+    """Points x outside intervals, as sign and |zeta| - 1 of zeta = (x - middle) / half width."""
 
     sign: Any
     excess: Array
@@ -204,7 +204,7 @@ class OnLine(Seen):
 
     @classmethod
     def of(cls, left: Array, right: Array) -> "OnLine":
-        """The points at the distances `left` and `right` from the ends, over the half width."""
+        """Points from their distances `left` and `right` to the ends, divided by the half width."""
         on = (left >= 0) & (right >= 0)
         sign = np.where(left >= 0, 1.0, -1.0)
         size = np.sqrt(np.abs(left * right))
@@ -293,7 +293,7 @@ class InPlane:
         return np.asarray(2 * np.log((self.p + self.m) * np.sqrt(0.5)))
 
     def first(self, width: Number) -> Complex:
-        """Potential of 1 / sqrt(1 - t^2) over the half width w: log(width / (2 rho)).
+        """log(width / (2 rho)): potential of 1 / sqrt(1 - t^2), divided by the half width w.
 
         width: w divided by the kernel's `datum`.
         """
@@ -303,7 +303,7 @@ class InPlane:
         return InPlane(self.left[which], self.less[which])
 
     def turned(self, c: Array, s: Array) -> Complex:
-        """log(1 - rho e^(-i phi)) for rho = zeta - sqrt(zeta^2 - 1) and angles phi on a last axis.
+        """log(1 - rho e^(-i phi)), rho = zeta - sqrt(zeta^2 - 1), for angles phi on the last axis.
 
         c, s: cos(phi/2) and sin(phi/2).
         """
@@ -448,8 +448,8 @@ def mean_potential(w: Any, datum: Any) -> Any:
     return w * np.log(w / (2 * datum))
 
 
-# The functions below give a density's intensity K and edge slope A: near an end it is K / sqrt(d) +
-# A sqrt(d) at the distance d.
+# The functions below give a density's intensity K and edge slope A: at the distance d from an end
+# the density is K / sqrt(d) + A sqrt(d).
 def intensities(alpha: Array, beta: Array, w: Array) -> tuple[Array, Array]:
     """Intensities K at the left and the right end of (alpha + beta t) / sqrt(1 - t^2)."""
     root = HALF.edge_scale(w)
@@ -465,8 +465,8 @@ def edge_slopes(
 
     at_left, at_right: values of sum u_k U_k at the ends.
     """
-    # These are the parts of the edge slopes A from (alpha + beta t) / sqrt(1 - t^2): its
-    # coefficients of sqrt(d) at t = -1 + d/w and at t = 1 - d/w.
+    # These are the parts of the edge slopes A that come from (alpha + beta t) / sqrt(1 - t^2). They
+    # are the coefficients of sqrt(d) in this term at t = -1 + d/w and t = 1 - d/w.
     left, right = (((alpha + s * beta) / 4 - s * beta) / np.sqrt(2 * w) for s in (-1.0, 1.0))
     scale = HALF.slope_scale(w)
     return scale * at_left + left, scale * at_right + right

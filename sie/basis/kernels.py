@@ -98,7 +98,7 @@ class Kernel(Kept):
 
     @property
     def grows(self) -> bool:
-        """Whether the number of modes of a zone must grow until they resolve the regular part."""
+        """Whether a zone's number of modes must grow until the modes resolve the regular part."""
         return self.regular is not None and not self.sure
 
     @cached_property
@@ -112,7 +112,7 @@ class Kernel(Kept):
         return {}
 
     def __add__(self, other: "Smooth | Regular") -> "Kernel":
-        """The sum of this kernel and a smooth one."""
+        """The sum of this kernel and a smooth kernel."""
         smooth = _smooth(other)
         regular = smooth if self.regular is None else self._rest + smooth
         return Kernel(
@@ -130,7 +130,7 @@ class Kernel(Kept):
     __radd__ = __add__
 
     def __sub__(self, other: "Smooth | Regular") -> "Kernel":
-        """This kernel minus a smooth one."""
+        """This kernel minus a smooth kernel."""
         return self + -_smooth(other)
 
     def _refuse_multiple(self, *_: Any) -> "Kernel":
@@ -440,15 +440,16 @@ MAKERS = (cauchy, hilbert, images)
 
 
 def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
-    """Number of quadrature nodes on a zone that resolve the regular part to round-off.
+    """Number of quadrature nodes on a zone that resolve a kernel's regular part to round-off.
 
     m: highest order of the density's series on the zone.
     """
     if not kernel.sure:
         if math.isinf(kernel.length):
             return m + 2
-        # With q nodes, Gauss's rule adds the kernel's Chebyshev coefficient of order 2q - k to its
-        # coefficient of order k <= m (aliasing). The added coefficient must be at round-off.
+        # With q nodes, Gauss's rule adds the kernel's Chebyshev coefficient of order 2q - k to the
+        # kernel's coefficient of order k <= m (aliasing). The added coefficient must be at
+        # round-off.
         decayed = DIGITS / math.asinh(kernel.length / half_width)
         return max(m + 2, math.ceil(0.5 * (m + decayed)))
     return max(4, math.ceil(DIGITS / float(decay_rate(max(kernel.reach / half_width - 1, 0.05)))))

@@ -92,7 +92,7 @@ class LagTable:
 
 
 def _unit_series() -> list[tuple[Array, int]]:
-    """The series of T_k, k = 0 ... terms - 1, in Chebyshev polynomials, for `cheb2poly`.
+    """Chebyshev coefficients of T_k itself, and number of zeros left out, for k < `terms`.
 
     A list of (coefficients without trailing zeros, number of missing zeros).
     """
@@ -124,7 +124,7 @@ def regular_values(kernel: Kernel, x: Array, xi: Array, potential: bool = False)
 
 
 def _table(kernel: Kernel, potential: bool, reach: float, pairs: int) -> LagTable | None:
-    """A table of a kernel's regular part for lags up to `reach`, or None if there is no table.
+    """A table of the regular part for lags up to `reach`; None if a table would not pay.
 
     It is None if making it would cost more than the direct evaluation of the pairs, or if there is
     no accurate table.

@@ -42,14 +42,14 @@ OPTIONS = SumOptions()
 
 
 def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
-    """Blocks of points; each block makes at most `memory_pairs` pairs of a point and a jump."""
+    """Blocks of points; each block has at most `memory_pairs` pairs of a point and a jump."""
     block = max(1, OPTIONS.memory_pairs // max(1, jumps))
     for begin in range(0, points, block):
         yield slice(begin, begin + block)
 
 
 def stretches(counts: Index, most: int) -> Iterator[slice]:
-    """Blocks of consecutive points, each with at most `most` pairs or with one point only.
+    """Blocks of consecutive points with at most `most` pairs together, or with one point.
 
     counts: number of pairs of each point.
     """
@@ -80,7 +80,7 @@ class Grouped:
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Index of each zone in `count` and `first`; larger numbers get the empty last entry."""
+        """Index of each zone in `count` and `first`; zones past the last item get the last index."""
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:
@@ -155,7 +155,7 @@ def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
         return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
     with np.errstate(divide="ignore"):
         seen = np.ceil(-DIGITS / np.log(np.minimum(np.abs(rho), 1 - 1e-12)))
-    # At least one term is kept: for rho = 0 the formula gives none.
+    # At least one term is kept, because for rho = 0 the formula would give no terms.
     return _by_horner(u, rho, zone, np.fmin(count, np.maximum(seen, 1)).astype(int))
 
 
@@ -212,8 +212,8 @@ def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
         return _same_places(u, zone[:, 0], angle[0], flip[0])
     shape, zone, angle, flip = angle.shape, zone.ravel(), angle.ravel(), flip.ravel()
     terms = _terms(u, zone)
-    # The series is the imaginary part of sum_k u_k turn^(k+1). Where `flip` is true, it is that of
-    # sum_k u_k turn (-turn)^k.
+    # The series is the imaginary part of sum_k u_k turn^(k+1), or of sum_k u_k turn (-turn)^k where
+    # `flip` is true.
     turn = np.exp(1j * angle)
     out = (
         turn
@@ -255,7 +255,8 @@ def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
     rows = u[zones]
     k = np.arange(1, _terms(u, zones).max(initial=0) + 1)
     rows = rows[:, : len(k)]
-    # sin(k (pi - angle)) = -(-1)^k sin(k angle): with `flip`, terms of even k change their sign.
+    # sin(k (pi - angle)) = -(-1)^k sin(k angle). Where `flip` is true, terms of even k therefore
+    # change their sign.
     turned = rows * (2.0 * (k % 2) - 1.0)
     out, block = np.empty((len(zones), len(angle))), max(1, OPTIONS.memory_pairs // max(1, len(k)))
     for start in range(0, len(angle), block):

@@ -42,7 +42,7 @@ class Weight:
         return k / ((1 - self.exponent) * slope)
 
     def secant_slope(self, change: Any, move: Any) -> Any:
-        """The edge slope A for which the outward `move` of an end changes its K by `change`."""
+        """Edge slope A for which the `move` of an end changes the end's intensity by `change`."""
         return -change / ((1 - self.exponent) * move)
 
 

@@ -201,7 +201,7 @@ class Zones(Kept):
         return replace(self, a=a, b=b, rest=sum_error(ends, by) if exactly else np.zeros_like(by))
 
     def changed(self, lost: Index, met: Index, period: float | None) -> "tuple[Zones, Index]":
-        """(the zones that remain after some have vanished or merged, their old indices).
+        """(the zones that remain after some have vanished or merged, their indices before that).
 
         lost: indices of the zones that have vanished; met: indices of zones that have merged with
         the next one. A merged zone keeps the index of its first part.
@@ -276,7 +276,7 @@ class Zones(Kept):
             for ends in (self.left, self.right)
         )
         # The left end of the zone that contains x = 0 is the mirror image of the right end of this
-        # zone. It is therefore not counted.
+        # zone. This left end is therefore not counted.
         return [p for p in left if not (self.central and p == 0)], right
 
     @cached_property

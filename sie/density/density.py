@@ -92,8 +92,8 @@ class Density(Series):
         )
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
-            # If the kernel is `sure` (see `Kernel.sure`), the far sums of the tree include the
-            # regular part of the kernel.
+            # If the reach alone determines the modes of the regular part (see `Kernel.sure`), the
+            # far sums of the tree include this part.
             regular = None if self.kernel.sure else regular
         else:
             every = partial(from_zones, self, zone=zone, shift=shift, potential=potential)
@@ -111,7 +111,7 @@ class Density(Series):
 
     @property
     def has_series(self) -> bool:
-        """Whether `treecode` has been made, here or before this object was copied.
+        """Whether `treecode` exists here, or existed in the object of which this is a copy.
 
         All sums then use it, so that copies give the same last digits.
         """

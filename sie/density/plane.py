@@ -44,8 +44,8 @@ from sie.jumps.spline import OPTIONS as SPLINES
 from sie.trees.far import Nested
 from sie.trees.tree import SEPARATION, TERMS, Tree
 
-# At points whose |rho|, rho = zeta - sqrt(zeta^2 - 1), is smaller, the field of a tree node follows
-# from the node's first TERMS moments.
+# At points whose |rho|, rho = zeta - sqrt(zeta^2 - 1), is below this limit, the field of a tree
+# node follows from the node's first TERMS moments.
 _FAR = float(np.exp(-decay_rate(SEPARATION)))
 
 

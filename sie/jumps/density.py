@@ -184,7 +184,7 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give the density that the jumps cause.
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Integral, from the left end, of each jump's density, over (half width) (height) / pi.
+        """Integral from the left end of each jump's density, divided by half width * height / pi.
 
         It is integrated from the end on the same side of s. For t > s,
 
@@ -205,7 +205,7 @@ class DensityJumps(ForcingJumps):
 
     @cached_property
     def _totals(self) -> Array:
-        """Integral of each jump's density over its zone, divided by (half width) (height) / pi.
+        """Integral of each jump's density over its zone, divided by half width * height / pi.
 
         w is the half width of the zone and h the height of the jump.
         """
@@ -224,7 +224,7 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give potentials of the jumps.
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Closed-form potential over the half width w, without c_0 log(w), c_0 = total / (pi w).
+        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w).
 
         On the zone rho = e^{i theta}. For q = 0 the formula comes from partial fractions of
         -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)). For other q see `_potential`.
@@ -237,7 +237,7 @@ class DensityJumps(ForcingJumps):
         return out + self.poles.potential(zone, seen) if len(self.poles) else out
 
     def of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
-        """Potential of jumps k of the density over w h / pi (w: half width, h: jump's height).
+        """Potential of density jumps k, divided by w h / pi (w: half width, h: jump's height).
 
         The term c_0 log(w), with c_0 = total / (pi w), is left out.
 
@@ -261,7 +261,7 @@ class DensityJumps(ForcingJumps):
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential of jumps k over the half width w, without c_0 log(w), c_0 = total / (pi w)."""
+        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
         higher = self.order[k] > 0
         out = super().plane_potential(k[higher], seen, away[:, higher], log[:, higher])
         kinks = k[~higher]

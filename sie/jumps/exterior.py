@@ -21,7 +21,7 @@ from sie.jumps.formulas import OPTIONS
 
 @record
 class ExteriorLogarithms(PerZone):
-    """Pairs of a zone and a logarithm of the right side that is outside but close to it.
+    """Pairs (zone, logarithm of the right side that is outside this zone but close to it).
 
     zone: the zone; which: index of the logarithm; rho: s - sgn(s) sqrt(s^2 - 1) of its position s
     in half widths from the middle of the zone; weight: its factor J/pi in the right side.
@@ -73,12 +73,12 @@ class ExteriorLogarithms(PerZone):
         return cls(zone, which, rho, weights[which])
 
     def sine_coefficients(self, count: int) -> Array:
-        """Coefficients of sin(j theta), j = 1 ... count, in the density of each entry."""
+        """Coefficients of sin(j theta), j = 1 ... count, in the density of each logarithm."""
         j = np.arange(1, count + 1)
         return np.asarray(-2 * self.weight[:, None] * self.rho[:, None] ** j / j)
 
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Derivatives of each entry's density by the angle, at both ends of its zone."""
+        """Derivatives of each logarithm's density by the angle, at both ends of its zone."""
         with np.errstate(divide="ignore"):
             return -2 * self.weight * self.rho / (1 + self.rho), -2 * self.weight * self.rho / (
                 1 - self.rho
@@ -140,7 +140,7 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def potential(self, zone: Index, log: Array, rho: Complex) -> Array:
-        """Potential over the half width w, without c_0 log(w), c_0 = total / (pi w).
+        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w).
 
         log: log(2 |rho|).
         """
@@ -153,7 +153,7 @@ class ExteriorLogarithms(PerZone):
 
     # The methods below give values at complex points (see `sie.density.plane`).
     def log(self, k: Index, seen: InPlane) -> Complex:
-        """2 log(1 - rho rho_z), with rho of the entries k and rho_z of the points z: (points, k).
+        """2 log(1 - rho rho_z), with rho of logarithms k and rho_z of points z: (points, k).
 
         Close to the right end 1 - rho rho_z = (1 - rho_z) + rho_z (1 - rho) does not cancel. For
         rho < 0 the left end takes its place, with 1 + rho_z.
@@ -165,7 +165,7 @@ class ExteriorLogarithms(PerZone):
         )
 
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """Sum over entries k of the transform, its derivative by zeta, or the potential.
+        """Sum over logarithms k of the transform, its derivative by zeta, or the potential.
 
         The potential is divided by the half width w and lacks the term c_0 log(w).
         """

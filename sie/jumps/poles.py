@@ -200,7 +200,7 @@ class Poles(PerZone):
 
     @cached_property
     def roots(self) -> tuple[Complex, Complex]:
-        """(sqrt(z + 1), sqrt(z - 1)) of the poles z, in the first quadrant, not cancelling."""
+        """(sqrt(z + 1), sqrt(z - 1)) in the first quadrant for poles z, without cancellation."""
         return np.sqrt(self.left + 1j * self.away), np.sqrt(-self.right + 1j * self.away)
 
     @cached_property
@@ -276,7 +276,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_on(self, zone: Index, left: Array, right: Array) -> Array:
-        """Potential on the zone over the half width w, without c_0 log(w), c_0 = total / (pi w)."""
+        """Potential on the zone / w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
         t = 0.5 * (left - right)
 
         def part(at: Index, k: Index) -> Array:
@@ -289,7 +289,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_off(self, zone: Index, rho: Array) -> Array:
-        """Potential off the zone over half width w, without c_0 log(w), c_0 = total / (pi w)."""
+        """Potential off the zone / w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
 
         def part(at: Index, k: Index) -> Array:
             return np.real(
@@ -305,7 +305,7 @@ class Poles(PerZone):
         return np.asarray((rho - 1.0 / rho) * np.log1p(-rho * seen) - seen - rho * log)
 
     def potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential on or off the zone over half width w, less c_0 log(w), c_0 = total / (pi w)."""
+        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
         out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
         out[on] = self.potential_on(zone[on], seen.left[on], seen.right[on])
         out[off] = self.potential_off(zone[off], seen.rho[off])

@@ -283,7 +283,7 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.transform(zone, rho) + self.poles.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Closed-form potential over the half width w, without c_0 log(w), c_0 = total / (pi w).
+        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w).
 
         The formulas are at the head of this file.
         """
@@ -339,7 +339,7 @@ class ForcingJumps(PlacedJumps):
         return self._coefficients(OPTIONS.far_terms[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
-        """Correction of the mean of the right side's primitive on each zone, over half width.
+        """Correction of the right side's mean primitive on each zone, divided by the half width.
 
         `System.levels` uses it. The primitive is shifted so that its end values add up to zero. The
         correction is its mean less the mean that the coefficients of the smooth part give.
@@ -359,8 +359,8 @@ class ForcingJumps(PlacedJumps):
         )
         square = (phi / 2 + double / 4) - 2 * s * sine + s * s * phi
         mean = np.where(q == 1, square / 2, cubic / 3) / np.pi
-        # The primitive of C_q (head of this file) is taken that vanishes at t = 0. `ends_c` is half
-        # the sum of the values of this primitive at both ends, and `mean_c` is the mean of this
+        # The primitive of C_q (head of this file) that vanishes at t = 0 has two values at the
+        # ends. `ends_c` is half the sum of these values, and `mean_c` is the mean of this
         # primitive.
         ends_c = np.where(q == 1, phi / 2, -s * phi + sine / 2) / np.pi
         mean_c = np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4) / np.pi
@@ -455,7 +455,7 @@ class ForcingJumps(PlacedJumps):
         )
 
     def left_out(self, x: Array) -> Array:
-        """The part of the right side that its values at points x do not contain: zero here."""
+        """The part of the right side that its given values omit at points x: zero here."""
         return np.zeros(x.shape)
 
     # The methods below give values at complex points (see `sie.density.plane`).
@@ -475,7 +475,7 @@ class ForcingJumps(PlacedJumps):
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential of jumps k over the half width w, without c_0 log(w), c_0 = total / (pi w)."""
+        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
         parts = self.potential_of(
             k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None]
         )

@@ -339,7 +339,7 @@ class QuadraticSpline(Kept):
 
 @record
 class ConjugateSpline(Kept):
-    """The bounded density whose transform is a spline minus its mean over theta = arccos(t).
+    """The bounded density whose transform is a spline minus the spline's mean over arccos(t).
 
     spline: the spline g from one end of the zone to the other, as a function of the distance from
     the left end in half widths. Its value and slope are zero at both ends.
@@ -478,7 +478,7 @@ class ConjugateSpline(Kept):
 
     # The methods below give the transform and the density on the zone.
     def own_transform(self, left: Array) -> Array:
-        """Transform of the density on the zone: the spline minus its mean over theta."""
+        """Transform of the density on the zone: the spline minus the spline's mean over theta."""
         return self.spline(left) - self.mean
 
     @cached_property
@@ -564,7 +564,7 @@ class ConjugateSpline(Kept):
         )
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
-        """Potential over the half width w, without c_0 log(w), c_0 = total / (pi w).
+        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w).
 
         It holds on the zone and off it.
         """

@@ -146,7 +146,7 @@ class SlitDensity(DensityBase):
         return self._on_slits(self._of_slits(1))
 
     def _on_slits(self, series: list[list[Array]]) -> Density:
-        """The density on all slits that has the given series."""
+        """The density with the given series on the slits."""
         slits = self.geometry.slits
         table = np.zeros((len(slits), max(len(one) for row in series for one in row)))
         for here, row in zip(self.slits, series, strict=True):
@@ -156,7 +156,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _edged(self) -> Density:
-        """The density's smooth part plus the unbounded part of the slack's density."""
+        """The smooth part of the density plus the unbounded part that the slack causes."""
         alpha, beta = (part.copy() for part in self.smooth.singular)
         for here, row in zip(self.slits, self.series, strict=True):
             for slit, d in zip(here.slits, row, strict=True):
@@ -249,7 +249,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
-        """Edge slopes A (coefficients of sqrt(d)) of s sqrt(1 - t^2) at both ends of each slit.
+        """Edge slopes A (coefficients of sqrt(d)) of slack times sqrt(1 - t^2) at each slit's ends.
 
         They include the slack psi of jumps in the slit (see `sie.slits.kinks`).
         """

@@ -134,7 +134,7 @@ class SlitKink(Kept):
 
     @property
     def at_ends(self) -> float:
-        """Coefficient J of the slack psi = -+(J/pi) sqrt(2 delta) near the slit's ends.
+        """Coefficient J of the slack psi = -+(J/pi) sqrt(2 delta), delta: distance from the end.
 
         delta is the distance from the end, divided by the slit's half width.
         """
@@ -173,7 +173,7 @@ class SlitKink(Kept):
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the integral of the slack psi, over the zone's half width."""
+        """Mean on the wide zone of the integral of the slack psi, divided by the half width."""
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi
@@ -270,7 +270,7 @@ class SlitKink(Kept):
         return np.asarray(root_weight(from_left, from_right) * ((1 / away) @ self._over_root))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """The mean over the slit that replaces the singular function (t - s)^q kappa.
+        """The mean over the slit that replaces the density (t - s)^q kappa of a jump at s.
 
         For q = 0 it is bar(kappa); the other formulas are at the head of this file.
         """

@@ -46,8 +46,8 @@ from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits
 
-# Where |rho| = |zeta - sqrt(zeta^2 - 1)| is below this, the first `min_slack_modes` coefficients of
-# the slack give the slack's field to round-off.
+# The field of the slack follows to round-off from the first `min_slack_modes` coefficients of the
+# slack. This holds where |rho| = |zeta - sqrt(zeta^2 - 1)| is below this limit.
 _FAR = float(np.exp(-DIGITS / OPTIONS.min_slack_modes))
 # Number of panels of the vertical path of integration. Each panel is half as high as the panel
 # above it, and the lowest panel is as high as round-off.
@@ -135,7 +135,7 @@ class SlitPlane:
 
 
 def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Complex, Complex]:
-    """(value, derivative by zeta) of (1/pi) int sigma / (zeta - tau) dtau over a zone's slits."""
+    """Transform of sigma (slack times sqrt(1 - t^2)) on a zone's slits, and its derivative."""
     value, slope = np.zeros((2, len(x)), dtype=complex)
     first = np.zeros(len(x), dtype=np.intp)
     for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
@@ -164,7 +164,7 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
     first = inner.zeta * (mean_log + 1) - inner.root
 
     def means() -> Iterator[Complex]:
-        """Means over the slit of the functions for q = 0, 1, 2 (head of this file) over half^q.
+        """Slit means of the functions for q = 0, 1, 2 (head of this file), divided by half^q.
 
         For q = 0 it is bar(G), for q = 1 bar((zeta - .) G - sin).
         """

@@ -291,7 +291,7 @@ class Slit(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r: r @ d is the mean over the wide zone of the integral of the slack.
+        """Row vector r: for the slit's series d, r @ d is the zone's mean of the slack's integral.
 
         The weight of the mean is 1 / sqrt(1 - t^2).
         """
@@ -305,7 +305,7 @@ class Slit(Kept):
 
 
 def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
-    """(1/pi) int sigma(tau) / (t - tau) dtau over a slit, at points t outside the slit.
+    """Transform (1/pi) int sigma / (t - tau) dtau of a slit's series, at points t off the slit.
 
     d: series of sigma. excess: |z| - 1 at the points, the distance from the slit in its half
     widths; sign: 1 right of the slit, -1 left of it.

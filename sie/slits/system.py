@@ -339,7 +339,7 @@ class SlitState(Answered):
     # The methods below estimate errors of the solution.
     @property
     def natural(self) -> Array:
-        """Size of the density of each given zone's wide zone, without the part of its total."""
+        """Largest coefficient, other than c_0, of the density on each given zone's wide zone."""
         return self.whole.natural[self.geometry.piece_zone]
 
     @cached_property
@@ -360,7 +360,7 @@ class SlitState(Answered):
 
     @cached_property
     def intensity_noise(self) -> Array:
-        """Rounding of the intensities K at the left and right ends of the given zones (2, n).
+        """Round-off of the intensities K at the left and right ends of the given zones (2, n).
 
         At the ends of slits it acts at one point and is not averaged.
         """
@@ -455,7 +455,7 @@ class SlitState(Answered):
 
     @cached_property
     def zone_errors(self) -> Array:
-        """Estimated error of the density on each given zone, relative to the largest density.
+        """Estimated error of the density on each given zone, relative to its largest value there.
 
         Errors and values are multiplied by sqrt(1 - t^2) of the given zone.
         """
@@ -463,7 +463,7 @@ class SlitState(Answered):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Error of each wide zone's density from truncation and round-off in all equations."""
+        """Error of the density on each wide zone, due to truncation and round-off in all rows."""
         return density_rounding(self.whole, self.missing, self._no_modes)
 
     @cached_property
@@ -475,7 +475,7 @@ class SlitState(Answered):
 
     @cached_property
     def _sines(self) -> Array:
-        """sqrt(1 - t^2) of each given zone over sqrt(1 - t^2) of its wide zone (n, LOOKS)."""
+        """Ratio of sqrt(1 - t^2) of each given zone to sqrt(1 - t^2) of its wide zone."""
         return np.asarray(np.sin(THETA) / self._wide_sines)
 
     def _errors_over(self, sizes: Array) -> Array:
