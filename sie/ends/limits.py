@@ -14,7 +14,7 @@ from sie.slits.system import AnyDensity
 
 @record
 class DomainLimit:
-    """Whether a step would move ends out of the domain of the right side.
+    """Whether a Newton step would move ends of zones out of the domain of the right side.
 
     reached: whether an end that would leave it is already as close to the border as it may come;
     reason: which ends would leave it, in words, or empty.
@@ -25,7 +25,7 @@ class DomainLimit:
 
 
 def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
-    """The domain limit of outward steps `delta` (2, Z) of the ends."""
+    """Whether and where outward steps `delta` (2, Z) of the ends would leave the domain."""
     names, is_close = [], False
     distances, last = border_distances(zones, equation), len(zones) - 1
     for side, zone, name in ((0, 0, "left end of zone 0"), (1, last, f"right end of zone {last}")):
@@ -46,7 +46,7 @@ def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
 
 
 def border_distances(zones: Zones, equation: Equation) -> Array:
-    """Distances (2, Z) of the two outermost ends from the border of the domain, else infinite."""
+    """Distance of the two outermost ends from the domain's border (2, Z), inf at other ends."""
     distances = np.full((2, len(zones)), np.inf)
     low, high = equation.within
     distances[0, 0], distances[1, -1] = zones.a[0] - low, high - zones.b[-1]
@@ -54,7 +54,7 @@ def border_distances(zones: Zones, equation: Equation) -> Array:
 
 
 def pinned_at_limits(zones: Zones, limits: tuple[float, float]) -> Zones:
-    """The zones, with ends beyond a limit moved back to it and fixed there as singular ends."""
+    """The zones, with ends beyond a limit pinned at this limit as singular ends."""
     low, high = zones.a[0] <= limits[0], zones.b[-1] >= limits[1]
     if not (low or high):
         return zones

@@ -51,7 +51,7 @@ from sie.trees.krylov import gmres
 
 @record
 class Moved:
-    """Direct effect of motions of ends, without the response of the equation.
+    """Direct effect of motions of ends, without the response by which the equation is kept.
 
     coefficients: those that act on other zones like the singular densities (unknowns, ...);
     own_level: change of the level of the same zone (Z, ...); own: change of the intensities at both
@@ -64,7 +64,7 @@ class Moved:
 
     @classmethod
     def of(cls, state: State, d: Array) -> "Moved":
-        """The effect of outward motions d (2, Z, ...) of the left and right ends."""
+        """The direct effect of outward motions d (2, Z, ...) of the left and right ends."""
         zones, layout = state.density.zones, state.system.layout
         needs_half(zones.weight, "motions of ends with prescribed intensities")
         more = (1,) * (d.ndim - 2)
@@ -90,7 +90,7 @@ class Moved:
 
 
 class FreeEnds:
-    """The free ends of a state, (side, zone) each; the right end stands for a mirrored pair."""
+    """The free ends of a state as pairs (side, zone); of symmetric zones, only the right half."""
 
     def __init__(self, state: State) -> None:
         zones = state.density.zones
@@ -106,11 +106,11 @@ class FreeEnds:
         self.at = np.searchsorted(zones.solved, self.zone)
 
     def of(self, values: Array) -> Array:
-        """Values at these ends (E, ...), from those at all ends (2, Z, ...)."""
+        """Values at the free ends `self.ends` (E, ...), from values at all ends (2, Z, ...)."""
         return np.asarray(values[self.side, self.zone])
 
     def spread(self, values: Array) -> Array:
-        """Values at all ends (2, Z, ...), mirrored ones filled in, from those at these (E, ...)."""
+        """Values at all ends (2, Z, ...), also mirrored ones, from values at `self.ends`."""
         out = np.zeros((2, len(self.zones), *values.shape[1:]))
         out[self.side, self.zone] = values
         if self.zones.symmetric:
@@ -120,12 +120,13 @@ class FreeEnds:
 
 @dataclass(frozen=True)
 class MotionOptions:
-    """Options of the motions of ends."""
+    """Options of the computation of motions of ends."""
 
-    # Largest number of steps of Arnoldi's method for the growth rate.
+    # Largest number of steps of Arnoldi's method for the growth rate of displacements of the ends.
     max_arnoldi: int = 64
-    # Relative tolerance of responses for the growth rate. If the relative residual of GMRES stays
-    # above it, some motion leaves the intensities unchanged.
+    # Relative tolerance of the equation's responses to motions, for the growth rate. If the
+    # relative residual of GMRES stays above this tolerance, some motion leaves the intensities
+    # unchanged.
     response: float = 1e-4
 
 
@@ -133,7 +134,7 @@ OPTIONS = MotionOptions()
 
 
 class IteratedMotions(FreeEnds):
-    """Relations between motions of ends and intensities, for a state found by iteration."""
+    """Relations between motions of ends and edge intensities, for a state solved by iteration."""
 
     def __init__(self, state: State, solver: Iterative) -> None:
         super().__init__(state)
@@ -150,8 +151,8 @@ class IteratedMotions(FreeEnds):
         moved = Moved.of(self.state, self.spread(d))
         y = system.symmetry.unfold(folded)
         rows, plain = system.applied(y + moved.coefficients)
-        # The rows include the effect of coefficients on their own zone. Singular densities have no
-        # such effect, so it is removed.
+        # The rows include the effect of coefficients on their own zone. A singular density has no
+        # transform on its own zone, so this effect is removed.
         rows = rows + moved.coefficients[system.diagonal]
         edges = (
             np.array(system.intensities_of(system.layout.padded(y)))
@@ -165,7 +166,7 @@ class IteratedMotions(FreeEnds):
 
     @cached_property
     def _local(self) -> Array:
-        """Inverse of the effect of motions on the intensities of their own zone (Z, 2, 2)."""
+        """Inverses (Z, 2, 2) of the effect of a zone's end motions on its own two intensities."""
         out = np.zeros((len(self.zones), 2, 2))
         for side in (0, 1):
             d = np.zeros((2, len(self.zones)))
@@ -178,28 +179,30 @@ class IteratedMotions(FreeEnds):
             out[held, side, side] = 1.0
         central = int(self.zones.solved[0]) if self.zones.central else -1
         if central >= 0:
-            # Both ends of the zone at the centre of symmetry are one unknown.
+            # The two ends of the zone at the centre of symmetry move by the same amount: one
+            # unknown.
             out[central] = np.diag([1.0, out[central, 1].sum()])
         size = np.abs(out).max(axis=(1, 2), keepdims=True)
         weak = np.abs(np.linalg.det(out / size)) < 1e-3
-        # A single zone may shift or grow without a change of K. Then the matrix is replaced by a
-        # multiple of the identity of the size of its largest entry.
+        # A single zone may shift or grow without a change of its intensities K. Then its nearly
+        # singular matrix is replaced by a multiple of the identity, as large as the matrix's
+        # largest entry.
         out[weak] = np.eye(2) * size[weak]
         return np.asarray(np.linalg.inv(out))
 
     def _by_zone(self, k: Array) -> Array:
-        """Motions of the free ends that change the intensities by k, if zones did not interact."""
+        """Motions of free ends that would change the intensities by k if zones did not interact."""
         return self.of(np.einsum("zab,bz->az", self._local, self.spread(k)))
 
     def local(self, k: Array) -> Array:
-        """Bound of the errors of the ends (2, Z) by errors k of the intensities (2, Z).
+        """Bounds of the errors of the ends (2, Z) caused by errors k (2, Z) of the intensities.
 
         The interaction of zones is neglected.
         """
         return np.asarray(np.einsum("zab,bz->az", np.abs(self._local), k))
 
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
-        """(changes of the intensities at the free ends, changes of the levels) by motions d.
+        """(changes of the intensities at the free ends, changes of the levels) caused by motions d.
 
         The levels are those of the solved zones. The values of the side conditions do not change.
         """
@@ -217,13 +220,13 @@ class IteratedMotions(FreeEnds):
         return at_ends, levels
 
     def responses(self, d: Array) -> list[Array]:
-        """Unknowns of the responses to motions of the free ends; see `DirectMotions.responses`."""
+        """Unknowns of the equation's response to each of several motions of the free ends."""
         none = np.zeros(self.solver.size)
         folded = [self.solver(-self._applied(none, one)[0], None, OPTIONS.response) for one in d.T]
         return [self.system.symmetry.unfold(one) for one in folded]
 
     def meeting(self, change: Array, tolerance: float = ITERATION.correction) -> Array:
-        """Motions of the free ends (E,) that change the intensities by `change`, or nan."""
+        """Motions of the free ends (E,) that change the intensities by `change`; nan if none do."""
         count = self.solver.size
 
         def precondition(rows: Array, k: Array) -> Array:
@@ -248,7 +251,7 @@ class IteratedMotions(FreeEnds):
         return np.asarray(found.x[count:] * self.width)
 
     def amplification(self) -> float:
-        """Ratio of the motions for random changes of K to those without interaction of zones.
+        """Factor by which interaction between zones enlarges motions of ends, from a random sample.
 
         It is infinite if some motion leaves the intensities K unchanged.
         """
@@ -264,7 +267,7 @@ class IteratedMotions(FreeEnds):
     def growth(
         self, signs: Array, normal: Array | None = None, by_value: Array | None = None
     ) -> float:
-        """Largest real part of the eigenvalues of d(driving force)/d(motions); see `newton.Free`.
+        """Largest real part of the eigenvalues of d(driving force)/d(motions of ends).
 
         It is found by Arnoldi's method (W. E. Arnoldi, Quart. Appl. Math. 9, 1951, 17-29).
         """
@@ -277,7 +280,7 @@ class IteratedMotions(FreeEnds):
             return np.asarray(out - by_value * (normal @ out) / (normal @ by_value))
 
         def along(d: Array) -> Array:
-            """The component of a motion that keeps the condition on the ends."""
+            """The part of a motion d that keeps the condition on the ends."""
             return (
                 d if normal is None else np.asarray(d - normal * (normal @ d) / (normal @ normal))
             )
@@ -295,9 +298,10 @@ class IteratedMotions(FreeEnds):
                 w = along(w - part @ np.array(basis))
             h[k + 1, k] = norm(w)
             # If the new vector is as small as the error of the responses, the Krylov space is
-            # complete.
+            # complete: another vector would add only noise.
             whole = k + 1 == most or h[k + 1, k] <= 10 * OPTIONS.response * size
-            # The rate is checked whenever the number of steps has doubled.
+            # The eigenvalues are computed each time the number of steps has doubled, and at the
+            # end.
             if whole or (k & (k + 1) == 0 and 8 * (k + 1) >= OPTIONS.max_arnoldi):
                 found = float(np.linalg.eigvals(h[: k + 1, : k + 1]).real.max())
                 if whole or abs(found - last) <= ERRORS.negligible * abs(found):
@@ -309,7 +313,7 @@ class IteratedMotions(FreeEnds):
 
 @dataclass(frozen=True, eq=False)
 class EndRates:
-    """Derivatives of intensities and levels by the outward motions of the free ends.
+    """Derivatives of the intensities and the levels with respect to motions of the free ends.
 
     The values of the side conditions do not change. The right end of a mirrored pair stands for
     both ends.
@@ -344,7 +348,7 @@ class EndRates:
 
 
 def end_rates(state: State) -> EndRates:
-    """The derivatives `EndRates` at a state whose density may be singular at free ends.
+    """Derivatives of intensities and levels by motions of the free ends of a solved state.
 
     Parameters
     ----------
@@ -373,7 +377,8 @@ def end_rates(state: State) -> EndRates:
 
 
 def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
-    """(rates, unknowns of the responses to the motion of each free end (unknowns, E)).
+    """(derivatives `EndRates`, unknowns (unknowns, E) of the responses to unit motions of each
+    end).
 
     The responses are empty if they are found by iteration.
     """
@@ -392,8 +397,8 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
     singular, own_level, own = moved.coefficients, moved.own_level, moved.own
     matrix = rows_of(state)
     right = matrix @ singular[state.symmetry.keep]
-    # The rows include the effect of coefficients on their own zone. The singular density S has no
-    # such effect, so it is removed.
+    # The rows include the effect of coefficients on their own zone. A singular density has no
+    # transform on its own zone, so this effect is removed.
     right[: state.conditions_from] += singular[system.diagonal]
     right[state.conditions_from :] += state.level_rows @ own_level[solved]
     held = [own[side, solved[p]] for side, places in enumerate(zones.fixed_bounded) for p in places]
@@ -415,7 +420,7 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
 
 
 def end_motions(state: State, change: Array) -> tuple[Array, Array]:
-    """The motions of the free ends that change the intensities by given amounts.
+    """Motions of the free ends that change the intensities by given amounts, and level changes.
 
     The values of the side conditions do not change. For very many ends the motions are found by
     iteration, since the matrix of all rates would be too large.
@@ -461,13 +466,13 @@ def end_motions(state: State, change: Array) -> tuple[Array, Array]:
 
 
 class DirectMotions(FreeEnds):
-    """Motions by the matrix of the rates; see `IteratedMotions`."""
+    """Relations between motions of ends and intensities, by the matrix of derivatives."""
 
     def __init__(self, state: State) -> None:
         super().__init__(state)
         self._rates, self._responses = _rates_and_responses(state)
-        # A motion that leaves the intensities unchanged has rates of the size of round-off, not
-        # exactly zero. So the condition number is tested.
+        # The derivatives for a motion that leaves the intensities unchanged are not exactly zero,
+        # but round-off. So the condition number of the matrix is tested.
         neutral = (
             len(self.ends) > 0 and not SUM_ROUNDING * np.linalg.cond(self._rates.intensities) < 1.0
         )
@@ -488,7 +493,7 @@ class DirectMotions(FreeEnds):
         return self._rates.intensities @ d, levels @ d if levels.size else np.zeros(0)
 
     def responses(self, d: Array) -> list[Array]:
-        """Unknowns of the responses to n motions of the free ends (E, n).
+        """Unknowns of the equation's responses to n motions (E, n) of the free ends.
 
         The response is the change of the density at fixed positions without its singular part.
         """
@@ -497,7 +502,7 @@ class DirectMotions(FreeEnds):
     def growth(
         self, signs: Array, normal: Array | None = None, by_value: Array | None = None
     ) -> float:
-        """Largest real part of the eigenvalues of d(driving force)/d(motions); see `newton.Free`.
+        """Largest real part of the eigenvalues of d(driving force)/d(motions of ends).
 
         With a condition on the ends only motions that keep it count; the open value adjusts to it.
         """
@@ -510,7 +515,7 @@ class DirectMotions(FreeEnds):
 
 
 def motions_of(state: State) -> DirectMotions | IteratedMotions:
-    """Relations between motions and intensities, by the matrix of the rates or by iteration.
+    """Relations between motions of ends and intensities, by a matrix or by iteration.
 
     They use iteration if the state was found by iteration.
     """

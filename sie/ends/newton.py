@@ -53,7 +53,7 @@ _UNDETERMINED = (
 
 @dataclass(frozen=True, eq=False)
 class Free:
-    """Result of the search for the ends.
+    """Result of the search for the free ends of the zones.
 
     The driving force of an end is s (K - K*), with s the sign of the density next to it
     (`NewtonOptions.signs`), K the intensity and K* the prescribed one. A positive force drives the
@@ -114,18 +114,18 @@ class Free:
 
     @property
     def next_zones(self) -> Zones:
-        """The zones after the remaining moves."""
+        """The zones after the remaining moves `left` of their ends."""
         zones = self.density.zones
         return zones.moved(self.left) if self.left.shape[1] else zones
 
     @property
     def density(self) -> AnyDensity:
-        """The density on the last zones."""
+        """The density on the zones of the last step."""
         return self.state.density
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Error of each end by truncated coefficients, relative to its zone's width (Z, 2)."""
+        """Error of each end due to truncated coefficients, relative to its zone's width (Z, 2)."""
         if not self.density.zones.follow_ends:
             return self.state.end_truncation
         by_intensities = self._motions.local(self.state.whole.intensity_truncation)
@@ -133,7 +133,7 @@ class Free:
 
     @cached_property
     def followed(self) -> Array:
-        """Error of the density on each zone (Z,), at fixed positions, by the errors of all ends.
+        """Error of the density at fixed positions on each zone (Z,), due to the errors of all ends.
 
         It is zero if all prescribed intensities are zero. Otherwise the motion of an end changes
         the density of all zones to first order.
@@ -154,7 +154,7 @@ class Free:
 
     @property
     def unresolved(self) -> bool:
-        """Whether the modes of a zone do not resolve the equation.
+        """Whether the search failed because the modes of a zone do not resolve the equation.
 
         A search with other zones close to these would fail for the same reason.
         """
@@ -168,7 +168,7 @@ def find_ends(
     options: NewtonOptions | None = None,
     start: WarmStart | None = None,
 ) -> Free:
-    """Find the free ends of zones, where the density has the prescribed intensities.
+    """Find the free ends of the zones: there the density has the prescribed edge intensities.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def find_ends(
 
 
 class _Search:
-    """State of one search for the ends: the zones, the open value, and the progress so far."""
+    """State of one search for the ends: zones, value of the open condition, and progress."""
 
     def __init__(
         self,
@@ -223,12 +223,13 @@ class _Search:
         gaps = modes.gaps(zones, equation.kernel)[1]
         self.progress = Progress(options, tolerance, zones.b - zones.a, gaps, start.initial_error)
         self.sizes = _sizes_at_first(equation, zones, start.modes_like)
-        # The density caused by a unit of the open condition's value; None if not yet computed.
+        # The density caused by a unit change of the open condition's value; None if not yet
+        # computed.
         self.value_response: AnyDensity | None = None
         self.last: LastMoves | None = None
 
     def step(self) -> Free | None:
-        """Solve on the zones and move their ends; return the result if the search has ended."""
+        """Solve the equation, then move the ends; return the result if the search has ended."""
         state, loose, is_released = self._solved()
         motion = self._newton_step(state)
         if motion is None:
@@ -248,28 +249,31 @@ class _Search:
         return self._moved(state, motion, rest)
 
     def _solved(self) -> tuple[AnyState, bool, bool]:
-        """(state on the zones, whether it is inexact, whether an end was released from a limit).
+        """(solution, whether this solution is inexact, whether an end was released from a limit).
 
         A state is inexact if its tolerance is larger than that of a final solution.
         """
         sizes, progress = self.sizes, self.progress
-        # An iteration has the open value in its right side, which saves the solve of `with_value`.
+        # An iterative solver gets the open condition's value in its right side, so `with_value`
+        # needs no second solve.
         sizes.linear, sizes.value = progress.linear, self.value
         sizes.rough = sizes.linear > ITERATION.correction
         decay = self.decay
         if sizes.carried is not None:
-            # For many zones, series are only as long as the accuracy of the next step requires.
+            # For many zones, the series of the density are only as long as the next step's accuracy
+            # requires.
             decay = max(decay, min(self.options.first_solution, progress.left_to_solve))
         state = self._state(decay)
         loose = decay > self.decay or (state.iterated and sizes.linear > progress.tightest)
         self.zones, is_released = released(self.zones, state.density, self.options)
         if is_released and self.zones.follow_ends:
-            # The released end is free now, and the rates depend on which ends are free.
+            # The released end is now free. The motions of the free ends are computed from the state,
+            # so the state must have the changed zones.
             state = self._state(decay)
         return state, loose, is_released
 
     def _state(self, decay: float) -> AnyState:
-        """The solution on the zones, at the value of the open condition."""
+        """The solution on the present zones, for the present value of the open condition."""
         state = solve_zones(self.equation, self.zones, decay, self.sizes)
         opened = self.equation.open_condition
         if opened is None or self.value == 0.0 or state.iterated:
@@ -277,13 +281,13 @@ class _Search:
         return state.with_value(opened, self.value)
 
     def _newton_step(self, state: AnyState) -> NewtonStep | None:
-        """The next Newton step; None if the intensities do not determine the ends."""
+        """The next Newton step, or None if the intensities do not determine the ends."""
         opened, response = self.equation.open_condition, self.value_response
         if opened is not None and (
             response is None or _moved_part(state, response) > ERRORS.negligible
         ):
-            # An error of the response is a relative error of the step. So the square root of the
-            # tolerance of the solution is small enough.
+            # A relative error of the response changes the Newton step by the same relative amount.
+            # So the square root of the solution's tolerance is accurate enough.
             tolerance = float(np.sqrt(self.sizes.linear))
             self.value_response = state.response(state.values(opened), tolerance)
         motion = newton_step(state, self.zones, self.options, self.value_response, self.last)
@@ -296,7 +300,7 @@ class _Search:
         return None
 
     def _moved(self, state: AnyState, motion: NewtonStep, rest: Convergence) -> Free | None:
-        """Move the ends; return the result if zones vanish or merge and this ends the search."""
+        """Move the ends; return the result if a vanished zone or a closed gap ends the search."""
         equation, options = self.equation, self.options
         keeps_places = equation.forcing.cornered or equation.forcing.resolution.exact_places
         gaps = modes.gaps(self.zones, equation.kernel)[1]
@@ -314,7 +318,7 @@ class _Search:
         if changes == 0:
             return None
         if options.allow_loss and changes < len(zones) and not zones.symmetric:
-            # Vanishing zones bear little load, so the search continues with the others.
+            # Zones that vanish bear little load, so the search continues with the other zones.
             self.zones, kept = zones.changed(lost, met, equation.kernel.period)
             self.value_response, self.last, self.sizes = None, None, self.sizes.of(kept)
             self.progress.continue_with(
@@ -328,7 +332,7 @@ class _Search:
         )
 
     def _converged(self, state: AnyState, motion: NewtonStep, rest: Convergence) -> Free:
-        """The result for ends that have converged."""
+        """The result of the search when the ends have converged."""
         if motion.branch is not None and state.whole.iteration is not None:
             checked = self._with_iterated_errors(state.whole, motion, rest)
             if checked is None:
@@ -336,8 +340,8 @@ class _Search:
             motion, rest = checked
         opened = self.equation.open_condition
         if opened is not None and not state.iterated:
-            # With LU factors the last change of the value costs almost nothing. An iteration would
-            # need another solution.
+            # With LU factors the last change of the open value costs almost nothing. An iterative
+            # solver would need another solution.
             state, self.value = (
                 state.with_value(opened, motion.change),
                 self.value + motion.change,
@@ -353,7 +357,7 @@ class _Search:
         )
 
     def _failed(self, state: AnyState, motion: NewtonStep, rest: Convergence, reason: str) -> Free:
-        """The result for ends that have not converged."""
+        """The result of the search when the ends have not converged."""
         return Free(
             state,
             False,
@@ -366,7 +370,7 @@ class _Search:
         )
 
     def _undetermined(self, state: AnyState) -> Free:
-        """The result if the intensities do not determine the ends."""
+        """The result of the search when the intensities do not determine the ends."""
         unknown = np.full((len(state.density.zones), 2), np.inf)
         trace = tuple(self.progress.trace)
         return Free(state, False, unknown, unknown, trace, self.value, reason=_UNDETERMINED)
@@ -374,7 +378,8 @@ class _Search:
     def _with_iterated_errors(
         self, state: State, motion: NewtonStep, rest: Convergence
     ) -> tuple[NewtonStep, Convergence] | None:
-        """(last step with its growth rate, convergence with the errors of iterative motions).
+        """(last step with growth rate, convergence with the errors of iteratively computed
+        motions).
 
         The result is None if the intensities do not determine the ends.
         """
@@ -390,7 +395,7 @@ class _Search:
         return motion, replace(rest, error=rest.error + error, rounding=rest.rounding + error)
 
     def _is_given_up(self, state: AnyState, motion: NewtonStep, border: DomainLimit) -> bool:
-        """Whether further steps are useless or not allowed."""
+        """Whether further Newton steps would be useless or are not allowed."""
         progress = self.progress
         return (
             progress.is_hopeless(motion.certain)
@@ -401,7 +406,7 @@ class _Search:
         )
 
     def _reason(self, state: AnyState, motion: NewtonStep, border: DomainLimit) -> str:
-        """Why the search is given up, in words."""
+        """The reason why the search is given up, as a message."""
         if self.equation.grows and state.unresolved:
             return _UNRESOLVED
         if border.reached:
@@ -420,7 +425,7 @@ class _Search:
 
 
 def _sizes_at_first(equation: Equation, zones: Zones, modes_like: AnyState | Sizes | None) -> Sizes:
-    """Numbers of modes to start with, taken from another search if there was one."""
+    """Numbers of modes to start with, from the solution `modes_like` if it is given."""
     if modes_like is None:
         return first_sizes(equation, zones)
     if isinstance(modes_like, Sizes):
@@ -429,7 +434,7 @@ def _sizes_at_first(equation: Equation, zones: Zones, modes_like: AnyState | Siz
 
 
 def _moved_part(state: AnyState, response: AnyDensity) -> float:
-    """Sum of the moves of all ends since a response was found, divided by the sum of all widths.
+    """Sum of the moves of all ends since `response` was computed, over the sum of all widths.
 
     It is infinite if the zones, or the gaps that are treated as slits, are not the same.
     """

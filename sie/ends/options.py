@@ -11,7 +11,7 @@ from sie.states.sizes import Sizes
 
 @dataclass(frozen=True)
 class NewtonOptions:
-    """Options of Newton's method on the ends. Lengths are relative to the width of a zone.
+    """Options of Newton's method on the ends; lengths are relative to the end's zone.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class NewtonOptions:
 
 @dataclass(frozen=True, eq=False)
 class WarmStart:
-    """Data that are known when a search for the ends starts.
+    """Data known before a search for the ends: guesses, error, numbers of modes.
 
     Parameters
     ----------

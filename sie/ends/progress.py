@@ -13,7 +13,7 @@ from sie.slits.slits import OPTIONS as SLITS
 
 @record
 class Step:
-    """One Newton step.
+    """Record of one Newton step.
 
     zones: table of the ends before it; move: largest move of an end relative to its zone's width;
     value: value of the open condition, if there is one.
@@ -26,7 +26,7 @@ class Step:
 
 @record
 class Convergence:
-    """Whether the ends have converged according to the last step, and their errors.
+    """Whether the ends have converged according to the last step, and the errors of the ends.
 
     reached: whether they have converged; error: error of each end relative to its zone's width
     (Z, 2); rounding: the round-off in this error.
@@ -39,7 +39,7 @@ class Convergence:
 
 @dataclass(eq=False)
 class Progress:
-    """The steps of one search for ends so far.
+    """Record of all steps of one search for the ends so far.
 
     first_width, first_gap: widths of the zones and of the gaps right of them at the start;
     initial_error: see `WarmStart`; trace: the steps; branches: residual and growth rate at each
@@ -63,7 +63,7 @@ class Progress:
     leaving: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
     def continue_with(self, zones: Zones, gaps: Array, kept: Index) -> None:
-        """Continue with other zones and their gaps; kept: their indices among the former ones."""
+        """Continue with the zones and gaps that remain; kept: indices of these zones before."""
         self.first_width = np.maximum(self.first_width[kept], zones.b - zones.a)
         self.first_gap = np.maximum(self.first_gap[kept], gaps)
         self.closing, self.leaving = self.closing[kept], self.leaving[kept]
@@ -71,7 +71,7 @@ class Progress:
 
     @property
     def linear(self) -> float:
-        """Tolerance of the next iterative solution.
+        """Tolerance of the next iterative solution of the linear system.
 
         The next step is about the square of the last one, and the step after it the fourth power.
         The error of the solution should be smaller than both, since a few more digits cost less
@@ -81,22 +81,22 @@ class Progress:
 
     @property
     def left_to_solve(self) -> float:
-        """Error of the next solution that does not outweigh the next two Newton steps."""
+        """Tolerance of the next solution: its error stays below that of two more steps."""
         last = self.trace[-1].move if self.trace else 1.0
-        # With an unresolved fraction, the ends with the largest moves are ignored: they may belong
-        # to zones that will vanish.
+        # If some ends may stay unconverged, those with the largest moves are ignored here: their
+        # zones may vanish.
         last = self.most if self.options.unresolved_fraction else min(last, self.initial_error)
         return self.options.forcing * last**3
 
     @property
     def tightest(self) -> float:
-        """Tolerance of the last iterative solution."""
+        """Tolerance of the last iterative solution, which is the tightest one."""
         return self.options.forcing * self.tolerance
 
     def after(
         self, zones: Zones, motion: NewtonStep, corners: Array, value: float, opened: bool
     ) -> Convergence:
-        """Record a step, and decide whether the ends have converged.
+        """Record a Newton step, and decide whether the ends have converged.
 
         corners: distance of the nearest kink from each end (2, Z), over which the density changes;
         value: value of the open condition; opened: whether there is one.
@@ -108,7 +108,8 @@ class Progress:
         fraction = options.unresolved_fraction
         if fraction:
             self.most = min(float(np.quantile(relative.max(axis=0), 1.0 - fraction)), 1.0)
-        # The noise is a root mean square: the largest of n normal errors is sqrt(2 log n) times it.
+        # The noise is a root mean square. The largest of n normally distributed errors is about
+        # sqrt(2 log n) times their root mean square.
         largest_noise = np.sqrt(2 * np.log(2 + delta.size)) * motion.noise
         at_rest = delta <= np.maximum(self.tolerance * np.minimum(width, corners), largest_noise)
         few_move = bool(np.mean(at_rest) >= 1.0 - fraction)
@@ -116,7 +117,7 @@ class Progress:
         self.stalled = self.stalled + 1 if move > 0.5 * self.best else 0
         self.best = min(self.best, move)
         growth = self._moves_by_rounding(delta, width, motion.noise)
-        # The value cannot converge further if round-off keeps the ends moving.
+        # If round-off keeps the ends moving, it also keeps the open condition's value changing.
         least = max(self.tolerance, 1e-14, growth * move if growth else 0.0)
         known = abs(motion.change) <= least * abs(value + motion.change)
         rounding = (motion.noise / width).T
@@ -125,7 +126,7 @@ class Progress:
         return Convergence(certain and (rests or growth > 0) and known, error, rounding)
 
     def _moves_by_rounding(self, delta: Array, width: Array, noise: Array) -> float:
-        """Ratio of the largest recent move to the last one, if round-off causes them; else 0."""
+        """If round-off causes the recent moves, the largest of them over the last, else 0."""
         move = self.trace[-1].move
         quiet = delta < np.clip(100 * noise, HALF_DIGITS * width, 1e-2 * width)
         by_rounding = (self.stalled >= 2 and move < HALF_DIGITS) or (
@@ -137,7 +138,7 @@ class Progress:
         return max(step.move for step in recent) / max(move, 1e-300)
 
     def is_hopeless(self, certain: bool) -> bool:
-        """Whether these zones will not converge, so that other zones are needed.
+        """Whether the search will not converge on these zones, so that other zones are needed.
 
         certain: whether the density has the right sign next to all ends. If it has not, the search
         is hopeless once the ends have settled or stalled.
@@ -153,7 +154,7 @@ class Progress:
         return stalled and (move < HALF_DIGITS or stays)
 
     def _stays(self) -> bool:
-        """Whether, in the last steps, the widths hardly changed and the moves did not decrease."""
+        """Whether the moves did not decrease lately, while the widths hardly changed."""
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
         if len(now) != len(before):
             return False
@@ -161,7 +162,7 @@ class Progress:
         return same and self.trace[-1].move > 0.7 * self.trace[-5].move
 
     def is_close(self) -> bool:
-        """Whether the last step is one of Newton's method close to a solution.
+        """Whether the last step is so small that the zones are close to a solution.
 
         A step below the tolerance of the first solution may undo the error of that solution.
         """
@@ -173,7 +174,7 @@ class Progress:
     def vanished(
         self, zones: Zones, gaps: Array, vanishes: Mask, closes: Mask
     ) -> tuple[Index, Index]:
-        """(indices of zones that have vanished, of gaps that have closed).
+        """(indices of the zones that have vanished, indices of the gaps that have closed).
 
         A gap has the index of the zone on its left. vanishes, closes: masks of the zones and gaps
         that the last undamped step would remove.
@@ -183,19 +184,22 @@ class Progress:
         self.leaving = np.where(vanishes, (self.leaving if len(self.leaving) else 0) + 1, 0)
         part = options.vanished_part
         if len(zones) == 1:
-            # One zone keeps the given total however narrow it is; without a total it may vanish.
+            # A single zone keeps a given total however narrow it is. Only without a given total may
+            # it vanish.
             part *= HALF_DIGITS
         gone = width < np.maximum(part * self.first_width, 8 * np.spacing(np.abs(zones.a)))
-        # A damped step leaves most of a zone. So a zone has vanished if several undamped steps in a
-        # row would have removed it.
+        # A damped step leaves most of a zone. So a zone counts as vanished if several undamped
+        # steps in a row would have removed it.
         insists = np.zeros(len(gone), dtype=bool)
         if len(zones) > 1 and (self.leaving >= options.insistent_steps).any():
-            # The search continues without it, and also without others that would vanish soon.
+            # If one zone counts as vanished, all zones are removed that the last two undamped steps
+            # would have removed.
             insists = self.leaving >= 2
         narrowest = np.minimum(width, self.first_width)
         closed = self.closing >= 2
         if not options.allow_loss:
-            # Only a gap that is as narrow as a slit is given up, since another search follows.
+            # Without `allow_loss`, a closed gap ends the search. So only a gap that is narrow
+            # enough to be treated as a slit counts as closed.
             narrow = gaps < SLITS.max_gap * narrowest
             closed = (self.closing >= options.insistent_steps) & narrow
         closed |= gaps < options.vanished_part * np.minimum(self.first_gap, narrowest)
@@ -203,7 +207,7 @@ class Progress:
 
     @property
     def past_fold(self) -> str:
-        """Message that the search alternated between stable and unstable ends, or ''."""
+        """Message that the search alternated between stable and unstable ends; '' if it did not."""
         growth = np.array([branch.growth for branch in self.branches])
         if not ((growth < 0.0).any() and (growth >= 0.0).any()):
             return ""

@@ -21,7 +21,7 @@ from sie.states.state import State
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """Changes of a solution in each of J cases.
+    """Changes of a solution caused by given sources and values, for each of J cases.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Answers:
 
 
 def answers(state: State, at: Array, strengths: Array, values: Array, places: Array) -> Answers:
-    """Changes of a solution by sources and by the values of side conditions, on fixed zones.
+    """Changes of a solution on fixed zones, caused by sources and by side conditions' values.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     mean = seen.first(zones.half[:, None, None] / kernel.datum).sum(axis=2) / np.pi
     rows = g[np.repeat(np.arange(len(zones)), layout.m), numbered(layout.m) + 1]
     if kernel.regular is not None and len(at):
-        # The regular part has no closed form: its values, and those of its potential, are sampled
+        # The kernel's regular part has no closed form, so its values and its potential are sampled
         # at the nodes.
         x = system.targets.x[:, None]
         rows += system.projected(kernel.regular(x, at) / np.pi)
@@ -157,17 +157,18 @@ def _solved(state: State, right: Array) -> Array:
 
 
 def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
-    """Potential (P, S) of the coefficients (2/(pi w)) rho^l, l > m, of unit sources.
+    """Potential (P, S) of the coefficients (2/(pi w)) rho^l, l > m, that unit sources cause.
 
     up: rho of the sources (Z, S, poles); seen: rho' of the positions (Z, P, poles). The potential
     is the sum over zones and poles of -(2/pi) sum_{l > m} (rho rho')^l / l.
     """
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(m)):
-        # Below this product of both rho, all powers in the sum are below round-off.
+        # Where |rho rho'|, with rho of a source and rho' of a position, is below this bound, all
+        # powers in the sum are below round-off.
         least = np.exp(-DIGITS / (int(m[i]) + 1))
         for q in range(seen.shape[2]):
-            # Pairs far from the zone contribute less than round-off and are left out.
+            # Pairs of a source and a position that contribute less than round-off are left out.
             sources = np.flatnonzero(
                 np.abs(up[i]).max(axis=1) * np.abs(seen[i, :, q]).max(initial=0.0) >= least
             )
@@ -177,7 +178,7 @@ def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
             both = seen[i, places, None, q, None] * up[i, sources]
             place, source, pole = np.nonzero(np.abs(both) >= least)
             both, place, source = both[place, source, pole], places[place], sources[source]
-            # 1 - rho rho' = (1 - rho) + rho (1 - rho') does not cancel.
+            # ln(1 - both) plus the sum of both^l / l over l <= m is minus the sum over l > m.
             total = np.log1p(-both)
             power = np.ones_like(both)
             for order in range(1, int(m[i]) + 1):

@@ -46,16 +46,17 @@ from sie.basis.data import Array, Mask, record, wrapped
 from sie.basis.zones import Zones
 from sie.equation.forcing import Forcing
 
-# A jump farther away than this many plain steps is ignored. It changes the plain step by less than
-# 2 %, which the next step corrects. A root search would lose the digits of small steps.
+# A jump of the right side farther from the end than this many plain steps is ignored. It changes
+# the plain step by less than 2 %, which the next step corrects. A root search would lose the digits
+# of small steps.
 _FARTHEST_JUMP = 20.0
-# Largest inward step, relative to the distance from a logarithm with J < 0, which an end must not
-# pass.
+# Largest inward step of an end towards a logarithm with J < 0, as a fraction of the distance
+# between them. The end must not pass this logarithm.
 _STOP_BEFORE = 0.9
 
 
 def facing(of_ends: NDArray[Any]) -> NDArray[Any]:
-    """Values of the ends on the other side of the gaps, (2, Z).
+    """Values (2, Z) rearranged: each end gets the value of the end that it faces across a gap.
 
     The left end of a zone faces the right end of the zone before.
     """
@@ -66,7 +67,7 @@ def facing(of_ends: NDArray[Any]) -> NDArray[Any]:
 def gap_steps(
     gaps: Array, widths: Array, moves: Mask, k: Array, slopes: Array, tips: Array | None = None
 ) -> tuple[Array, Mask]:
-    """(outward steps (2, Z), mask of the ends for which they are valid) at narrow gaps.
+    """(outward steps (2, Z) at narrow gaps, mask of the ends for which these are valid).
 
     A gap is narrow if it is narrower than both zones next to it. gaps, moves, k, slopes: values
     (2, Z) at both ends of all zones. k is the intensity K less its target, and slopes is the edge
@@ -89,10 +90,11 @@ def gap_steps(
     rho_other = other / np.where(holds, c * across, 1.0)
     shift = rho - rho_other
     less = 2 * (rho + rho_other) - (2 * shift**2 if alike else 0.0)
-    # 1 - sqrt(1 - less) without cancellation. Each end of a gap that closes moves by half the gap.
+    # This is 1 - sqrt(1 - less) without cancellation. If the gap closes, each of its ends moves by
+    # half the gap.
     closing = np.where(less < 1, less / (1 + np.sqrt(np.maximum(1 - less, 0.0))), 1.0)
-    # `share` is the fraction of S that comes from the kink. With the new half gap (1 - e) c, the
-    # closing load is (1 - e)^2 (1 - share) / 2 + (1 - e) share, which determines e.
+    # `share` is the fraction of the slope S that comes from the kink. The new half gap is
+    # (1 - e) c. Its closing load (1 - e)^2 (1 - share) / 2 + (1 - e) share determines e.
     mean = np.where(holds, 0.5 * (straight + across), 1.0)
     share = np.clip(
         np.asarray(0.0 if tips is None else tips) / np.pi * np.sqrt(2 / c) / mean, 0.0, 1.0
@@ -105,7 +107,7 @@ def gap_steps(
 
 @record
 class StepAtJumps:
-    """Steps of ends that are close to a jump or a logarithm of the right side.
+    """Newton steps of ends that are close to a jump or a logarithm of the right side.
 
     largest: largest steps inward and outward, relative to the width of the zone.
     """
@@ -116,7 +118,7 @@ class StepAtJumps:
     largest: tuple[float, float]
 
     def steps(self, k: Array, slopes: Array, plain: Array) -> Array:
-        """Outward steps (2, Z): `plain`, which is 2 K / A, except at ends close to a jump.
+        """Outward steps (2, Z): the plain Newton steps `plain`, corrected for ends near a jump.
 
         k: intensity K less its target, positive if it drives the end outward; slopes: edge slope A,
         positive if it has the right sign, and 0 where it is not reliable.
@@ -126,8 +128,8 @@ class StepAtJumps:
         width, steps = zones.b - zones.a, plain.copy()
         rises = heights > 0
         inside, outside = _nearest(zones, at[rises], heights[rises], self.period)
-        # Where A is not reliable, a jump of g outside the end still limits the step: the end stops
-        # soon after the jump.
+        # Where the edge slope A is not reliable, a jump of g outside the end still limits the step:
+        # the end stops soon after the jump.
         guided = (slopes > 0) | ((not of_density) & (k > 0) & (outside[0] < width))
         closest = np.minimum(inside[0], outside[0])
         bent = (closest < np.minimum(width, _FARTHEST_JUMP * np.abs(plain))) & guided
@@ -147,7 +149,7 @@ class StepAtJumps:
         inside: tuple[Array, Array],
         outside: tuple[Array, Array],
     ) -> Array:
-        """Steps of some ends, from the equation for delta at the head of this file.
+        """Steps of the ends `side`, from the equation for delta at the head of this file.
 
         side: indices of these ends; inside, outside: (distance, height) of the nearest jumps.
         """
@@ -159,12 +161,12 @@ class StepAtJumps:
         if not of_density:
             c_in = c_in * np.sqrt(np.clip(1 - r / width, 0.0, 1.0))
         r, y = np.clip(r, 1e-300, width), np.clip(y, 1e-300, width)
-        # (c, here): the jump that contributes to A; (c_other, there): the one that the end reaches
-        # if it moves the other way.
+        # (c, here) belongs to the jump that contributes to the edge slope A; (c_other, there)
+        # belongs to the jump that the end reaches if it moves the other way.
         (c, here), (c_other, there), sign = (
             ((c_out, y), (c_in, r), -1.0) if of_density else ((c_in, r), (c_out, y), 1.0)
         )
-        # On a jump A is infinite, and K has no linear part.
+        # If the end is exactly on a jump, the edge slope A is infinite, and K has no linear part.
         with np.errstate(invalid="ignore"):
             rest = np.maximum(slopes[side] - c / np.sqrt(here), 0.0)
         straight = np.where(np.isinf(slopes[side]), 0.0, rest)
@@ -180,7 +182,7 @@ class StepAtJumps:
 
 
 def logarithms_in_gaps(forcing: Forcing, zones: Zones, period: float | None) -> Array:
-    """Sum of the positive heights J of the logarithms in the gap next to each end (2, Z)."""
+    """Sum of the heights J > 0 of the logarithms in the gap next to each end (2, Z)."""
     at, heights = forcing.logarithms
     at, heights = wrapped(at[heights > 0], zones.a[0], period), heights[heights > 0]
     i = np.searchsorted(zones.a, at, side="right") - 1
@@ -190,13 +192,13 @@ def logarithms_in_gaps(forcing: Forcing, zones: Zones, period: float | None) -> 
 
 
 def corner_distances(forcing: Forcing, zones: Zones, period: float | None) -> Array:
-    """Distance of each end (2, Z) from the nearest jump of g, inside or outside; inf if none."""
+    """Distance of each end from the nearest jump of the right side (2, Z); inf if none."""
     inside, outside = _nearest(zones, *forcing.kinks, period)
     return np.minimum(inside[0], outside[0])
 
 
 def _root(decreasing: Callable[[Array], Array], low: Array, high: Array, kink: Array) -> Array:
-    """Zeros of a decreasing function between bounds, by bisection.
+    """Zeros of a decreasing function between the bounds `low` and `high`, by bisection.
 
     The bisected variable is sgn(x - kink) sqrt(|x - kink|). It resolves roots close to the kink,
     however large the bounds are.
@@ -216,13 +218,13 @@ def _root(decreasing: Callable[[Array], Array], low: Array, high: Array, kink: A
 def _nearest(
     zones: Zones, at: Array, heights: Array, period: float | None
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """(distance, height) of the jumps nearest to each end, inside and outside (2, Z).
+    """((distance, height) of the nearest jump inside each end, the same outside), each (2, Z).
 
     The distance is infinite where there is none.
     """
     if period is not None:
-        # The positions are shifted by periods exactly as in `ForcingJumps.located`, because
-        # distances from ends matter below the last digit of a position.
+        # The positions are shifted by periods exactly as in `ForcingJumps.located`, because a
+        # distance from an end can be below the last digit of a position.
         turns = np.ceil((zones.a[0] - at) / period)
         at, heights = (
             np.concatenate([at + (turns + k) * period for k in (-1, 0, 1)]),
@@ -238,8 +240,8 @@ def _nearest(
         np.searchsorted(at, zones.a, side="right"),
         np.searchsorted(at, zones.b, side="left"),
     )
-    # If a jump is at the rounded position of an end, the end's part below the last digit decides
-    # whether it is inside or outside.
+    # A jump may be at the rounded position of an end. Then the digits of the end below the rounding
+    # decide whether the jump is inside or outside.
     after_a = after_a - (zones.beyond_a(at[after_a - 1], each) > 0)
     after_b = after_b + (zones.before_b(at[after_b], each) > 0)
     inside = np.array([zones.beyond_a(at[after_a], each), zones.before_b(at[after_b - 1], each)])

@@ -19,7 +19,7 @@ from sie.states.state import State
 
 @record
 class Branch:
-    """Residual and stability of the ends at one step, if intensities are prescribed.
+    """Residual and stability of the ends in one step, computed if intensities are prescribed.
 
     They show which of several roots the search approaches. residual: largest difference from the
     prescribed intensities; growth: largest real part of the eigenvalues that determine stability.
@@ -31,7 +31,7 @@ class Branch:
 
 @record
 class LastMoves:
-    """The last step as it was carried out.
+    """The last step of the ends as it was carried out, after damping.
 
     residual: intensities less the prescribed ones before it (2, Z); moves: outward moves (2, Z).
     """
@@ -42,7 +42,7 @@ class LastMoves:
 
 @record
 class NewtonStep:
-    """One undamped Newton step.
+    """One undamped Newton step of the free ends.
 
     moves: mask of the free ends (2, Z); delta: their outward steps (2, Z); noise: round-off in
     these; change: step of the open condition's value; weak: mask of the zones (Z,) with an end next
@@ -60,15 +60,15 @@ class NewtonStep:
 
     @property
     def certain(self) -> bool:
-        """Whether the density has the right sign next to all ends: no step is only a guess."""
+        """Whether the density has the right sign next to all ends, so that no step is a guess."""
         return not self.weak.any()
 
     def closes(self, gaps: Array) -> Mask:
-        """Mask of the gaps, right of each zone, that the undamped step would close."""
+        """Mask of the gaps (index: zone on the left) that the undamped step would close."""
         return np.asarray(self.delta[1] + np.roll(self.delta[0], -1) >= (1 - 1e-9) * gaps)
 
     def vanishes(self, zones: Zones) -> Mask:
-        """Mask of the zones of which the undamped step would leave nothing."""
+        """Mask of the zones that the undamped step would shrink to nothing."""
         return np.asarray(self.delta.sum(axis=0) <= zones.a - zones.b)
 
 
@@ -79,7 +79,7 @@ def newton_step(
     value_response: AnyDensity | None,
     last: LastMoves | None = None,
 ) -> NewtonStep:
-    """The next step of the free ends of the zones.
+    """The next Newton step of the free ends of the zones, before damping.
 
     value_response: the density caused by a unit of the open condition's value, if there is one.
     last: the last step, if it has left the same zones.
@@ -88,7 +88,8 @@ def newton_step(
     k = np.array(density.intensities)
     residual = np.where(moves, k - zones.intensities, 0.0)
     if zones.follow_ends:
-        # If intensities other than zero are prescribed there are no slits, so `whole` is complete.
+        # With prescribed intensities other than zero no gaps are treated as slits, so `whole` has
+        # all zones.
         return _coupled_step(state.whole, moves, residual, options, value_response)
     a, noise_k = np.array(density.edge_slopes), state.intensity_noise
     safe, weak = _safe_slopes(density, state.natural, options.signs, residual, last)
@@ -111,7 +112,7 @@ def newton_step(
 def _with_step_models(
     state: AnyState, plain: NewtonStep, options: NewtonOptions, residual: Array, a: Array
 ) -> NewtonStep:
-    """The step, corrected next to narrow gaps and jumps, where K is not linear in the motion.
+    """The step, corrected next to narrow gaps and jumps, where the intensity K is not linear.
 
     residual: intensity K less its target (2, Z); a: edge slope A (2, Z). Both are those at the new
     value of the open condition.
@@ -132,7 +133,8 @@ def _with_step_models(
         model = StepAtJumps(forcing, zones, kernel.period, (options.max_shrink, options.max_growth))
         bent = model.steps(side * residual, np.where(weak, 0.0, side * a), delta)
         bent = np.where(moves & ~(holds & jumps), bent, delta)
-        # If a corner shortens the step, it reduces the effect of round-off in K by the same factor.
+        # If a corner shortens the step, the effect of round-off in the intensity K is reduced by
+        # the same factor.
         noise = noise * np.minimum(np.abs(bent) / np.maximum(np.abs(delta), 1e-300), 1.0)
         delta = bent
     weak_zones = np.asarray((weak & moves).any(axis=0))
@@ -146,7 +148,7 @@ def _safe_slopes(
     residual: Array,
     last: LastMoves | None,
 ) -> tuple[Array, Mask]:
-    """(edge slopes A for the division in Newton's step (2, Z), mask where they are replaced).
+    """(edge slopes A (2, Z) by which Newton's step divides, mask of those that were replaced).
 
     At the solution A has the sign of the density. Far from the solution A may have the other sign
     or vanish. There the change of the residual in the last step gives a slope. If that has the
@@ -160,8 +162,8 @@ def _safe_slopes(
     weak = side * a <= least
     unsure = weak
     if last is not None:
-        # The last step should have removed most of the residual. Where it has not, its effect is
-        # measured better than A predicts it.
+        # The last step should have removed most of the residual. Where it has not, the measured
+        # change of the residual gives a better slope than the edge slope A.
         unsure = weak | (np.abs(residual) > 0.5 * np.abs(last.residual))
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             secant = density.zones.weight.secant_slope(residual - last.residual, last.moves)
@@ -171,7 +173,7 @@ def _safe_slopes(
 
 
 def corners_of(state: AnyState) -> Array:
-    """Distance of the nearest kink of the profile, a jump of g, from each end (2, Z).
+    """Distance (2, Z) of each end from the nearest kink of the profile; inf if there is none.
 
     The density changes over this distance. It is infinite without a kink.
     """
@@ -182,7 +184,7 @@ def corners_of(state: AnyState) -> Array:
 
 
 def place_rounding(state: AnyState, corners: Array) -> Array:
-    """Error of the ends (2, Z) by the rounding of the positions at which g is evaluated.
+    """Error of the ends (2, Z) due to rounded positions at which the right side g is evaluated.
 
     A rounding e of positions changes the intensity K by about sqrt(w / 2) g' e. The edge slope A is
     sqrt(2 w) g' if it comes from the smooth part of g alone. So the error of the end is about e.
@@ -195,11 +197,11 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
     if state.density.slit_count or not np.isfinite(corners).any():
         return rounding
-    # An end that is at a corner up to round-off is determined by its distance from the corner.
+    # If an end is at a corner up to round-off, its exact distance from the corner determines it.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
     cornered, g = state.whole.density.jumps.kinked, state.whole.system.g
-    # The sum of k |g_k| is an upper bound of the slope of the smooth part, and at most a few times
-    # this slope.
+    # The sum of k |g_k|, with the coefficients g_k of the smooth part of the right side, is an
+    # upper bound of the slope of this part. It is at most a few times this slope.
     smooth = 4 * (np.abs(g) @ np.arange(g.shape[1])) * zones.slope_scale + 1e-300
     part = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
     rounding[:, cornered] *= part[:, cornered]
@@ -213,7 +215,7 @@ def bordered(
     slope: Array,
     largest: tuple[float, float] = (np.inf, np.inf),
 ) -> tuple[Array, float]:
-    """(steps, change of the open value) that satisfy the condition on the ends.
+    """(steps of the ends, change of the open value) that satisfy the condition on the ends.
 
     delta: steps (2, Z) at the present value; slope: steps caused by a unit change of the value;
     largest: largest steps inward and outward, relative to the width of the zone. The damped steps
@@ -226,8 +228,8 @@ def bordered(
     free = np.ones(delta.shape, dtype=bool)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         change = -(miss + np.sum(gradient * delta)) / np.sum(gradient * slope)
-        # The active set of damped ends settles in a few rounds, and in at most as many as there are
-        # ends.
+        # The set of ends that are damped becomes constant after a few rounds, at the latest after
+        # as many as there are ends.
         for _ in range(delta.size):
             wanted = delta + change * slope
             cut = np.clip(wanted, -inward * width, outward * width)
@@ -240,7 +242,7 @@ def bordered(
 
 
 def damped(zones: Zones, equation: Equation, delta: Array, options: NewtonOptions) -> Array:
-    """Outward steps (2, Z), limited to fractions of the zones, of the gaps and of the domain."""
+    """Outward steps (2, Z), limited to fractions of the zone, of the gap and of the domain."""
     width = zones.b - zones.a
     gaps = np.array(modes.gaps(zones, equation.kernel))
     room = options.max_shrink * np.minimum(gaps, border_distances(zones, equation))
@@ -255,7 +257,7 @@ def _coupled_step(
     options: NewtonOptions,
     value_response: AnyDensity | None,
 ) -> NewtonStep:
-    """Newton step with the full Jacobian dK_i/d(end_j), for prescribed intensities.
+    """Newton step for prescribed intensities, with the full Jacobian dK_i/d(end_j).
 
     The right end of a mirrored pair stands for both. If the state was found by iteration, the
     growth rate is not computed (nan), since it costs more than the step.
@@ -277,7 +279,7 @@ def growth_of(
     signs: tuple[float, float],
     value_response: AnyDensity | None,
 ) -> float:
-    """Largest growth rate of small displacements of the ends; positive if they are unstable.
+    """Largest growth rate of small displacements of the ends; positive if unstable.
 
     With a condition on the ends only displacements that keep it count.
     """
