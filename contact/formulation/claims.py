@@ -29,7 +29,7 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class ClaimOptions:
-    """Numbers of the check; twice or half of each one finds the same false claims.
+    """Options for the check of a profile; twice or half of each finds the same false claims.
 
     panels: number of panels. nodes: number of nodes of Gauss's rule, which is applied to one, two
     and three parts of a panel. A panel that disagrees is divided into as many parts. margin: factor
@@ -47,7 +47,7 @@ OPTIONS = ClaimOptions()
 
 @record
 class Claims:
-    """Result of the check.
+    """Result of the check of a profile.
 
     error: relative error of pressures and ends. limit: cause of that error, in words. fault: a
     false claim, in words; empty if there is none.
@@ -62,7 +62,7 @@ _TRUE = Claims()
 
 
 def of(profile: Profile, zones: Array | None = None) -> Claims:
-    """Check a profile over its cell or extent, else around zones [m] (n, 2).
+    """Check a profile over its cell or its extent, or else around zones [m] (n, 2).
 
     The result is kept with the profile. Raises SceneError where a claim is false.
     """
@@ -82,7 +82,7 @@ def of(profile: Profile, zones: Array | None = None) -> Claims:
 
 
 def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | None:
-    """The interval to check [m]; it is the same for zones of similar width and place."""
+    """The interval to check [m]; zones of similar width and place have the same interval."""
     known = profile.support or profile.known
     if known is not None:
         return float(known[0]), float(known[1])
@@ -184,18 +184,18 @@ class _Panels:
 
     @property
     def largest(self) -> float:
-        """The largest slope."""
+        """The largest absolute slope at the nodes of the panels."""
         return float(np.abs(self.slope).max(initial=0.0, where=np.isfinite(self.slope)))
 
     @property
     def difference(self) -> Array:
-        """Difference of rise and integral; zero where values are not finite."""
+        """Difference of rise and integral on each panel; zero where one of them is not finite."""
         out = self.rise - self.integral
         return np.where(np.isfinite(out), out, 0.0)
 
 
 def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
-    """Largest relative error of the slope seen on several parts of a panel, and a description."""
+    """Largest relative error of the slope that several parts of a panel confirm; a description."""
     which = np.flatnonzero(np.abs(panels.difference) > panels.doubt)
     if not len(which):
         return 0.0, ""
@@ -203,9 +203,9 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     cuts = np.linspace(panels.a[which], panels.b[which], count + 1)
     parts = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel())
     difference, size = (of.reshape(count, -1) for of in (parts.difference, parts.size))
-    # An undeclared corner makes the quadrature fail on one part or two. The others still differ by
-    # a large part of the panel's difference if the slope is false. Leaving out two parts adds the
-    # noise of four heights.
+    # An undeclared corner makes the quadrature fail on one or two parts of a panel. If the slope is
+    # false, the other parts still have much of the panel's difference. Leaving out two parts adds
+    # the noise of four heights.
     rest = np.argsort(np.abs(difference), axis=0)[:-2]
     difference, size = (
         np.take_along_axis(of, rest, axis=0).sum(axis=0) for of in (difference, size)
@@ -227,11 +227,11 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
 
 
 def _kink_fault(profile: Profile, panels: _Panels) -> str:
-    """A declared kink whose jump the slope does not have, in words; empty without one."""
+    """Message on a declared kink whose jump the slope does not have; "" if there is none."""
     kinks = np.asarray(profile.kinks, dtype=np.float64)
     if profile.slope_is_derived or len(kinks) == 0:
         return ""
-    # Jumps at one place of the cell are added.
+    # Jumps at the same place of the cell are added.
     at, which = np.unique(np.asarray(profile.wrap(kinks[:, 0])), return_inverse=True)
     kinks = np.column_stack((at, np.bincount(which, kinks[:, 1])))
     kinks = kinks[:: max(1, len(kinks) // OPTIONS.panels)]
@@ -255,7 +255,7 @@ def _kink_fault(profile: Profile, panels: _Panels) -> str:
 
 
 def _symmetry_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
-    """A pair of heights that contradicts `symmetric`, in words."""
+    """Message on two heights that contradict the declared symmetry; "" if there are none."""
     inside = (-panels.a >= lo) & (-panels.a <= hi)
     if not profile.symmetric or not inside.any():
         return ""
@@ -272,7 +272,7 @@ def _symmetry_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> 
 
 
 def _period_fault(profile: Profile, panels: _Panels) -> str:
-    """A pair of heights that contradicts the period, in words."""
+    """Message on two heights that contradict the declared period; "" if there are none."""
     if profile.period is None:
         return ""
     x = panels.a + profile.period
@@ -291,10 +291,10 @@ def _period_fault(profile: Profile, panels: _Panels) -> str:
 
 
 def _differ(x: Array, here: Array, there: Array, panels: _Panels, message: str, y: Array) -> str:
-    """Description of the pair of heights, at x and y, that differs most; empty if all agree."""
+    """Message on the pair of heights, at x and y, that differs most; "" if all pairs agree."""
     places = 8 * EPS * (np.abs(x) + np.abs(y)) * panels.largest
     error = np.abs(here - there) - OPTIONS.margin * (panels.noise + places)
-    # Heights are infinite outside sharp corners.
+    # Heights are infinite outside sharp corners, where no comparison is made.
     error = np.where(np.isfinite(error), error, -np.inf)
     heights = panels.heights[np.isfinite(panels.heights)]
     worst = int(np.argmax(error))
@@ -304,7 +304,7 @@ def _differ(x: Array, here: Array, there: Array, panels: _Panels, message: str, 
 
 
 def _summit_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
-    """A height below the lowest declared summit, in words."""
+    """Message on a height below the lowest declared summit; "" if there is none."""
     if profile.summits is None:
         return ""
     tips = np.asarray(profile.summits, dtype=np.float64)

@@ -44,16 +44,16 @@ from sie import Array, Complex, record
 
 @dataclass(frozen=True)
 class ConjugateOptions:
-    """Numbers for the Hilbert transform H f' of a sampled slope, and for its error estimate."""
+    """Options for the Hilbert transform H f' of a sampled slope f', and for its error estimate."""
 
     max_samples: int = 2**18
-    # number of pairs of a point and a jump computed at once; bounds the memory
+    # Number of pairs of a point and a jump that are computed at once; it bounds the memory.
     block: int = 1 << 20
-    # Error of H f' relative to the residual and its conjugate at the samples: the peaks of noise
-    # between the samples need 2.
+    # Error of the Hilbert transform H f', divided by the larger of the sampled residual of f' and
+    # its conjugate. The factor 2 allows for peaks of noise between the samples.
     residual_margin: float = 2.0
-    # The same for a residual of terms that fall like those of a jump, or slower: at 1e-5 of the
-    # period from a corner the conjugate is 4 times the jump.
+    # The factor for a residual whose Fourier terms fall like those of a jump, or more slowly. At
+    # 1e-5 of the period from a corner, the conjugate is 4 times the jump.
     jump_margin: float = 8.0
     no_decay: float = 0.6  # ratio of terms one octave apart, above which they do not decay
 
@@ -66,7 +66,7 @@ _KINK_REACH = np.cbrt(EPS)
 
 @record
 class Conjugate(sie.Kept):
-    """H f' of a periodic profile as a function of x [m].
+    """The transform H f' of the slope of a periodic profile, as a function of x [m].
 
     `kinks` (k, 2) are those of the profile, `breakpoints` its other breakpoints.
     """
@@ -88,12 +88,16 @@ class Conjugate(sie.Kept):
 
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:
-        """H f' without the logarithms (J / pi) ln|2 sin(pi (x - s) / L)| of the kinks."""
+        """The transform H f' without the logarithms of the kinks.
+
+        A kink at s with the jump J has the logarithm (J / pi) ln|2 sin(pi (x - s) / L)|, L the
+        period.
+        """
         return self._transform.smooth
 
     @property
     def error(self) -> float:
-        """Estimate of the largest error of H f', apart from the rounding of its sums.
+        """Estimate of the largest error of H f', apart from the round-off of its sums.
 
         It contains the noise of the slopes, the truncation of their series, and the difference of a
         user's closed form from the series.
@@ -102,7 +106,7 @@ class Conjugate(sie.Kept):
 
     @property
     def limit(self) -> str:
-        """Cause of the error, in words."""
+        """Main cause of the error of H f', in words."""
         return self._transform.limit
 
     @cached_property
@@ -173,13 +177,16 @@ class Conjugate(sie.Kept):
 
 
 def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
-    """Sum of (J / pi) ln|2 sin(pi (x - s) / L)| over all kinks."""
+    """Sum of the logarithms of all kinks in the transform H f'.
+
+    A kink at s with the jump J has the logarithm (J / pi) ln|2 sin(pi (x - s) / L)|, L the period.
+    """
     return over_jumps(x, at, heights / pi, period, log_sine)
 
 
 @record
 class Transform:
-    """H f' without the logarithms of the kinks, and its error.
+    """The transform H f' without the logarithms of the kinks, and the error of this transform.
 
     error: estimate of the largest error. limit: its cause, in words. settled: whether the series of
     the slope has converged. scale: the largest slope or term.
@@ -193,11 +200,11 @@ class Transform:
 
 
 def _series(profile: Profile, length: float) -> Transform:
-    """The transform by the Fourier series of the slope without its declared jumps."""
+    """The transform, by the Fourier series of the slope without its declared jumps."""
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
-    # If the jumps of f''' do not add up to 0, a cubic is needed. It takes the sum of the jumps and
-    # is placed at the first jump.
+    # If the jumps of f''' do not add up to 0, a cubic polynomial is needed. Its jump is the sum of
+    # these jumps, and lies at the first of them.
     first, over = jumps[:1, 0], np.full(len(jumps[:1]), jumps[orders == 2, 2].sum())
     at, heights = np.append(jumps[:, 0], first), jumps[:, 2, None] * (orders[:, None] == [0, 1, 2])
     of_jumps = Pieces.of(
@@ -215,7 +222,7 @@ def _series(profile: Profile, length: float) -> Transform:
             + points(x, False)
         )
 
-    # The subtracted parts may be much larger than their sum.
+    # Round-off is estimated from the subtracted parts, as these may be much larger than their sum.
     rounding = (
         EPS * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum()) / 12
     )
@@ -225,8 +232,8 @@ def _series(profile: Profile, length: float) -> Transform:
     used = np.flatnonzero(size > max(1e-17 * scale, series.noise))
     k = np.arange(int(used[-1]) + 1 if len(used) else 1)
     c = (2 * coefficients[: len(k)] * np.exp(-1j * pi * k / len(series.x)))[1:]
-    # H takes cos to sin and sin to -cos, so that the transform is the imaginary part of the complex
-    # sum. It is written as the real part of -i times the sum.
+    # The transform H takes cos to sin and sin to -cos. So the result is the imaginary part of the
+    # complex sum, written as the real part of -i times the sum.
     left = Sum.of(-1j * c) if len(c) else None
 
     def smooth(x: Array) -> Array:
@@ -249,7 +256,7 @@ def _series(profile: Profile, length: float) -> Transform:
 
 @record
 class _SampledSeries:
-    """Fourier series of a slope without its declared jumps.
+    """Fourier series of a slope from which the declared jumps are subtracted.
 
     x: evenly spaced places. residual: the slope without its jumps there. coefficients: complex
     terms. noise: size below which terms are noise. scale: the largest slope or term. settled:
@@ -267,11 +274,11 @@ class _SampledSeries:
 def _sampled_series(
     profile: Profile, length: float, closed: Callable[[Array], Array], rounding: float
 ) -> _SampledSeries:
-    """The Fourier series, from more and more samples until it converges.
+    """The Fourier series of a sampled slope, from more and more samples until it converges.
 
     closed: the part of the slope that is subtracted. rounding: rounding error of that part.
     """
-    # Fewer samples than the resolution of the profile asks for would cause aliasing.
+    # Fewer samples than the resolution of the profile requires would cause aliasing.
     least = 2 ** np.ceil(np.log2(8 * length / (profile.resolution or length)))
     n = int(np.clip(least, DETAIL.min_samples, OPTIONS.max_samples))
     while True:
@@ -289,7 +296,7 @@ def _sampled_series(
 
 
 def _series_error(coefficients: Array, used: int, rounding: float) -> float:
-    """Estimate of the largest error of the sum of the terms in use.
+    """Estimate of the largest error of the sum of the Fourier terms in use.
 
     coefficients: of the slope at even places; used: number of terms in use. The terms that are
     left out, at least the last octave, make up a residual: the noise of the slope, an undeclared
@@ -317,7 +324,7 @@ def _last_octaves(size: Array) -> tuple[float, float]:
 
 
 def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str:
-    """Cause of the error of a series, in words.
+    """Main cause of the error of a Fourier series, in words.
 
     smooth: the slope at even places x, without its declared jumps. size: of all terms.
     """
@@ -342,7 +349,10 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
 
 @record
 class _PeriodicPoles:
-    """Poles of the algebraic points of a periodic slope, each by tanh(pi eta/L) and c.
+    """Poles that represent the algebraic points of a periodic slope.
+
+    A pole with distance eta from the line is stored as tanh(pi eta/L) and a coefficient, L the
+    period.
 
     Poles farther than half a period from the line stay in the series.
     With s = sin(pi y/L), k = cos(pi y/L), T = tanh(pi eta/L): cot(pi (y - i eta)/L) = (s k (1 -
@@ -370,7 +380,7 @@ class _PeriodicPoles:
         return float(sum((np.abs(size) / tanh).sum() for tanh, size in self.poles))
 
     def __call__(self, x: Array, conjugate: bool) -> Array:
-        """The sum of the poles, or of their transforms, at x of any shape."""
+        """The sum of the poles at x of any shape; with `conjugate`, the sum of their transforms."""
         out, flat = np.zeros(np.size(x)), np.ravel(x)
         for place, (at, (tanh, size)) in enumerate(
             zip(self.points.places.tolist(), self.poles, strict=True)
@@ -388,24 +398,25 @@ class _PeriodicPoles:
                 odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
-                # At the place itself the terms i c / (-i eta) of poles too close for `poles` count.
+                # At an algebraic point itself, the poles that are too close for `poles` still
+                # contribute. Each adds i c / (-i eta), with its coefficient c and its distance eta.
                 out[turns == 0.0] -= self.points.left_out(place, 0.5 * self.length).real
         return out.reshape(np.shape(x))
 
 
 def _noise(size: Array, scale: float) -> float:
-    """Size of the Fourier terms that are noise of a numerically derived slope; 0 without noise.
+    """Size below which Fourier terms are noise of a numerically derived slope; 0 without noise.
 
     The terms of noise are as large in the last octave as in the one before, while those of a
     profile decrease.
     """
     last, before = _last_octaves(size)
-    # Terms above half of the digits are not noise.
+    # Terms larger than sqrt(EPS) times the scale are not noise.
     return 6 * last if OPTIONS.no_decay * before < last < np.sqrt(EPS) * scale else 0.0
 
 
 def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[[Array], Array]:
-    """The profile's own H f' without the logarithms of its kinks; linear next to each kink."""
+    """The profile's closed form of H f' without the logarithms of kinks; linear next to kinks."""
 
     def plain(x: Array) -> Array:
         return np.asarray(profile.slope_conjugate(x)) - logarithms(
@@ -436,7 +447,11 @@ def log_sine(u: Array) -> Array:
 def over_jumps(
     x: Array, at: Array, weights: Array, length: float, function: Callable[[Array], Array]
 ) -> Array:
-    """sum_k weights_k function(u_k), u_k = (x - s_k)/L from -1/2 to 1/2, in blocks of memory."""
+    """Sum of weights_k function(u_k) over all jumps k, in blocks that bound the memory.
+
+    Here u_k = (x - s_k)/L lies between -1/2 and 1/2, with the places s_k of the jumps and the
+    period L.
+    """
     x = np.asarray(x, dtype=float)
     out = np.zeros(x.size)
     if len(at) == 0:
@@ -450,14 +465,16 @@ def over_jumps(
 
 
 def _bernoulli3(u: Array) -> Array:
-    """B_3(u) / 6, with u in periods; minus its second derivative jumps by 1 at u = 0."""
+    """Bernoulli polynomial B_3(u) / 6, u in periods; its second derivative jumps by -1 at u = 0."""
     u = u % 1.0
     return np.asarray(((u - 1.5) * u + 0.5) * u / 6)
 
 
 @cache
 def _clausen_series(terms: int = 26) -> tuple[Array, Array]:
-    """Coefficients |B_2k| / (2k (2k+1)!) and |B_2k| / (2k (2k+2)!) of Clausen's functions.
+    """Coefficients in the power series of Clausen's functions.
+
+    They are |B_2k| / (2k (2k+1)!) and |B_2k| / (2k (2k+2)!), with the Bernoulli numbers B_2k.
 
     B_2k| = 2 (2k)! zeta(2k) / (2 pi)^2k (DLMF 25.6.2). Within half a period each term is at most a
     uarter of the last one.
@@ -468,7 +485,7 @@ def _clausen_series(terms: int = 26) -> tuple[Array, Array]:
 
 
 def clausen2(u: Array) -> Array:
-    """Clausen's function sum_k sin(k y)/k^2, y = 2 pi u, for |u| <= 1/2.
+    """Clausen's function sum_k sin(k y)/k^2 of y = 2 pi u, for |u| <= 1/2.
 
     It is y - y ln|y| + sum_k |B_2k| y^(2k+1) / (2k (2k+1)!).
     """
@@ -480,7 +497,7 @@ def clausen2(u: Array) -> Array:
 
 
 def clausen3(u: Array) -> Array:
-    """The sum sum_k cos(k y)/k^3, y = 2 pi u, for |u| <= 1/2.
+    """The sum of cos(k y)/k^3 over all k > 0 for y = 2 pi u, |u| <= 1/2.
 
     It is zeta(3) + (y^2/2)(ln|y| - 3/2) - sum_k |B_2k| y^(2k+2) / (2k (2k+2)!).
     """

@@ -34,7 +34,7 @@ Conditions = tuple[tuple[sie.Condition, ...], tuple[sie.TotalWidth, ...]]
 
 @dataclass(frozen=True)
 class Control:
-    """A control with its given value, scaled.
+    """A controlled quantity with its given value, in scaled variables.
 
     Of the members `load`, `approach`, `half_width` and `width`, the controlled one is the value,
     the others are None.
@@ -44,8 +44,8 @@ class Control:
     name: ClassVar[str]
     counted_in: ClassVar[str]
     quantity: ClassVar[Quantity | None] = None
-    # Compliance d approach / d load of the loading device: 0 if it prescribes the approach, None if
-    # it prescribes the load.
+    # Compliance d approach / d load of the loading device. It is 0 if the device prescribes the
+    # approach, and None if the device prescribes the load.
     yields: ClassVar[float | None] = None
 
     def _if(self, quantity: Quantity) -> float | None:
@@ -82,17 +82,17 @@ class Control:
         raise NotImplementedError
 
     def unit(self, units: Units) -> float:
-        """The unit of the value in SI."""
+        """The unit in which the control's value is counted, in SI units."""
         return float(getattr(units, self.counted_in))
 
     def described(self, units: Units) -> str:
-        """Name and value, for a message."""
+        """Name and value of the control, for a message."""
         return f"{self.name} {self.value * self.unit(units):.6g}"
 
 
 @dataclass(frozen=True)
 class Load(Control):
-    """Control by the load, per period where there is one."""
+    """Control by the load, per period if there is one."""
 
     name, counted_in = "load", "load"
     quantity = Quantity.LOAD
@@ -120,7 +120,8 @@ class Approach(Control):
     def gap_conditions(
         self, period: float, mean_height: Callable[[], float], compression: float
     ) -> Conditions:
-        # min f = 0 and mean u is the compression: the mean gap is mean f - approach + compression.
+        # The profile f has the minimum 0, and the mean displacement is the compression. So the mean
+        # gap is mean f - approach + compression.
         opened = sie.ZoneMoments((self.value - mean_height()) * period)
         return (
             opened if compression == 0.0 else _MeanGap(opened, compression * period),
@@ -130,7 +131,7 @@ class Approach(Control):
 
 @dataclass(frozen=True)
 class Machine(Control):
-    """Control by the approach of a spring's far end: approach of the contact + give * load."""
+    """Control by the approach of a spring's far end: the contact's approach + give * load."""
 
     give: float
     name, counted_in = "machine", "height"
@@ -145,7 +146,7 @@ class Machine(Control):
 
 @dataclass(frozen=True)
 class HalfWidth(Control):
-    """Control by the half width of one zone about the origin; its ends do not move."""
+    """Control by the half width of one zone about the origin; the ends of the zone do not move."""
 
     name, counted_in = "half_width", "length"
     quantity = Quantity.HALF_WIDTH
@@ -172,7 +173,7 @@ class Width(Control):
 
 @dataclass(frozen=True)
 class _SpringLevel(sie.Condition):
-    """Condition: the level of every zone less `give` times the total load has a value."""
+    """The condition that the level of every zone, minus `give` times the load, has a value."""
 
     value: float
     give: float
@@ -194,7 +195,7 @@ class _SpringLevel(sie.Condition):
 
 @dataclass(frozen=True)
 class _MeanGap(sie.Condition):
-    """Condition: integral of the gaps plus `depth` times the amplitude of column 0 has a value."""
+    """The condition that the sum of all gaps' integrals and `depth` times mean pressure is given."""
 
     opened: sie.ZoneMoments
     depth: float
@@ -214,7 +215,7 @@ _KINDS: dict[Quantity, type[Control]] = {
 
 
 def scaled_control(scene: Scene, units: Units) -> Control:
-    """The scene's control in scaled variables."""
+    """The control of the scene in scaled variables."""
     held = scene.control_object.held(scene)
     assert held is not None
     kind, value = _KINDS[held.quantity], held.value

@@ -21,7 +21,9 @@ from sie import Array, wrapped
 
 
 def elastic_energy(fields: Fields) -> float | None:
-    """(1/2) int p u dx [J/m], per period where there is one; None where it is undefined.
+    """Elastic energy [J/m]: half the integral of pressure times displacement; or None.
+
+    The energy is taken per period if there is one. It is None where it is undefined.
 
     It is undefined without an approach, and for a strip, which is only a part of the body.
     """
@@ -41,7 +43,7 @@ def elastic_energy(fields: Fields) -> float | None:
 
 
 def _shape_moment_of_zones(fields: ZoneFields | GapFields) -> float:
-    """Integral of pressure times scaled profile F over the zones, scaled."""
+    """Integral of pressure times scaled profile F over the zones, in scaled variables."""
     problem = fields.problem
     breaks, total = np.sort(problem.forcing.jumps.broken_at), 0.0
     shape = fields.standing_shape if isinstance(fields, ZoneFields) else problem.shape
@@ -82,7 +84,7 @@ def _shape_moment_of_period(fields: FullFields) -> float:
 def _integral(
     function: Callable[[Array], Array], cuts: Array, smooth: bool, max_nodes: int = 2**17
 ) -> float:
-    """Integral over ascending cuts, with nodes doubled until it converges.
+    """Integral from the first to the last cut, with nodes doubled until it converges.
 
     smooth: the function is smooth and periodic, so that evenly spaced nodes are best.
     """

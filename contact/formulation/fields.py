@@ -26,8 +26,8 @@ class FieldOptions:
     """Sampling of the fields of a contact, and tolerances of further solutions on its zones."""
 
     peak_zones: int = 16  # zones in which the highest pressure is located between samples
-    # Half-lines are sampled closely up to this many spans of the zones. Farther out they are
-    # sampled on a logarithmic scale, up to where the zones are round-off of the distance.
+    # Half-lines are sampled closely up to this multiple of the width over all zones. Farther out,
+    # they are sampled on a logarithmic scale, up to where this width is round-off of the distance.
     far_from: float = 1e3
     guess_tolerance: float = 1e-4  # of rates that only start a search
 
@@ -57,7 +57,7 @@ def moved_ends(
     response: sie.AnyDensity | None = None,
     tolerance: float = 0.0,
 ) -> Array:
-    """Outward motion of each end (2, Z) per unit of a condition's value; 0 for fixed ends.
+    """Outward rate of each end (2, Z) by the value of a side condition; 0 for fixed ends.
 
     It is 2 K / A, with the intensity K of the response and the edge slope A, as in a Newton step.
     For ends of prescribed intensity it follows from the rates of the intensities. response: the
@@ -72,7 +72,9 @@ def moved_ends(
 
 
 def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
-    """Outward motions 2 K / A (2, Z) of ends without prescribed intensities; 0 for fixed ends.
+    """Outward motions (2, Z) of ends without prescribed intensities; 0 for fixed ends.
+
+    The motion of an end is 2 K / A.
 
     K are the intensities of `density`, A the edge slopes of `on`, both on the same zones. The ends
     move at this rate as multiples of `density` are added to `on`.
@@ -84,7 +86,7 @@ def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
 
 
 def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
-    """The solution for a unit of nominal pressure outside a strip, on the same zones."""
+    """The solution on given zones for a unit of nominal pressure outside a strip."""
     equation = sie.Equation(
         problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential())
     )
@@ -118,17 +120,17 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def density(self) -> sie.AnyDensity:
-        """The scaled pressure; its `transform` at complex points gives stresses in the body."""
+        """The scaled pressure; its `transform` at complex points gives the stresses in the body."""
         return self.state.density
 
     @property
     def solved_zones(self) -> sie.Zones:
-        """The intervals of the unknown, scaled: here the zones."""
+        """The scaled intervals of the unknown pressure, which are the zones."""
         return self.density.zones
 
     @cached_property
     def levels(self) -> Array:
-        """Scaled level potential - columns - F of each solved zone; all are equal in a solution."""
+        """Scaled level (minus the approach) of each solved zone; all are equal in a solution."""
         zones = self.density.zones
         if len(zones) == 1:
             end = zones.b
@@ -148,7 +150,9 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def stiffness(self) -> float | None:
-        """d load / d approach [N/m^2] at the given tilt or moment; None without an approach.
+        """Derivative of load by approach [N/m^2], at the given tilt or moment; or None.
+
+        It is None without an approach.
 
         The ends are kept fixed where their motion does not change the density at first order. In
         the first-order localized model the nominal pressure changes with the load at the rate
@@ -171,7 +175,7 @@ class ZoneFields(sie.Kept):
 
     @property
     def load_size(self) -> float:
-        """The scaled force that an error of the load is divided by.
+        """The scaled force relative to which an error of the load is stated.
 
         It is the load, or the force of the prescribed intensities if that is larger.
         """
@@ -181,7 +185,7 @@ class ZoneFields(sie.Kept):
 
     @property
     def bending(self) -> float:
-        """Intensity of the density's largest coefficients, divided by the prescribed intensity."""
+        """Intensity of the density's largest coefficients, relative to the prescribed intensity."""
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         return float(
@@ -189,7 +193,7 @@ class ZoneFields(sie.Kept):
         ) / abs(wanted)
 
     def second_variation(self, yields: float | None = None) -> Array:
-        """Second variation of the energy by outward motions of all free ends, scaled (2 Z, 2 Z).
+        """Scaled second derivatives (2 Z, 2 Z) of the energy by outward motions of all free ends.
 
         Row i, column j is dG_i/ds_j / (2 w) times the square roots of both zones' widths. Here G =
         w (K/K*)^2 is the energy release rate at end i, with the work of adhesion w, the intensity K
@@ -216,7 +220,10 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def mean_gap(self) -> float:
-        """Mean gap over a period [m]: mean f + mean u - approach, or by quadrature for a strip."""
+        """Mean gap over a period [m]: mean of the profile + mean displacement - approach.
+
+        For a strip, the mean gap is computed by quadrature.
+        """
         units = self.problem.units
         if self.problem.corners != (-np.inf, np.inf):
             return np.inf
@@ -236,7 +243,7 @@ class ZoneFields(sie.Kept):
         return self.problem.compression * self.density.total / self.problem.repeat_length
 
     def end_remainders(self, table: Array, order: Index) -> Array | None:
-        """Ends of the rows of a table minus their rounded values [m]; None if unknown.
+        """Exact ends of zones minus the rounded ends in a table [m]; None if unknown.
 
         order: the zone of each row.
         """
@@ -260,25 +267,28 @@ class ZoneFields(sie.Kept):
         return self.density.locate(x)[2]
 
     def scaled_gap(self, x: Array) -> Array:
-        """The scaled gap: F - V + lambda C + level between the zones, exactly zero on them.
+        """The scaled gap; exactly zero on the zones.
+
+        Between the zones, it is F - V + lambda C + level.
 
         F is the scaled profile, V the potential, lambda C the columns with their amplitudes.
         """
         return np.where(self.inside(x), 0.0, self.formal_gap(x))
 
     def formal_gap(self, x: Array) -> Array:
-        """The scaled gap F - V + lambda C + level everywhere; on the zones it shows the error."""
+        """The scaled gap by its formula everywhere; its values on the zones show the error."""
         gap = np.asarray(self.standing_shape(x) + self.level + self._relative_displacement(x))
-        # In a narrow gap the difference above loses digits; `opening` is not such a difference.
+        # In a narrow gap, the difference above loses digits. There `opening` is used, which is not
+        # a difference.
         narrow, opening = self.density.opening(x)
         return np.where(narrow, opening, gap) if narrow.any() else gap
 
     def formal_pressure(self, x: Array) -> Array:
-        """Scaled pressure, positive or negative."""
+        """Scaled pressure at scaled places, positive or negative."""
         return np.asarray(self.density(x))
 
     def standing_shape(self, x: Array) -> Array:
-        """The scaled profile F, turned by the given or by the solved tilt."""
+        """The scaled profile F, turned by the given tilt or by the solved tilt."""
         shape = self.problem.shape(x)
         return (
             shape
@@ -291,7 +301,7 @@ class ZoneFields(sie.Kept):
         return float(self.density.amplitudes[-1])
 
     def _relative_displacement(self, x: Array) -> Array:
-        """Scaled displacement by the potential V and the columns, -V + lambda C, without level."""
+        """Scaled displacement without the level: potential and terms of unknown amplitude."""
         return self._raised(x, self.density.potential(x))
 
     def _raised(self, x: Array, potential: Array) -> Array:
@@ -333,21 +343,21 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def gap_rounding(self) -> float:
-        """Scaled effect of rounding on the gap."""
+        """Scaled error of the gap due to round-off."""
         ends = np.concatenate((self.density.zones.a, self.density.zones.b))
         some = ends[:: max(1, len(ends) // (2 * OPTIONS.peak_zones))]
         return 64 * EPS * self.largest_shape + 8 * self.problem.shape_rounding(some)
 
     @cached_property
     def largest_shape(self) -> float:
-        """Scaled estimate of the largest displacement on the zones: shape at ends plus level."""
+        """Scaled estimate of the largest displacement on the zones: height at the ends plus level."""
         zones = self.density.zones
         return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(
             self.level
         )
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
-        """Scaled intervals without contact: (from, to, starts at a zone, ends at a zone).
+        """Yield scaled intervals without contact: (from, to, starts at a zone, ends at a zone).
 
         Half-lines end `far_from` spans of the zones away.
         """
@@ -356,7 +366,7 @@ class ZoneFields(sie.Kept):
             yield float(right), float(left), True, True
         first, last = float(zones.a[0]), float(zones.b[-1])
         if problem.interaction.strip:
-            # Only the gap within the strip counts: beyond its border lies the next strip.
+            # Only the gap within the strip counts, since the next strip lies outside the border.
             lo, hi = (
                 problem.centre - 0.5 * problem.repeat_length,
                 problem.centre + 0.5 * problem.repeat_length,
@@ -379,7 +389,7 @@ class ZoneFields(sie.Kept):
 
     @property
     def _limits(self) -> tuple[float, float]:
-        """Scaled limits of a profile that does not repeat; infinite if it has none."""
+        """Scaled limits of a profile that does not repeat; infinite if the profile has no limits."""
         problem = self.problem
         return max(problem.borders[0], problem.corners[0]), min(
             problem.borders[1], problem.corners[1]
@@ -390,7 +400,7 @@ class ZoneFields(sie.Kept):
         return self.problem.period is not None or bool(np.all(np.isfinite(self._limits)))
 
     def far_stretches(self) -> Iterator[Array]:
-        """Scaled places on half-lines beyond `open_intervals`, logarithmically spaced."""
+        """Yield scaled places on half-lines outside `open_intervals`, logarithmically spaced."""
         if self.is_bounded:
             return
         zones, (lo, hi) = self.density.zones, self._limits
@@ -403,7 +413,7 @@ class ZoneFields(sie.Kept):
 
     def _scaled(self, x: ArrayLike) -> Array:
         # Move x into the period about the zones, where density, strip and kinks were evaluated. The
-        # period is the scene's; the density of a strip has none.
+        # period of the scene is used, as the density of a strip has no period.
         zones = self.density.zones
         middle = 0.5 * float(zones.a[0] + zones.b[-1])
         return nearest_image(
@@ -430,11 +440,11 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def spreading(self) -> Array:
-        """d end / d ln(load) of the ends of the zones, outward positive [m] (n, 2)."""
+        """Derivatives of the ends of the zones by ln(load), outward positive [m] (n, 2)."""
         return moved_ends(self.state).T * self.problem.units.length * self.density.total
 
     def rates(self, x: Array) -> tuple[Array, Array]:
-        """Scaled outward rates of the ends (n, 2) and of the gap at places x, per unit of ln(load).
+        """Scaled rates by ln(load): outward motion of the ends (n, 2), and the gap at places x.
 
         The rates only start a search, so that the response is computed to a few digits.
         """
@@ -454,17 +464,19 @@ class ZoneFields(sie.Kept):
 
     @property
     def scaled_moment(self) -> float:
-        """Scaled moment int p x dx about x = 0."""
+        """Scaled moment of the pressure p about x = 0, int p x dx."""
         return self.density.moment(about=-self.problem.units.lever)
 
     @property
     def moment(self) -> float:
-        """int p x dx about x = 0 [N]."""
+        """Moment of the pressure p about x = 0, int p x dx [N]."""
         return self.scaled_moment * self.problem.units.moment
 
     @cached_property
     def rotational_stiffness(self) -> float:
-        """d moment / d tilt at the given load [N]: one divided by the tilt per unit of moment.
+        """Derivative of the moment by the tilt at the given load [N].
+
+        It is one divided by the tilt per unit of moment.
 
         The ends are kept fixed, as for `stiffness`.
         """
@@ -488,7 +500,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def widening_rate(self) -> float:
-        """d contact fraction / d load [m/N]."""
+        """Derivative of the contact fraction by the load [m/N]."""
         return (
             float(moved_ends(self.state).sum())
             / self.problem.repeat_length
@@ -551,12 +563,13 @@ class ZoneFields(sie.Kept):
         zero = self.level if self.approach is None else 0.0
         u = np.where(inside, -self.level - shape, self._relative_displacement(scaled)) + zero
         if self.problem.amplitude:
-            # A given nominal pressure is part of F in the equation, but it is a displacement.
+            # A given nominal pressure is part of the profile F in the equation. It causes a
+            # displacement, which is added here.
             u = u + self.problem.raised(scaled)
         return np.asarray(u * self.problem.units.height)
 
 
 def mean_shape(problem: Problem) -> float:
-    """Mean of the scaled profile F over its period, by Gauss panels between breakpoints."""
+    """Mean of the scaled profile F over the period, by Gauss panels between breakpoints."""
     x, _, weights = over_period(problem.profile)
     return float(problem.shape(problem.units.scaled(x)) @ weights)

@@ -25,13 +25,13 @@ from contact.model.profiles.base import Profile
 from contact.model.profiles.derive import detail_of
 from sie import Array, record
 
-# Gaps whose half width is below this fraction of the period, or of their zone, are left out, and
-# the certificate says so: the rounding of their ends is about as large.
+# A gap is left out if its half width is below this fraction of the period, or of the zone next to
+# it. The certificate says so. The round-off of the gap's ends is about as large.
 NARROWEST = 1e-13
 
 
 class FullLimit(sie.Kept):
-    """The mean pressure `pressure` [Pa] at which full contact begins; inf if it never does.
+    """The limit of full contact: `pressure` [Pa] is its least mean pressure; inf if none.
 
     approached: whether contact under growing loads tends to full contact; it does over concave
     kinks, but not between sharp corners. is_known: whether the model gives the pressure of full
@@ -51,7 +51,7 @@ class FullLimit(sie.Kept):
 
     @property
     def error(self) -> float:
-        """Effect of noise in heights and slopes on the pressure [Pa]."""
+        """Error of the pressure [Pa] that noise in heights and slopes causes."""
         return 0.5 * self.E_star * self.relief.error
 
     @cached_property
@@ -80,7 +80,7 @@ class FullLimit(sie.Kept):
             nearest = around[np.searchsorted(0.5 * (around[1:] + around[:-1]), x)]
             return relief(np.where(np.abs(x - nearest) < least, nearest + least, x))
 
-        # Samples may miss the logarithm at a kink, whose peak is infinitely narrow.
+        # The logarithm at a kink has an infinitely narrow peak, which samples may miss.
         return (
             0.5
             * self.E_star
@@ -89,7 +89,7 @@ class FullLimit(sie.Kept):
 
 
 def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
-    """min f over the period, or over an interval `cell` that holds the tip."""
+    """Least height of the profile over the period, or over an interval `cell` with the tip."""
     if profile.summits is not None:
         return float(np.min(profile.height(np.asarray(profile.summits))))
     if profile.period is not None:
@@ -103,7 +103,9 @@ def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
 
 @record
 class FullFields(NoZones):
-    """Fields of full contact of a periodic profile: p = pbar - (E*/2) R, without a gap.
+    """Fields of a periodic profile in full contact, without a gap.
+
+    The pressure is p = pbar - (E*/2) R, with the mean pressure pbar and the relief R.
 
     mean_height: mean f - min f [m].
     """
@@ -120,12 +122,15 @@ class FullFields(NoZones):
 
     @property
     def approach(self) -> float:
-        """Mean f - min f + the mean displacement [m]; the latter is 0 for a body without a base."""
+        """Mean height above the lowest place, plus the mean displacement [m].
+
+        The mean displacement is 0 for a body without a base.
+        """
         return self.mean_height + self._compressed * self.mean_pressure
 
     @property
     def _compressed(self) -> float:
-        """Mean displacement for a unit of mean pressure [m/Pa]."""
+        """Mean displacement divided by the mean pressure [m/Pa]."""
         return 2 * (self.problem.operator.compression or 0.0) / self.problem.units.E_star
 
     def pressure(self, x: ArrayLike) -> Array:
@@ -157,7 +162,7 @@ class FullFields(NoZones):
 
 @record
 class ApartFields(NoZones):
-    """Fields of surfaces that do not touch, at an approach [m] of at most zero.
+    """Fields of surfaces that do not touch, at an approach [m] that is zero or negative.
 
     The approach is None where none is given: then the distance is unknown, and the gap is infinite.
     """

@@ -71,7 +71,7 @@ class GapFields(sie.Kept):
 
     @property
     def solved_zones(self) -> sie.Zones:
-        """The intervals of the unknown, scaled: here the gaps."""
+        """The scaled intervals of the unknown slope, which are the gaps."""
         return self.gap_slope.zones
 
     @property
@@ -85,29 +85,31 @@ class GapFields(sie.Kept):
         return gaps_between(gaps.table, self.period)
 
     def formal_gap(self, x: Array) -> Array:
-        """Scaled gap, positive or negative: the integral of its slope."""
+        """Scaled gap, positive or negative: the integral of the gap's slope."""
         return np.asarray(self.gap_slope.integral(x))
 
     def formal_pressure(self, x: Array) -> Array:
-        """Scaled pressure, positive or negative in contact, and zero in the gaps."""
+        """Scaled pressure: positive or negative in contact, zero in the gaps."""
         inside = self.gap_slope.locate(x)[2]
         with np.errstate(invalid="ignore"):
             return np.where(inside, 0.0, self.bearing(x))
 
     def bearing(self, x: Array) -> Array:
-        """Scaled pressure pbar - R + G s at scaled places; about zero in the gaps.
+        """Scaled pressure by its formula at all scaled places; about zero in the gaps.
+
+        It is pbar - R + G s, with mean pressure pbar, relief R, operator G and slope s of the gap.
 
         pbar is the mean pressure, R the relief, G s the transform of the slope of the gap.
         """
         return np.asarray(self.mean - self.relief(x) + self.gap_slope.transform(x))
 
     def pressure_in(self, zone: int | Index, left: Array, right: Array) -> Array:
-        """Scaled pressure at places in zones, given by distances / half width from both ends."""
+        """Scaled pressure in zones, at places given by distances from both ends over half width."""
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)
         x = np.where(left <= right, a + half * left, b - half * right)
-        # Next to an end the pressure is proportional to the square root of the distance. The factor
-        # corrects for the digits of the distance that are lost in x.
+        # Next to an end, the pressure is proportional to the square root of the distance from that
+        # end. The factor corrects for the digits of this distance that are lost in x.
         nearer, kept = half * np.minimum(left, right), np.where(left <= right, x - a, b - x)
         return np.asarray(self.bearing(x) * np.sqrt(nearer / np.where(kept > 0, kept, np.inf)))
 
@@ -118,11 +120,11 @@ class GapFields(sie.Kept):
 
     @cached_property
     def spreading(self) -> Array:
-        """d end / d ln(load) of the ends of the zones, outward positive [m] (n, 2)."""
+        """Derivatives of the ends of the zones by ln(load), outward positive [m] (n, 2)."""
         return self._of_zones(moved_ends(self.state)) * self.problem.units.length
 
     def _of_zones(self, rates: Array) -> Array:
-        """Outward rates of the ends of zones (n, 2) per unit of ln(load).
+        """Outward rates of the ends of zones (n, 2) by ln(load), from rates of the gaps' ends.
 
         rates: outward rates of the ends of the gaps (2, n) per unit of mean pressure. The left end
         of a gap is the right end of the zone before it.
@@ -130,7 +132,7 @@ class GapFields(sie.Kept):
         return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.mean
 
     def rates(self, x: Array) -> tuple[Array, Array]:
-        """Scaled outward rates of the ends (n, 2) and rates of the gap at x, per ln(load)."""
+        """Scaled rates by ln(load): outward motion of the zones' ends (n, 2), and the gap at x."""
         response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
         return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(
             response.whole.integral(x) * self.mean
@@ -152,7 +154,7 @@ class GapFields(sie.Kept):
         return np.maximum(self.gap_slope.integral(scaled), 0.0) * self.problem.units.height
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement into the body [m]: u = approach - f + gap."""
+        """Displacement into the body [m]: approach minus height of the profile plus gap."""
         height = np.asarray(self.problem.profile.height(x)) - self.problem.lowest
         return np.asarray(self.approach - height + self.gap(x))
 
@@ -163,7 +165,7 @@ class GapFields(sie.Kept):
 
     @cached_property
     def widening_rate(self) -> float:
-        """d contact fraction / d load [m/N]: the rate at which the gaps shrink."""
+        """Derivative of the contact fraction by the load [m/N]: the rate at which gaps shrink."""
         return -float(moved_ends(self.state).sum()) / self.period**2 / self.problem.units.load
 
     @property
@@ -192,7 +194,7 @@ class GapFields(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """Evenly spaced places over the period from the first gap on, and the pressure there.
+        """Evenly spaced places over the period, from the first gap on, with the pressure there.
 
         Their spacing is smaller than the length on which the profile varies.
         """
@@ -224,7 +226,7 @@ class GapFields(sie.Kept):
 
     @cached_property
     def unit_pressure(self) -> float:
-        """The pressure that errors are divided by [Pa]: the peak, or the mean contact pressure.
+        """The pressure [Pa] relative to which errors are stated: peak, or mean contact pressure.
 
         The mean is taken where the peak is infinite.
         """
@@ -234,36 +236,42 @@ class GapFields(sie.Kept):
 
     @cached_property
     def approach(self) -> float:
-        """Mean f - min f, less the mean gap, plus the mean compression of the body [m]."""
+        """Mean height above the lowest place, minus mean gap, plus mean compression [m]."""
         return (
             mean_shape(self.problem) + self.problem.compression * self.mean
         ) * self.problem.units.height - self.mean_gap
 
     @property
     def levels(self) -> Array:
-        """Minus the approach, scaled, for each zone; all are equal by construction."""
+        """Minus the scaled approach, for each zone; all values are equal by construction."""
         return np.full(len(self.zones), -self.approach / self.problem.units.height)
 
     @property
     def gap_rounding(self) -> float:
-        """Scaled effect of rounding on the gap, which is an integral of its slope."""
+        """Scaled error of the gap due to round-off; the gap is an integral of its slope."""
         return 64 * EPS * float(self.gap_sizes.max())
 
     @property
     def gap_sizes(self) -> Array:
-        """A scaled bound of the gap on each interval: half width times a bound of the slope."""
+        """A scaled bound of the gap on each interval: half width times a bound of the gap's slope."""
         slope, gaps = self.gap_slope, self.gap_slope.zones
         jumps = np.bincount(slope.jumps.zone, np.abs(slope.jumps.height), len(gaps))
         return np.asarray(gaps.half * (np.abs(slope.coefficients).sum(axis=1) + jumps))
 
     @property
     def mean_gap(self) -> float:
-        """Mean gap [m]: minus the moment of its slope (by parts), divided by the period."""
+        """Mean gap [m]: minus the moment of the gap's slope, divided by the period.
+
+        This formula is integration by parts.
+        """
         return -self.gap_slope.moment() / self.period * self.problem.units.height
 
     @cached_property
     def stiffness(self) -> float:
-        """d load / d approach [N/m^2], by the gaps' response at fixed ends and compression."""
+        """Derivative of the load by the approach [N/m^2].
+
+        It follows from the response of the gaps at fixed ends, and from the compression.
+        """
         response = self.state.response(self.state.values())
         rate = (
             response.moment() / self.period + self.problem.compression

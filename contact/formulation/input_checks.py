@@ -19,7 +19,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class InputCheckOptions:
-    """Numbers of the check.
+    """Limits of the check for round-off in the heights.
 
     counts: smallest difference, relative to the rise, that is reported. grows: largest factor by
     which round-off may grow on the wider intervals.
@@ -30,12 +30,13 @@ class InputCheckOptions:
 
 
 _OPTIONS = InputCheckOptions()
-# Parts of the widest zone on which rises are compared with integrals, and nodes in each part.
+# Number of parts of the widest zone, on each of which the rise of the height is compared with the
+# integral of the slope; also the number of nodes in each part.
 _PARTS = CLAIMS.panels
 
 
 def height_rounding(problem: Problem, table: Array) -> str:
-    """Message on how many digits round-off leaves of the heights over scaled zones (n, 2).
+    """Message on the digits that round-off leaves in the heights over scaled zones (n, 2).
 
     It is empty where the digits suffice, or where height and slope contradict each other otherwise.
     """
@@ -44,12 +45,13 @@ def height_rounding(problem: Problem, table: Array) -> str:
     here, rise, largest = _differences(problem, middle, half)
     if not here > _OPTIONS.counts * rise:
         return ""
-    # Heights with digits that contradict the slope are not rounded: one of the two is wrong.
+    # If heights have enough digits to contradict the slope, the difference is not round-off: the
+    # height or the slope is wrong.
     at = middle + half * np.linspace(-1, 1, _PARTS)
     scale = np.full(at.shape, half / _PARTS)
     if verdicts(problem.shape, problem.slope, at, scale).contradicted.any():
         return ""
-    # Wider intervals reach up to half of the digits.
+    # The widest interval is up to 1/sqrt(EPS) times as wide as the zone.
     for power in range(2, int(0.5 * -np.log(EPS) / np.log(VERDICTS.ratio)) + 1):
         wider = VERDICTS.ratio**power
         there, risen, _ = _differences(problem, middle, wider * half)
@@ -69,7 +71,7 @@ def height_rounding(problem: Problem, table: Array) -> str:
 
 
 def _differences(problem: Problem, middle: float, half: float) -> tuple[float, float, float]:
-    """Differences of rises and integrals of the slope over parts of an interval, scaled.
+    """Scaled differences between rises and integrals of the slope, over parts of an interval.
 
     Returns the median of the differences, then the ranges of the cumulated rises and differences.
     """

@@ -16,7 +16,9 @@ from sie import Array, record
 
 @record
 class Pieces(sie.Kept):
-    """The function p_0 + p_1 (x - s_i) + p_2 (x - s_i)^2 between the places s_i and s_i+1.
+    """A periodic function that is a quadratic polynomial between the places of its jumps.
+
+    It is p_0 + p_1 (x - s_i) + p_2 (x - s_i)^2 between the places s_i and s_i+1.
 
     places: distances s_i (n,) from the start of the period. jumps: jumps of value, slope and second
     derivative (n, 3). coefficients: p_0, p_1, p_2 of each interval (n, 3).
@@ -30,7 +32,7 @@ class Pieces(sie.Kept):
 
     @classmethod
     def of(cls, start: float, period: float, at: Array, jumps: Array) -> "Pieces":
-        """The function with these jumps (n, 3) at places x (n,) in any order.
+        """The function whose value, slope and second derivative have given jumps (n, 3) at places.
 
         The jumps of the second derivative add up to 0. Jumps at one place are added.
         """
@@ -61,13 +63,15 @@ class Pieces(sie.Kept):
         if len(self.places) == 0:
             return np.zeros(t.shape)
         piece = np.searchsorted(self.places, t, side="right") - 1
-        # The interval before the first place is the end of the last one, of the period before.
+        # A point before the first place lies in the last interval of the previous period.
         away = t - self.places[piece] + np.where(piece < 0, self.period, 0.0)
         p = self.coefficients[piece].T
         return np.asarray(p[0] + away * (p[1] + away * p[2]))
 
     def conjugate(self, x: Array) -> Array:
-        """Hilbert transform (1/L) PV int f(xi) cot(pi (x - xi)/L) dxi of the function f.
+        """The periodic Hilbert transform of this function f.
+
+        It is (1/L) PV int f(xi) cot(pi (x - xi)/L) dxi, with the period L.
 
         The value must not jump. The time does not grow with the number of jumps.
         """
@@ -84,7 +88,7 @@ class Pieces(sie.Kept):
 
 
 def _before(parts: Array) -> Array:
-    """Sum of all elements before each element."""
+    """For each element, the sum of all elements before it."""
     return np.asarray(np.cumsum(parts) - parts)
 
 

@@ -32,7 +32,7 @@ from sie import Array, Index, nearest_image, record
 
 
 def minus_one(x: Array) -> Array:
-    """-1 at all places: the slope of a column that turns the body."""
+    """The slope -1, at all places, of a term whose unknown amplitude corrects the tilt."""
     return np.full(np.shape(x), -1.0)
 
 
@@ -59,23 +59,23 @@ class Problem(sie.Kept):
 
     @property
     def tilt(self) -> float:
-        """Angle by which the profile is turned; a first guess of it where the moment is given."""
+        """Angle by which the profile is turned; only a first guess if the moment is given."""
         return self.profile.tilt if isinstance(self.profile, Tilted) else 0.0
 
     @property
     def period(self) -> float | None:
-        """Scaled period of the solution; None where nothing repeats."""
+        """Scaled period of the solution; None if the solution does not repeat."""
         return self.cell if self.interaction.needs_period else None
 
     @property
     def repeat_length(self) -> float:
-        """Scaled period of a solution that has one."""
+        """Scaled period of the solution, which must have a period."""
         assert self.period is not None
         return self.period
 
     @property
     def cell(self) -> float | None:
-        """Scaled period of the profile itself; None if it has none."""
+        """Scaled period of the profile itself; None if the profile has no period."""
         return None if self.profile.period is None else self.profile.period / self.units.length
 
     @cached_property
@@ -96,7 +96,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def corners(self) -> tuple[float, float]:
-        """Scaled sharp corners where the profile ends, or borders of a strip; else infinite."""
+        """Scaled corners at which the profile ends, or borders of a strip; else infinite."""
         lo, hi = -np.inf, np.inf
         if self.profile.support is not None:
             lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
@@ -104,13 +104,13 @@ class Problem(sie.Kept):
 
     @property
     def cut(self) -> tuple[float, float]:
-        """Scaled borders of the cell about the centre."""
+        """Scaled borders of the cell, whose middle is the centre."""
         assert self.cell is not None
         return self.centre - 0.5 * self.cell, self.centre + 0.5 * self.cell
 
     @property
     def round(self) -> float | None:
-        """Scaled period if zones may lie across its border; else None, as with corners."""
+        """Scaled period if zones may lie across the border of the period; else None."""
         return self.period if self.corners == (-np.inf, np.inf) else None
 
     @cached_property
@@ -124,7 +124,7 @@ class Problem(sie.Kept):
 
     @property
     def detail(self) -> float:
-        """Scaled length on which the profile may vary; infinite if it states none."""
+        """Scaled length on which the profile may vary; infinite if the profile states none."""
         resolution = self.profile.resolution
         return np.inf if resolution is None else resolution / self.units.length
 
@@ -133,7 +133,8 @@ class Problem(sie.Kept):
         units, profile = self.units, self.profile
         kinks, jumps = profile.kinks, profile.jumps
         at = np.asarray(units.scaled(np.concatenate((kinks[:, 0], jumps[:, 0]))))
-        # A jump of f^(n) is a jump of the slope's derivative of order n - 1.
+        # A jump of the n-th derivative of the profile is a jump of the (n - 1)-th derivative of the
+        # slope.
         orders = np.concatenate(
             (np.zeros(len(kinks), dtype=np.intp), jumps[:, 1].astype(np.intp) - 1)
         )
@@ -152,8 +153,8 @@ class Problem(sie.Kept):
                 rounding=profile.slope_rounding / units.slope,
             ),
         )
-        # The given pressure outside a strip is part of the right side. Near the border of the strip
-        # it varies on arbitrarily short lengths.
+        # The given pressure outside a strip is part of the equation's right side. Near the border
+        # of the strip, that part varies on arbitrarily short lengths.
         if not self.amplitude:
             return whole
         return replace(
@@ -164,7 +165,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def algebraic(self) -> sie.AlgebraicPoints | None:
-        """The algebraic points of the profile for its scaled slope; None if it has none."""
+        """Algebraic points of the scaled slope, from those of the profile; None if there are none."""
         points, units = np.asarray(self.profile.algebraic_points), self.units
         if not len(points):
             return None
@@ -174,8 +175,9 @@ class Problem(sie.Kept):
         )
         factor = exponents * units.length ** (exponents - 1.0) / units.slope
         if self.cell is not None and self.kernel.period is None:
-            # A point on the border of a single cell belongs to both sides of the cell. Without its
-            # images the equation of symmetric zones would contain it on one side only.
+            # A point on the border of a single cell belongs to both sides of the cell. Without the
+            # images of the point, the equation of symmetric zones would contain it on one side
+            # only.
             at, exponents, left, right, factor = (
                 np.tile(part, 3) for part in (at, exponents, left, right, factor)
             )
@@ -183,7 +185,7 @@ class Problem(sie.Kept):
         return sie.AlgebraicPoints(at, exponents - 1.0, -factor * left, factor * right)
 
     def slope(self, x: Array) -> Array:
-        """f' divided by the unit of slope, plus the slope of the column if its amplitude is given.
+        """Scaled slope of the profile, plus that of the additional term if its amplitude is given.
 
         A given column belongs to the right side, which may take as many modes as it needs near the
         border of a strip. Unknown columns are coupled to all zones and are truncated earlier.
@@ -195,12 +197,12 @@ class Problem(sie.Kept):
         return np.asarray(self.profile.slope(self.units.x(x))) / self.units.slope
 
     def shape(self, x: Array) -> Array:
-        """Scaled profile F = (f - min f) / (slope length), plus a column of given amplitude."""
+        """Scaled profile F = (f - min f) / unit of height, plus a term of given amplitude."""
         shape = self._profile_shape(x)
         return shape + self.raised(x) if self.amplitude else shape
 
     def raised(self, x: Array) -> Array:
-        """Displacement by the nominal pressure outside a strip, if its amplitude is given."""
+        """Scaled displacement that a given nominal pressure outside a strip causes."""
         primitive = self.columns[0].primitive
         assert primitive is not None and self.amplitude is not None
         return np.asarray(self.amplitude * primitive(x))
@@ -217,7 +219,7 @@ class Problem(sie.Kept):
             )
 
     def shape_rounding(self, x: Array) -> float:
-        """Scaled effect of rounding on the profile F at scaled places.
+        """Scaled error of the profile F at scaled places due to round-off.
 
         It is the deviation of F from a straight line over a few units in the last digit of x.
         """
@@ -235,12 +237,12 @@ class Problem(sie.Kept):
 
     @property
     def unknown_columns(self) -> tuple[sie.Forcing, ...]:
-        """Columns whose amplitudes are unknown."""
+        """Additional terms of the equation whose amplitudes are unknown."""
         return self.columns if self.amplitude is None else ()
 
     @cached_property
     def compression(self) -> float:
-        """Scaled displacement per unit of scaled uniform pressure; 0 if the operator has none."""
+        """Scaled displacement by a unit of scaled uniform pressure; 0 if there is no displacement."""
         return (self.operator.compression or 0.0) / self.units.length
 
     def bearing(
@@ -253,12 +255,12 @@ class Problem(sie.Kept):
         return np.asarray(density.at(zone, left, right))
 
     def borne(self, density: sie.AnyDensity) -> float:
-        """Integral of the pressure that must be positive, over all zones."""
+        """Integral, over all zones, of the pressure that must be positive."""
         return density.total
 
     @cached_property
     def end(self) -> sie.End:
-        """Kind of the ends that are free to move, by the law."""
+        """Kind of the ends that are free to move, as prescribed by the law."""
         return sie.free_with_intensity(self._intensity)
 
     @cached_property
@@ -283,7 +285,7 @@ class Problem(sie.Kept):
             )
         conditions, ends = control.conditions()
         if self.moment is not None:
-            # The correction of the tilt, in units of the slope.
+            # The additional unknown is the correction of the tilt, in units of the slope.
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
             columns = (
                 *columns,

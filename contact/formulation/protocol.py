@@ -34,9 +34,9 @@ class Fields(Protocol):
 
     @property
     def problem(self) -> Problem:
-        """The scene as a scaled equation."""
+        """The problem of the scene in scaled variables."""
 
-    # Functions of the place x [m], of any shape.
+    # The next members are functions of the place x [m], an array of any shape.
 
     def pressure(self, x: ArrayLike) -> Array:
         """Pressure [Pa]; 0 outside contact and outside any tension of the law."""
@@ -45,12 +45,12 @@ class Fields(Protocol):
         """Pressure [Pa] at normalised positions t of a zone, accurate up to its ends."""
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap [m]: 0 in contact, inf where there is no profile."""
+        """Gap [m]: 0 in contact, inf where no profile is given."""
 
     def displacement(self, x: ArrayLike) -> Array:
         """Displacement into the body [m]."""
 
-    # Zones.
+    # The next members describe the zones.
 
     @property
     def zone_table(self) -> Array:
@@ -62,23 +62,23 @@ class Fields(Protocol):
 
     @property
     def levels(self) -> Array:
-        """Minus the approach, scaled, for each zone; the spread measures the solution's error."""
+        """Minus the scaled approach at each zone; the spread of these values measures the error."""
 
     def end_remainders(self, table: Array, order: Index) -> Array | None:
-        """Ends of the rows of a table minus their rounded values [m]; None if unknown.
+        """Exact ends of zones minus the rounded ends in a table [m]; None if unknown.
 
         The rows are those of `zone_table` in this order, moved by whole periods.
         """
 
     @property
     def cohesive(self) -> Array:
-        """Intervals [m], (m, 2), in which a tension acts, with the contact in them."""
+        """Intervals [m], (m, 2), in which a tension acts, including the contact inside them."""
 
-    # Numbers.
+    # The next members are numbers of the whole contact.
 
     @property
     def load(self) -> float:
-        """Load [N/m], per period where there is one."""
+        """Load [N/m], per period if there is one."""
 
     @property
     def approach(self) -> float | None:
@@ -86,7 +86,7 @@ class Fields(Protocol):
 
     @property
     def stiffness(self) -> float | None:
-        """d load / d approach [N/m^2]; None without an approach."""
+        """Derivative of the load by the approach [N/m^2]; None without an approach."""
 
     @property
     def contact_fraction(self) -> float:
@@ -94,7 +94,7 @@ class Fields(Protocol):
 
     @property
     def widening_rate(self) -> float:
-        """d contact fraction / d load [m/N]."""
+        """Derivative of the contact fraction by the load [m/N]."""
 
     @property
     def mean_gap(self) -> float:
@@ -110,13 +110,16 @@ class Fields(Protocol):
 
     @property
     def gap_rounding(self) -> float:
-        """Scaled effect of rounding on the gap."""
+        """Scaled error of the gap due to round-off."""
 
     @property
     def borne_beside(self) -> float:
-        """Scaled int p (F - gap) dx outside contact, with the profile F: a part of the energy."""
+        """Scaled integral of p (F - gap) outside contact, with the pressure p and the profile F.
 
-    # Members for a body that may turn; None for a body that repeats.
+        This integral is a part of the energy.
+        """
+
+    # The next members are for a body that may turn; they are None for a body that repeats.
 
     @property
     def tilt(self) -> float | None:
@@ -124,8 +127,8 @@ class Fields(Protocol):
 
     @property
     def moment(self) -> float | None:
-        """int p x dx about x = 0 [N]."""
+        """Moment of the pressure p about x = 0, int p x dx [N]."""
 
     @property
     def rotational_stiffness(self) -> float | None:
-        """d moment / d tilt at the given load [N]."""
+        """Derivative of the moment by the tilt at the given load [N]."""

@@ -14,14 +14,14 @@ from sie import Array
 
 IN_PANEL = 32  # nodes of a panel with crowded nodes
 _PERIOD_NODES = 12  # nodes of a panel in a rule over a period
-# Panels next to an algebraic point are halved this often. The integral of |y|^n, n > 1, over the
-# last one is below the square of its width, which is round-off.
+# Number of halvings of the panels next to an algebraic point. The integral of |y|^n, n > 1, over
+# the last panel is below the square of the panel's width, which is round-off.
 _HALVINGS = int(-np.log2(np.sqrt(EPS)))
 
 
 @lru_cache(maxsize=1)
 def crowded() -> tuple[Array, Array]:
-    """Gauss nodes on (0, 1), crowded at both ends by a polynomial, and their weights.
+    """Gauss nodes on (0, 1), concentrated at both ends by a polynomial, and their weights.
 
     The polynomial is u^5 (126 - 420 u + 540 u^2 - 315 u^3 + 70 u^4), with slope 630 u^4 (1 - u)^4.
     """
@@ -32,30 +32,30 @@ def crowded() -> tuple[Array, Array]:
 
 
 def chebyshev_nodes(count: int) -> Array:
-    """Nodes cos((k + 1/2) pi / count) on (-1, 1), from right to left."""
+    """Chebyshev nodes cos((k + 1/2) pi / count) on (-1, 1), from right to left."""
     return np.asarray(np.cos((np.arange(count) + 0.5) * np.pi / count))
 
 
 def sides(angle: Array) -> tuple[Array, Array]:
-    """Distances of middle + half cos(angle) from both ends of an interval, over its half width."""
+    """Distances of x = middle + half cos(angle) from both ends of an interval, divided by half."""
     return 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
 
 
 def gauss(cuts: Array, count: int) -> tuple[Array, Array]:
-    """Gauss nodes and weights, `count` of them between each two ascending cuts."""
+    """Gauss nodes and weights: `count` of them between each cut and the next."""
     t, weights = np.polynomial.legendre.leggauss(count)
     half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
     return np.asarray((middle + half * t).ravel()), np.asarray((half * weights).ravel())
 
 
 def cuts_between(a: float, b: float, spacing: float, breaks: Array) -> Array:
-    """Places from a to b, at most the spacing apart, and the breaks between them."""
+    """Places from a to b, at most `spacing` apart, and the breaks between a and b."""
     even = np.linspace(a, b, max(1, math.ceil((b - a) / spacing)) + 1)
     return np.unique(np.concatenate((even, breaks[(breaks > a) & (breaks < b)])))
 
 
 def panels(cuts: Array, count: int = 1) -> tuple[Array, Array]:
-    """Nodes and weights on panels between ascending cuts, crowded towards the ends of each panel.
+    """Nodes and weights on panels between ascending cuts; nodes crowd at both ends of a panel.
 
     There are about `count` nodes, and at least one panel between two cuts.
     """
@@ -64,13 +64,14 @@ def panels(cuts: Array, count: int = 1) -> tuple[Array, Array]:
     at = np.arange(parts + 1) / parts
     cuts = np.append((cuts[:-1, None] + np.diff(cuts)[:, None] * at[:-1]).ravel(), cuts[-1])
     width = np.diff(cuts)[:, None]
-    # Measured from the nearer cut, so that nodes next to a cut keep the digits of their distance.
+    # Each node is measured from the nearer cut. So nodes next to a cut keep the digits of their
+    # distance from that cut.
     nodes = np.where(u <= 0.5, cuts[:-1, None] + width * u, cuts[1:, None] - width * (1 - u))
     return nodes.ravel(), (width * weight).ravel()
 
 
 def over_period(profile: Profile, least: int = 8) -> tuple[Array, Array, Array]:
-    """Gauss nodes over a period: places [m], places / period from the start, and weights.
+    """Gauss rule over a period: places [m], their positions as fractions of it, and weights.
 
     The weights have the sum 1. There are at least `least` panels, split at breakpoints and as short
     as the profile's resolution.

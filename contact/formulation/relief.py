@@ -29,7 +29,7 @@ from sie import Array, Complex, Index, record
 
 @record
 class Relief(Conjugate):
-    """R of a periodic profile as a function of x [m].
+    """The relief R of a periodic profile, as a function of x [m].
 
     `kinks` (k, 2) are those of the profile, `breakpoints` its other breakpoints.
     """
@@ -38,7 +38,7 @@ class Relief(Conjugate):
 
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:
-        """R without the logarithms of the kinks."""
+        """The relief R without the logarithms of the kinks."""
         conjugate, waves = self._plain.smooth, self._sum
         return (
             conjugate if waves is None else lambda x: np.asarray(conjugate(x) + self._at(x, waves))
@@ -46,11 +46,11 @@ class Relief(Conjugate):
 
     @cached_property
     def _plain(self) -> Conjugate:
-        """H f' alone, as on a half-plane."""
+        """The Hilbert transform H f' of the slope alone, which is the relief on a half-plane."""
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
-        """Part of R that the kinks contribute by the waves whose symbol L_n differs from 1.
+        """Part of the relief that kinks contribute by waves whose symbol L_n differs from 1.
 
         It is the sum over all kinks of (J/pi) times the smooth part of the inverse kernel's
         potential.
@@ -72,7 +72,7 @@ class Relief(Conjugate):
 
     @cached_property
     def inverse(self) -> Array:
-        """1 / L_n - 1 for each harmonic n of the period, with the operator's symbol L_n."""
+        """Factor 1 / L_n - 1 for each harmonic n of the period, with the operator's symbol L_n."""
         inverse = self.operator.inverse_excess
         assert inverse is not None
         return inverse
@@ -97,7 +97,7 @@ class Relief(Conjugate):
 
     @cached_property
     def error(self) -> float:
-        """Estimate of the largest error of R.
+        """Estimate of the largest error of the relief R.
 
         It is the error of H f', plus the noise of the heights in the corrected waves.
         """
@@ -108,13 +108,13 @@ class Relief(Conjugate):
 
     @property
     def limit(self) -> str:
-        """Cause of the error, in words."""
+        """Main cause of the error of the relief, in words."""
         return self._plain.limit or "noise of the heights is large in the transform for this body"
 
 
 @record
 class ScaledRelief(sie.Kept):
-    """R divided by the unit of slope, as a function of scaled x.
+    """The relief R divided by the unit of slope, as a function of scaled x.
 
     The places of the kinks equal those of the problem bit for bit.
     """
@@ -134,16 +134,16 @@ class ScaledRelief(sie.Kept):
 
     @property
     def breakpoints(self) -> Array:
-        """Scaled places where R is not smooth: its kinks and its other breakpoints."""
+        """Scaled places where the relief R is not smooth: kinks and other breakpoints."""
         return np.concatenate((self.at, self.units.scaled(self.relief.breakpoints)))
 
     @property
     def error(self) -> float:
-        """Estimate of the largest error of R, divided by the unit of slope."""
+        """Estimate of the largest error of the relief R, divided by the unit of slope."""
         return self.relief.error / self.units.slope
 
     def without_own(self, kinks: Index) -> Array:
-        """R at the kinks of these indices; the logarithm of the kink itself is left out at each."""
+        """The scaled relief R at given kinks, each time without the logarithm of that kink."""
         at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
         logs = log_sine(turns - np.round(turns))
         logs[np.arange(len(kinks)), kinks] = 0.0
@@ -156,7 +156,7 @@ class ScaledRelief(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """Evenly spaced places over a period, and R there; computed once for all loads.
+        """Evenly spaced places over a period, and the relief R there; computed once for all loads.
 
         Their spacing is smaller than the length on which the profile varies.
         """
@@ -167,7 +167,7 @@ class ScaledRelief(sie.Kept):
                 OPTIONS.max_samples,
             )
         )
-        # The offset avoids simple fractions of the cell, where kinks tend to be.
+        # The offset avoids simple fractions of the cell, since kinks often lie there.
         x = (
             float(self.units.scaled(np.array(self.relief.profile.x0)))
             + self.period * (np.arange(n) + 0.4142) / n
@@ -175,11 +175,14 @@ class ScaledRelief(sie.Kept):
         return x, self(x)
 
     def smooth(self, x: Array) -> Array:
-        """R without the logarithms of the kinks."""
+        """The scaled relief R without the logarithms of the kinks."""
         return np.asarray(self.relief.smooth(self.units.x(x)) / self.units.slope)
 
     def forcing(self, x: Array) -> Array:
-        """R without the inverse kernel's potential, times J/pi, of each kink of jump J."""
+        """The scaled relief R without the inverse kernel's potential at the kinks.
+
+        For a kink whose slope jumps by J, that potential is multiplied by J/pi.
+        """
         return np.asarray(self.smooth(x) - self.relief.of_waves(self.units.x(x)) / self.units.slope)
 
     def __call__(self, x: Array) -> Array:
@@ -189,7 +192,9 @@ class ScaledRelief(sie.Kept):
 
 
 def harmonics(profile: Profile, count: int) -> Complex:
-    """Fourier coefficients f_n = (1/l) int f exp(-2 pi i n (x - x0)/l) dx, n = 1 ... count.
+    """Fourier coefficients f_n of the height of a profile, n = 1 ... count.
+
+    f_n = (1/l) int f exp(-2 pi i n (x - x0)/l) dx, with the height f and the period l.
 
     They are integrated by Gauss-Legendre panels between breakpoints, no longer than the resolution
     and the shortest wave.
@@ -200,14 +205,14 @@ def harmonics(profile: Profile, count: int) -> Complex:
 
 
 def height_noise(profile: Profile) -> float:
-    """Largest noise of the heights of a periodic profile [m]."""
+    """Largest noise in the heights of a periodic profile [m]."""
     x = period_samples(profile)
     x = x[:: max(1, len(x) // DETAIL.min_samples)]
     return noise_at(profile.height, x, profile.resolution or profile.period or 1.0)
 
 
 def period_samples(profile: Profile) -> Array:
-    """Evenly spaced places of a period, closer than the profile varies, and algebraic points."""
+    """Evenly spaced places of a period, closer than the profile varies, plus algebraic points."""
     length = profile.period
     assert length is not None
     n = int(

@@ -28,7 +28,7 @@ _OPTIONS = RootOptions()
 def smooth_root(
     function: Callable[[float], float], known: dict[float, float], rtol: float = 1e-14
 ) -> float:
-    """The root of a smooth function in a bracket, by inverse interpolation of its last values.
+    """The root of a smooth function in a bracket, by inverse interpolation of known values.
 
     It needs fewer values than Brent's method, as it does not close the bracket. known: places and
     values, two of them with opposite signs. rtol: the search stops at a step this small, or where
@@ -47,7 +47,7 @@ def smooth_root(
             return here
         guess = _inverse(points)
         step = abs(guess - here)
-        # Superlinear convergence: the next step would be below the tolerance.
+        # Convergence is superlinear, so the next step would be below the tolerance.
         closes = math.isfinite(steps[-1]) and step * step <= rtol * abs(guess) * steps[-1]
         if (
             step <= rtol * abs(guess)
@@ -79,7 +79,7 @@ def _inverse(points: dict[float, float]) -> float:
 
 
 def reaches(value: Array) -> Array:
-    """Upper bound of a function near samples that are local maxima; -inf at the others.
+    """Upper bound of a function near samples that are local maxima; -inf at all other samples.
 
     Samples are along the last axis. The bound lies above the sample twice as far as the top of the
     parabola through it and its neighbours.
@@ -135,8 +135,8 @@ def maximum(
     ):
         before, after = here[row, [column - 1, column + 1]]
         bend = 2 * highest - before - after
-        # A parabola with its top between the outer samples exceeds the middle one by an eighth of
-        # the second difference at most.
+        # The top of a parabola between the outer samples exceeds the middle sample by at most an
+        # eighth of the second difference.
         highest += min((after - before) ** 2 / (8 * bend), 0.125 * bend) if bend > 0 else 0.0
     return sampled if sampled[1] > highest else (found, highest)
 

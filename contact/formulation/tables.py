@@ -6,7 +6,7 @@ from sie import Array, Index, Mask
 
 
 def begun_from(table: Array, start: float, period: float | None) -> Array:
-    """Rows moved by whole periods to begin in [start, start + period)."""
+    """Intervals moved by whole periods so that they begin in [start, start + period)."""
     return (
         table
         if period is None
@@ -15,17 +15,17 @@ def begun_from(table: Array, start: float, period: float | None) -> Array:
 
 
 def ascending(table: Array) -> Array:
-    """Rows sorted from left to right."""
+    """Intervals sorted from left to right."""
     return np.asarray(table[np.argsort(table[:, 0])])
 
 
 def in_cell(table: Array, start: float, period: float | None) -> Array:
-    """Rows that begin in [start, start + period), sorted."""
+    """Intervals moved to begin in [start, start + period), sorted from left to right."""
     return ascending(begun_from(table, start, period))
 
 
 def centred_on(table: Array, centre: float, period: float | None) -> Array:
-    """Rows moved by whole periods so that their middles are nearest to a centre."""
+    """Intervals moved by whole periods so that their middles are nearest to a centre."""
     return (
         table
         if period is None
@@ -34,12 +34,12 @@ def centred_on(table: Array, centre: float, period: float | None) -> Array:
 
 
 def outward(before: Array, after: Array) -> Array:
-    """Outward motion of the ends between two tables, left ends and then right ends (2n,)."""
+    """Outward motion of the ends from one table to another: left ends, then right ends (2n,)."""
     return np.concatenate((before[:, 0] - after[:, 0], after[:, 1] - before[:, 1]))
 
 
 def located(table: Array, x: Array) -> tuple[Index, Mask]:
-    """For each place: the last row that begins at or before it, and whether the row contains it.
+    """For each place: the last interval that begins up to it; whether the place lies inside.
 
     Places before all rows get row 0.
     """
@@ -48,7 +48,7 @@ def located(table: Array, x: Array) -> tuple[Index, Mask]:
 
 
 def gaps_between(table: Array, period: float | None) -> Array:
-    """The gap to the right of each row (n, 2).
+    """The gap to the right of each interval (n, 2).
 
     The last one crosses the border of the period, or is infinite without a period.
     """
@@ -58,13 +58,13 @@ def gaps_between(table: Array, period: float | None) -> Array:
 
 
 def room_beside(table: Array, period: float | None) -> Array:
-    """For each end (n, 2), the smaller of the width of its row and that of the gap next to it."""
+    """For each end (n, 2), the smaller of the widths of its interval and of the gap next to it."""
     right = np.diff(gaps_between(table, period))
     return np.minimum(np.diff(table), np.column_stack((np.roll(right, 1), right)))
 
 
 def parted_at_wide(table: Array, period: float, wide_fraction: float = 0.1) -> Array:
-    """Rows moved so that a wide gap lies over the border of the period.
+    """Intervals moved by whole periods so that a wide gap lies over the period's border.
 
     Of the gaps above `wide_fraction` of the widest, the nearest to the border is taken, which moves
     few rows.
@@ -86,20 +86,20 @@ def parted_at_wide(table: Array, period: float, wide_fraction: float = 0.1) -> A
 
 
 def joined_where(table: Array, meets: Mask) -> Array:
-    """Rows in which each row with meets = True is joined with the next one; meets is (n - 1,)."""
+    """Intervals, of which each one with meets = True is joined with the next; meets is (n - 1,)."""
     return np.column_stack((table[np.append(True, ~meets), 0], table[np.append(~meets, True), 1]))
 
 
 def united(table: Array) -> Array:
-    """Rows in which overlapping rows are joined."""
+    """The union of the intervals, in which overlapping intervals are joined."""
     table = table[np.argsort(table[:, 0], kind="stable")]
-    # A row that overlaps no earlier one begins to the right of all earlier ends.
+    # An interval that overlaps no earlier interval begins to the right of all their ends.
     reach = np.maximum.accumulate(table[:, 1])
     return joined_where(np.column_stack((table[:, 0], reach)), ~(table[1:, 0] > reach[:-1]))
 
 
 def runs_of(flags: Mask, wraps: bool = False) -> list[tuple[int, int]]:
-    """First and last index of every run of True.
+    """First and last index of every run of successive True values.
 
     wraps: the flags are periodic; a run over the border then ends beyond the last index.
     """

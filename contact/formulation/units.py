@@ -9,7 +9,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class Units:
-    """Origin and length [m], slope [1] and E* [Pa], and the units that follow from them.
+    """Origin and length [m], slope [1] and E* [Pa], and the units that follow from these.
 
     The length is a power of two, so that scaling loses no digit of a place.
     """
@@ -33,7 +33,7 @@ class Units:
 
     @property
     def intensity(self) -> float:
-        """Unit of the intensity K of a pressure K / sqrt(d)."""
+        """Unit of the intensity K of a pressure K / sqrt(d) at the distance d from an end."""
         return self.pressure * self.length**0.5
 
     @property
@@ -52,9 +52,9 @@ class Units:
         return np.asarray((x - self.origin) / self.length)
 
     def placed(self, scaled: Array) -> Array:
-        """Scaled places after their positions x [m] have been rounded."""
+        """Scaled places after the positions x [m] have been rounded to double precision."""
         return self.scaled(self.x(scaled))
 
     def minus_place(self, scaled: Array) -> Array:
-        """Minus the position x [m], divided by the unit of length: the column that turns a body."""
+        """Minus the position x [m] over the unit of length: the shape of a small rotation."""
         return np.asarray(-(scaled + self.lever))

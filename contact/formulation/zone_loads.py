@@ -27,14 +27,14 @@ from sie import Array, wrapped
 
 
 def loads(mean: float, relief: ScaledRelief, zones: Array, rise: Array) -> Array:
-    """Scaled loads of zones (n, 2), which follow each other in a period.
+    """Scaled loads of zones (n, 2) that follow one another in a period.
 
     rise: V(b) - V(a) of each zone.
     """
     start, period = float(zones[0, 0]), relief.period
     breaks = np.unique(np.concatenate((wrapped(relief.breakpoints, start, period), zones.ravel())))
-    # The factor just below 1 keeps an interval of exactly the spacing from being cut in two by
-    # rounding.
+    # The factor just below 1 prevents round-off from cutting an interval of exactly the spacing in
+    # two.
     parts = np.ceil((1 - EPS**0.5) * np.diff(breaks) / relief.spacing).astype(int)
     part = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
     cuts = np.append(
