@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-# This import comes first: it handles an interrupt of the user during the other imports.
+# This import comes first, so that an interrupt by the user is handled during all other imports.
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.extras import require, version
 from sie import uncollected
@@ -66,8 +66,8 @@ if TYPE_CHECKING:
     from contact.sweeps.solve_many import solve_many
     from contact.sweeps.sweep.run import sweep
 
-# Names of modules that a single solve does not need; they are imported at first use. The imports
-# above state the same for readers and type checkers.
+# Names, by module, that a single solve does not need. Their modules are imported at first use.
+# Readers and type checkers find the same names in the imports above.
 _HOMES = {
     "contact.explorer.explore": "explore",
     "contact.model.scene_file": "load_scene",
@@ -79,7 +79,7 @@ _HOMES = {
     "contact.sweeps.sweep.run": "sweep",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
-# Submodules that are attributes of `contact` without an import of their own.
+# Submodules that can be used as attributes of `contact` without being imported.
 _MODULES = ("axisymmetric", "exact", "inverse", "paper", "testing")
 
 if not TYPE_CHECKING:  # so that a type checker still reports unknown names

@@ -8,7 +8,7 @@ from contact.extras import require
 
 
 def main() -> None:
-    """Run the command line; without its packages, print their names and exit with status 2."""
+    """Run the command line; if packages for it are missing, name them and exit with status 2."""
     interrupts.install()
     try:
         try:

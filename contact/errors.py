@@ -15,7 +15,7 @@ import numpy as np
 
 
 class ContactError(Exception):
-    """Base of every error the package raises on purpose.
+    """Base class of all errors that the package raises on purpose.
 
     Examples
     --------
@@ -27,17 +27,17 @@ class ContactError(Exception):
     amplitude = -1.0 is refused: it must be a finite number > 0
     """
 
-    # Longer messages are shortened in the middle; this is about five lines on a terminal.
+    # A longer message is shortened in the middle. This length is about five lines on a terminal.
     longest: ClassVar[int] = 400
     longest_value: ClassVar[int] = 80  # longest text of a value within a message
 
     def __str__(self) -> str:
-        """The message, shortened to `longest` characters."""
+        """The message of the error, shortened to `longest` characters."""
         return _cut(super().__str__(), self.longest)
 
 
 class SceneError(ContactError, ValueError):
-    """Bad input: which field, its value and what is allowed.
+    """Error for bad input; it names the field, the field's value and the allowed values.
 
     The three are None if the message is about more than one field.
 
@@ -72,14 +72,14 @@ class SceneError(ContactError, ValueError):
 
     @classmethod
     def of(cls, field: str, value: Any, allowed: str) -> "SceneError":
-        """An error with the usual message: the field, its value, what is allowed."""
+        """An error whose message has the usual form: the field, its value, and what is allowed."""
         return cls(
             f"{field} = {shown(value)} is refused: it must be {allowed}", field, value, allowed
         )
 
     @classmethod
     def unknown(cls, what: str, name: Any, known: Iterable[str]) -> "SceneError":
-        """An error for an unknown name; its message suggests the nearest known one."""
+        """An error for an unknown name; the message suggests the known name that is most similar."""
         names = sorted(known)
         near = get_close_matches(name, names, n=1) if isinstance(name, str) else []
         hint = f" (did you mean {near[0]!r}?)" if near else ""
@@ -93,7 +93,7 @@ class SceneError(ContactError, ValueError):
 
 
 class NotConverged(ContactError):
-    """The tolerance was not met: `trace` has the steps, `best` the best solution or None.
+    """Error if the tolerance was not met: `trace` has the steps, `best` the best solution or None.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ class NotConverged(ContactError):
 
 
 class OutOfRange(ContactError):
-    """No contact has the given value of the control, for example a load that is too large.
+    """Error if no contact has the given value of the control, as for a load that is too large.
 
     Examples
     --------
@@ -137,7 +137,7 @@ class OutOfRange(ContactError):
 
 
 class MissingExtra(ContactError, ImportError):
-    """An optional package is missing; the message names the extra that installs it.
+    """Error if an optional package is missing; the message names the extra that installs it.
 
     Examples
     --------
@@ -148,7 +148,7 @@ class MissingExtra(ContactError, ImportError):
 
 
 class ModelWarning(UserWarning):
-    """The model is doubtful here, or the numbers of a file are not those of a surface.
+    """Warning that the model is doubtful, or that a file's numbers are not those of a surface.
 
     Examples
     --------
@@ -164,14 +164,14 @@ class ModelWarning(UserWarning):
 
 
 def warn(messages: Iterable[str], stacklevel: int = 3) -> None:
-    """Issue each message as a ModelWarning at the line that called the caller."""
+    """Issue each message as a ModelWarning, attributed to the line that called the caller."""
     for message in messages:
         warnings.warn(_cut(message, ContactError.longest), ModelWarning, stacklevel=stacklevel)
 
 
 @contextmanager
 def unwarned() -> Iterator[None]:
-    """Context in which ModelWarnings are suppressed, for intermediate solutions."""
+    """Context in which no ModelWarning is issued; it is used for intermediate solutions."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ModelWarning)
         yield
@@ -185,14 +185,14 @@ def shown(value: Any) -> str:
     if isinstance(value, np.ndarray):
         text = np.array2string(value, separator=", ", threshold=8, edgeitems=3)
     else:
-        # With this option numpy's numbers print as plain ones, also inside lists.
+        # With this option, numbers of numpy types print like Python numbers, also inside lists.
         with np.printoptions(legacy="1.25"):
             text = repr(value)
     return _cut(" ".join(text.split()), ContactError.longest_value)
 
 
 def _cut(text: str, longest: int) -> str:
-    """A text without its middle if it is longer than `longest`."""
+    """A text, without its middle part if the text is longer than `longest`."""
     if len(text) <= longest:
         return text
     kept = longest - 3

@@ -11,7 +11,7 @@ from typing import Any
 from contact.errors import MissingExtra
 from sie import uncollected
 
-# The extra that installs a package which a plain install lacks.
+# For each optional package, the extra (`pip install sie-contact[extra]`) that installs it.
 EXTRAS = {
     "matplotlib": "plot",
     "xarray": "io",
@@ -27,38 +27,39 @@ EXTRAS = {
     "cloudpickle": "cluster",
 }
 
-# The folder with this package: the source, or the installed packages.
+# The folder that contains this package: the source folder, or that of installed packages.
 SOURCE = Path(__file__).parent.parent
 
 
 def require(name: str) -> Any:
-    """The module of that name; raises MissingExtra with the remedy if it cannot be imported."""
+    """Import and return the module of this name; raises MissingExtra, with the remedy, on failure."""
     try:
         with uncollected():
             return importlib.import_module(name)
     except ImportError as error:
-        # Modules of this package exist, so that the missing package is one that they import.
+        # Modules of this package always exist. If one of them cannot be imported, the missing
+        # package is one that it imports.
         package = (error.name if name.startswith("contact.") and error.name else name).partition(
             "."
         )[0]
         extra = EXTRAS.get(package)
         remedy = installing(extra) if extra else f"pip install {package}"
-        # Importing a submodule of an installed package may fail for other reasons, so the error is
-        # shown.
+        # An installed package may also fail to import for other reasons, so the message shows the
+        # error.
         raise MissingExtra(
             f"{name} is needed here and cannot be imported ({error}): {remedy}", name=package
         ) from error
 
 
 def installing(extra: str) -> str:
-    """The command that installs an extra, for the package or for its source folder."""
+    """The command that installs an extra, for an installed package or for a source folder."""
     if (SOURCE / "pyproject.toml").is_file() and (SOURCE / "contact" / "extras.py").is_file():
         return f"pip install -e '.[{extra}]' in {SOURCE}"
     return f"pip install 'sie-contact[{extra}]'"
 
 
 def entry_points(group: str) -> Iterable[Any]:
-    """Entry points of the installed packages in a group."""
+    """Entry points of a group, from all installed packages."""
     found: Iterable[Any] = require("importlib.metadata").entry_points(group=group)
     return found
 
@@ -74,7 +75,7 @@ def version() -> str:
 
 
 def other_package() -> str:
-    """A message if another project named `contact` is installed as well; else empty."""
+    """A message if another project named `contact` is installed as well; else ""."""
     metadata = require("importlib.metadata")
     try:
         other = metadata.version("contact")
@@ -89,7 +90,7 @@ def other_package() -> str:
 
 
 def owners() -> tuple[str, ...]:
-    """Other installed packages that provide a module `contact`, whatever their names.
+    """Names of other installed packages that also provide a module `contact`.
 
     It examines all installed packages, which takes 0.5 s.
     """

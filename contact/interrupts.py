@@ -14,7 +14,7 @@ from types import FrameType
 
 
 class ExitStatus(IntEnum):
-    """Status with which a command ends if it has no result."""
+    """Exit status of a command that ends without a result."""
 
     BAD_INPUT = 2
     NOT_CONVERGED = 3
@@ -34,7 +34,10 @@ def is_command() -> bool:
 
 
 def install() -> None:
-    """Handle Ctrl-C here, unless it is ignored (background jobs) or has another handler."""
+    """Handle Ctrl-C here, unless the process ignores it or has its own handler already.
+
+    Background jobs ignore it.
+    """
     try:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, _interrupted)
@@ -43,13 +46,13 @@ def install() -> None:
 
 
 def started(now: bool = True) -> None:
-    """Declare that the command line now catches KeyboardInterrupt (or, with False, no longer)."""
+    """Declare whether the command line catches KeyboardInterrupt from now on."""
     global _started
     _started = now
 
 
 def stop() -> None:
-    """Print one line and end the process with status 130."""
+    """Print one line and end the process with the exit status 130."""
     try:
         # A progress bar may have hidden the cursor.
         os.write(

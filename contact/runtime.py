@@ -17,20 +17,20 @@ from contact.extras import require
 
 
 class _Mallopt(IntEnum):
-    """Parameters of mallopt, numbered as in <malloc.h>."""
+    """Parameters of the C function mallopt, numbered as in <malloc.h>."""
 
-    # free bytes at the top of the heap above which they are returned to the system
+    # Number of free bytes at the top of the heap above which they are returned to the system.
     TRIM_THRESHOLD = -1
     MMAP_MAX = -4  # largest number of blocks that are mapped one by one
 
 
-# Values that glibc's own adaptation reaches in a process with large arrays.
+# Values that glibc sets by its own adaptation in a process with large arrays.
 _GLIBC_DEFAULTS = {_Mallopt.TRIM_THRESHOLD: 1 << 26, _Mallopt.MMAP_MAX: 1 << 16}
 _KEEP_ALL = {_Mallopt.TRIM_THRESHOLD: -1, _Mallopt.MMAP_MAX: 0}
 
 
 class SharedState:
-    """A setting of the process that `with` blocks of any thread share.
+    """A setting of the process that concurrent `with` blocks of all threads share.
 
     The first block to begin calls `enter`, the last one to end calls `leave`.
 
@@ -58,7 +58,7 @@ class SharedState:
 
 @contextmanager
 def keep_freed_memory(wanted: bool = True) -> Iterator[None]:
-    """Let the process keep the memory of freed arrays while the block runs, if `wanted`.
+    """If `wanted`, let the process keep the memory of freed arrays while the block runs.
 
     By default glibc maps every array above 32 MB and unmaps it when it is freed. The system then
     clears its pages again at first use, which takes longer than most operations on such an array.
@@ -91,7 +91,7 @@ _freed_memory_is_kept = SharedState(_start_keeping, _stop_keeping)
 
 
 def _libc() -> ctypes.CDLL | None:
-    """The C library if it is glibc, else None."""
+    """The C library of the process if it is glibc; else None."""
     try:
         libc = ctypes.CDLL(None)
         libc.gnu_get_libc_version  # noqa: B018
@@ -106,13 +106,13 @@ def _blas_libraries(scipy_is_loaded: bool) -> Any:
 
 
 def _limit_to_one_thread() -> Any:
-    # numpy and scipy may each bring a BLAS. The search for them takes milliseconds
-    # and is cached.
+    # numpy and scipy may each bring their own BLAS. The search for these libraries takes
+    # milliseconds, so its result is cached.
     return _blas_libraries("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas")
 
 
-# Context in which BLAS runs on one thread. For matrices of some hundred rows the threads of BLAS
-# spend as much time waiting for each other as computing. A rough trace of 200 zones takes the same
-# time with one thread and with two on a quiet machine, and on a busy one a third of the time with
-# one thread.
+# Context in which BLAS runs on one thread. For matrices of some hundred rows, the threads of BLAS
+# wait for each other as long as they compute. On a quiet machine, a rough trace of 200 zones takes
+# the same time with one thread as with two. On a busy machine, one thread needs a third of the time
+# of two.
 one_blas_thread = SharedState(_limit_to_one_thread, lambda limits: limits.restore_original_limits())

@@ -39,11 +39,12 @@ from contact.verify.error import SolvedGaps
 
 @dataclass(frozen=True)
 class SolverOptions:
-    """Numbers of shortest lengths in a period at which settings of the process are changed."""
+    """Sizes of a scene, in shortest lengths per period, that change settings of the process."""
 
-    # above this number BLAS runs on one thread, as its threads would wait for each other
+    # For larger scenes, BLAS runs on one thread, as several threads would wait for each other.
     one_blas_thread: int = 2**6
-    # above this number freed memory is kept: otherwise the system clears its pages again
+    # For larger scenes, freed memory is kept. Otherwise, the system would clear its pages again and
+    # again.
     keep_memory: int = 2**17
 
 
@@ -57,7 +58,7 @@ def solve(
     near: Solution | None = None,
     branch: str = "advancing",
 ) -> Solution:
-    """Solve a scene: zones, pressure, gap, numbers, with a stated error of at most `tol`.
+    """Solve a scene for zones, pressure, gap and numbers, with a stated error of at most `tol`.
 
     Parameters
     ----------
@@ -127,7 +128,7 @@ def solve(
 
 
 def tolerance(tol: object) -> float:
-    """The tolerance as a float; raises SceneError if it is none."""
+    """The tolerance as a float; raises SceneError if it is not a valid tolerance."""
     if (
         isinstance(tol, bool)
         or not isinstance(tol, Real)
@@ -138,7 +139,7 @@ def tolerance(tol: object) -> float:
 
 
 def _of(scene: Scene) -> tuple[object, ...]:
-    """The fields of a scene except its control and its modulus."""
+    """All fields of a scene except for its control and its modulus."""
     return scene.profile, scene.interaction, scene.substrate, scene.law
 
 
@@ -149,7 +150,7 @@ def solved_along(
     cache: SceneCache,
     previous: tuple[CurvePoint, ...],
 ) -> Solution:
-    """The solution of one scene on a curve of values of its control.
+    """The solution of a scene, which is one of several along a curve of values of its control.
 
     cache: results shared with the other scenes. previous: the last solutions on the curve.
     """
@@ -168,7 +169,7 @@ def solved_along(
 
 
 def context_of(scene: Scene, tol: float) -> SolveContext:
-    """The context of a scene, for contacts that are reached along a branch (see `solved_at`)."""
+    """The context of a scene whose contact is reached along a branch (see `solved_at`)."""
     return SolveContext.of(scene, tol, _solved)
 
 
@@ -220,7 +221,7 @@ def _run(context: SolveContext) -> Solution:
 
 
 def _found(context: SolveContext) -> Outcome:
-    """The contact of a scene: by the law's module, on a branch of equilibria, or by search.
+    """The contact of a scene, found by the law's module, on a branch of equilibria, or by search.
 
     What a module returns is final, see `contact.model.laws.base.Routes`.
     """
@@ -234,7 +235,7 @@ def _found(context: SolveContext) -> Outcome:
 
 
 def _features(scene: Scene) -> float:
-    """Number of shortest lengths of a shape in its period, or in the part that is known."""
+    """Number of shortest lengths of a profile in its period, or in the part that is known."""
     profile = scene.profile
     known = profile.known
     return (
