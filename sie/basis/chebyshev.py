@@ -81,7 +81,7 @@ def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
 
 
 def u_values(g: Array, t: Array) -> Array:
-    """Values of the series sum g_k U_{k-1} at points t, by Clenshaw's recurrence.
+    """Values of the Chebyshev series sum g_k U_{k-1} at points t, by Clenshaw's recurrence.
 
     g: coefficients (zones, n); t: points (zones, points).
     """

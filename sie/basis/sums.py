@@ -23,7 +23,8 @@ class SumOptions:
     # Largest number of (point, source) pairs in one matrix product, and of numbers in one table.
     # They fill some megabytes.
     memory_pairs: int = 1 << 19
-    # From this number of entries on, matrix operations are faster than loops over pairs or columns.
+    # With at least this many pairs or table entries, matrix operations are faster than loops over
+    # pairs or columns.
     min_matrix_pairs: int = 1 << 12
     # Number of terms up to which sums of sines, and transforms, are products with a matrix. Longer
     # sums of sines use the addition theorem (see `_sines`). Longer transforms are fast transforms.
@@ -80,7 +81,7 @@ class Grouped:
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Index of each zone in `count` and `first`; zones past the last item get the last index."""
+        """Index of each zone in `count` and `first`; zones past all items get the last index."""
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:

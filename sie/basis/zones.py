@@ -240,7 +240,7 @@ class Zones(Kept):
 
     @property
     def edge_scale(self) -> Array:
-        """The intensity K of the weight at the ends of each zone (n,), see `Weight`."""
+        """The intensity K of the weight (1 - t^2)^(-p) at the ends of each zone (n,)."""
         return np.asarray(self.weight.edge_scale(self.half))
 
     @property

@@ -184,7 +184,7 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give the density that the jumps cause.
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Integral from the left end of each jump's density, divided by half width * height / pi.
+        """Integral from the left end of each jump's density / (half width * height / pi).
 
         It is integrated from the end on the same side of s. For t > s,
 
@@ -205,7 +205,7 @@ class DensityJumps(ForcingJumps):
 
     @cached_property
     def _totals(self) -> Array:
-        """Integral of each jump's density over its zone, divided by half width * height / pi.
+        """Integral of each jump's density over its zone / (half width * height / pi).
 
         w is the half width of the zone and h the height of the jump.
         """

@@ -22,7 +22,8 @@ class JumpOptions:
     """Limits that decide between closed forms and series for jumps and singular points."""
 
     # Singular points outside a zone, within this many half widths of the zone, are treated in
-    # closed form. The effect of more distant points is smooth on the zone. Insensitive: 0.3 to 1.
+    # closed form. The effect of more distant points is smooth on the zone. Values from 0.3 to 1
+    # work equally well.
     reach: float = 0.5
     # The series of all jumps of a zone is summed at points whose |rho|, rho = zeta - sqrt(zeta^2 -
     # 1), is below a limit. Below the first limit closed forms cancel. The next limits apply to
@@ -120,12 +121,12 @@ class PlacedJumps(PerZone):
     # The methods below give density, transform and potential of jumps k, divided by h / pi with the
     # height h.
     def on_zone(self, k: Index, left: Array) -> Array:
-        """Transform of jumps k at points on the zone, divided by height / pi."""
+        """Transform of jumps k at points on the zone, divided by (height / pi)."""
         away = left - self.left[k]
         return self.turn(k, away) * power(away, self.order[k]) - self.polynomial(k, left - 1)
 
     def off_zone(self, k: Index, z: Array, rho: Array) -> Array:
-        """Transform of jumps k at points off the zone, divided by height / pi."""
+        """Transform of jumps k at points off the zone, divided by (height / pi)."""
         return power(z - self.s[k], self.order[k]) * self.turn_off(k, rho) - self.polynomial(k, z)
 
     def of_density(self, k: Index, left: Array, right: Array) -> Array:
@@ -135,7 +136,7 @@ class PlacedJumps(PerZone):
             return np.where((away == 0) & (q > 0), 0.0, power(away, q) * self.shape(k, left, right))
 
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Integral of the density by t from the zone's left end; only for jumps of order 0.
+        """Integral of the density by t from the left end; only for jumps of the function itself.
 
         The integral of kappa is (t - s) kappa - theta sin(phi).
         """

@@ -339,7 +339,7 @@ class ForcingJumps(PlacedJumps):
         return self._coefficients(OPTIONS.far_terms[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
-        """Correction of the right side's mean primitive on each zone, divided by the half width.
+        """Correction of the mean of the right side's primitive on each zone (in half widths).
 
         `System.levels` uses it. The primitive is shifted so that its end values add up to zero. The
         correction is its mean less the mean that the coefficients of the smooth part give.
@@ -387,7 +387,7 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def first_coefficients(self, zones: Zones, counts: Index) -> Array:
-        """`t_coefficients` with a count for each zone (Z,); later coefficients are zero."""
+        """`t_coefficients` with one count for each zone (Z,); later coefficients are zero."""
         if len(self.near) or len(self.poles):
             count = int(counts.max(initial=0))
             return np.where(

@@ -62,9 +62,9 @@ class SplineOptions:
     # If a zone has at least this many jumps of g'', the second derivative of the right side, a
     # spline replaces them. With fewer jumps, the closed forms of single jumps are faster.
     min_jumps: int = 400
-    # Least number of jumps of the density's second derivative in a zone that a spline replaces. It
-    # is smaller than `min_jumps`, because the round-off of n jumps grows as n^2 and affects other
-    # zones.
+    # If a zone has at least this many jumps of the density's second derivative, a spline replaces
+    # them. The number is smaller than `min_jumps`, because the round-off of n jumps grows as n^2
+    # and affects other zones.
     min_density_jumps: int = 128
     # Number of Chebyshev coefficients for each knot, in the series for the potential of a spline of
     # the density.

@@ -54,17 +54,18 @@ class SlitOptions:
     # below `max_gap` divided by this factor. Without this hysteresis, slits come and go in every
     # Newton step.
     hysteresis: float = 1.5
-    # Like `max_gap`, but relative to the narrower adjacent zone, for gaps that contain an algebraic
-    # point or a jump of the right side's second derivative. This limit is stricter, because a
-    # spline may have hundreds of such jumps.
+    # Largest width of a gap that contains an algebraic point or a jump of the right side's second
+    # derivative, relative to the narrower adjacent zone. This limit is stricter than `max_gap`,
+    # because a spline may have hundreds of such jumps.
     max_gap_with_jumps: float = 0.003
     # Largest number of modes of the unknown slack in one slit.
     max_modes: int = 512
-    # Least number of coefficients of the slack from which the field far from the zone is computed.
+    # Least number of coefficients of the slack from which the slack's field far from the wide zone
+    # is computed.
     min_slack_modes: int = 48
-    # Largest last change of the solution in the iteration, relative to the solution's largest
-    # coefficient. A smaller change is added to the stated error; a larger one raises
-    # `SlitsNotConverged`.
+    # Largest accepted change of the solution in the last step of the iteration, relative to the
+    # solution's largest coefficient. A smaller change is added to the stated error. A larger change
+    # raises `SlitsNotConverged`.
     max_change: float = 1e-10
 
 
@@ -320,7 +321,7 @@ def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
 def _within(
     jumps: ForcingJumps, zone: int, start: Array, length: Array
 ) -> tuple[Index, ForcingJumps]:
-    """(indices of a zone's jumps in slits, knots of the zone's spline in slits as jumps).
+    """(indices of the jumps in a zone's slits, jumps at spline knots in the zone's slits).
 
     start, length: distance of each slit from the zone's left end and width of the slit, both
     divided by the zone's half width.

@@ -151,9 +151,7 @@ class SlitSystem(Kept):
         base, homogeneous, iteration = self.base, values is not None, self.base.iteration
 
         def slit_response(folded: Array) -> Array:
-            """Change of the wide zones' right side that the slits cause if the unknowns are
-            `folded`.
-            """
+            """Change of the wide zones' right side by the slits, for the unknowns `folded`."""
             return self._right(self._series(folded, True), True)
 
         given = self._right(
