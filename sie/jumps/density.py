@@ -224,7 +224,8 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give potentials of the jumps.
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w).
+        """Potential divided by the half width w, without the term c_0 log(w).
+        c_0 is the integral of the density, divided by pi w.
 
         On the zone rho = e^{i theta}. For q = 0 the formula comes from partial fractions of
         -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)). For other q see `_potential`.
@@ -261,7 +262,9 @@ class DensityJumps(ForcingJumps):
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
+        """Potential divided by the half width w, without the term c_0 log(w).
+        c_0 is the integral of the density, divided by pi w.
+        """
         higher = self.order[k] > 0
         out = super().plane_potential(k[higher], seen, away[:, higher], log[:, higher])
         kinks = k[~higher]

@@ -140,7 +140,8 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def potential(self, zone: Index, log: Array, rho: Complex) -> Array:
-        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w).
+        """Potential divided by the half width w, without the term c_0 log(w).
+        c_0 is the integral of the density, divided by pi w.
 
         log: log(2 |rho|).
         """

@@ -152,14 +152,18 @@ class PlacedJumps(PerZone):
             ] * theta(right, left)
 
     def potential_on(self, k: Index, left: Array, right: Array) -> Array:
-        """Potential on the zone / w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
+        """Potential on the zone, divided by the half width w, without the term c_0 log(w).
+        c_0 is the integral of the density, divided by pi w.
+        """
         away, nothing = left - self.left[k], np.zeros_like(left)
         return np.asarray(
             self.potential_of(k, away, 0.5 * (left - right), self.turn(k, away), nothing, nothing)
         )
 
     def potential_off(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
-        """Potential off the zone / w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
+        """Potential off the zone, divided by the half width w, without the term c_0 log(w).
+        c_0 is the integral of the density, divided by pi w.
+        """
         seen = Outside(np.where(left > 0, 1.0, -1.0), np.maximum(-left, -right))
         return np.asarray(
             self.potential_of(

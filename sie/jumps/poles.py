@@ -276,7 +276,9 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_on(self, zone: Index, left: Array, right: Array) -> Array:
-        """Potential on the zone / w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
+        """Potential on the zone, divided by the half width w, without the term c_0 log(w).
+        c_0 is the integral of the density, divided by pi w.
+        """
         t = 0.5 * (left - right)
 
         def part(at: Index, k: Index) -> Array:
@@ -289,7 +291,9 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_off(self, zone: Index, rho: Array) -> Array:
-        """Potential off the zone / w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
+        """Potential off the zone, divided by the half width w, without the term c_0 log(w).
+        c_0 is the integral of the density, divided by pi w.
+        """
 
         def part(at: Index, k: Index) -> Array:
             return np.real(
@@ -305,7 +309,9 @@ class Poles(PerZone):
         return np.asarray((rho - 1.0 / rho) * np.log1p(-rho * seen) - seen - rho * log)
 
     def potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
+        """Potential divided by the half width w, without the term c_0 log(w).
+        c_0 is the integral of the density, divided by pi w.
+        """
         out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
         out[on] = self.potential_on(zone[on], seen.left[on], seen.right[on])
         out[off] = self.potential_off(zone[off], seen.rho[off])

@@ -283,7 +283,8 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.transform(zone, rho) + self.poles.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w).
+        """Potential divided by the half width w, without the term c_0 log(w).
+        c_0 is the integral of the density, divided by pi w.
 
         The formulas are at the head of this file.
         """
@@ -475,7 +476,9 @@ class ForcingJumps(PlacedJumps):
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w)."""
+        """Potential divided by the half width w, without the term c_0 log(w).
+        c_0 is the integral of the density, divided by pi w.
+        """
         parts = self.potential_of(
             k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None]
         )

@@ -415,7 +415,7 @@ class ConjugateSpline(Kept):
 
     # The methods below integrate the spline g times smooth functions.
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
-        """(angles phi, weights) with int g F dphi = sum of weights times F(phi), g: the spline.
+        """(angles phi, weights): int g F dphi = sum of weights * F(phi) for spline g, smooth F.
 
         F is any function that is smooth between the cuts.
         """
@@ -564,7 +564,8 @@ class ConjugateSpline(Kept):
         )
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
-        """Potential divided by w, without c_0 log(w); w: half width, c_0 = total / (pi w).
+        """Potential divided by the half width w, without the term c_0 log(w).
+        c_0 is the integral of the density, divided by pi w.
 
         It holds on the zone and off it.
         """

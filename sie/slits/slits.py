@@ -461,7 +461,7 @@ class Slits(Kept):
         return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
-        """U_(l-1) coefficients of functions on each slit, after a row of zeros for each slit.
+        """Coefficients of U_(l-1) of functions on each slit, below a row of zeros for each slit.
 
         The first row of each slit stands for the condition on the integral of its slack.
         """

@@ -461,7 +461,7 @@ class SlitState(Answered):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Error of the density on each wide zone, due to truncation and round-off in all rows."""
+        """Error of each wide zone's density due to truncation and round-off in all equations."""
         return density_rounding(self.whole, self.missing, self._no_modes)
 
     @cached_property
@@ -561,8 +561,8 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
-    # This solution of the wide zones without slits is only a starting point for an iteration. A
-    # relative error of 1 is therefore accepted.
+    # Unless the number of modes must grow, this solution of the wide zones is only a starting point
+    # for an iteration. A relative error of 1 is then accepted.
     inner.linear = sizes.linear if equation.grows else 1.0
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value
