@@ -27,7 +27,7 @@ Solver = Factored | Iterative
 
 
 class Answered(Kept):
-    """Common properties of states on zones without slits and on zones with slits.
+    """Common base class of the states on zones without slits and on zones with slits.
 
     They follow from `whole`, the state on zones without slits.
     """
@@ -40,7 +40,9 @@ class Answered(Kept):
         def whole(self) -> Solved: ...
 
     def with_bounded_ends(self) -> Self:
-        """The same state with the density of `Density.with_bounded_ends`."""
+        """The same state with the density of `Density.with_bounded_ends`: no 1/sqrt(d) at free
+        ends.
+        """
         return replace(self, density=self.density.with_bounded_ends())  # type: ignore[type-var]
 
     @property
@@ -48,7 +50,7 @@ class Answered(Kept):
         return self.whole.system.equation
 
     def right_side(self, x: Array) -> Array:
-        """The equation's right side at points, columns included."""
+        """The equation's right side at points, including its terms of unknown amplitude."""
         columns = zip(self.density.amplitudes, self.equation.columns, strict=True)
         return np.asarray(
             self.equation.forcing.value(x)
@@ -57,29 +59,29 @@ class Answered(Kept):
 
     @property
     def condition_index(self) -> Index:
-        """First row of each side condition among the rows of the conditions."""
+        """Index of the first row of each side condition among the rows of all side conditions."""
         counts = [c.count(self.whole.density.zones) for c in self.equation.conditions]
         return np.cumsum([0, *counts], dtype=np.intp)[:-1]
 
     def values(self, condition: int = 0, change: float = 1.0) -> Array:
-        """Changes of the values of all side conditions: `change` for one of them, else zero."""
+        """Changes of all side conditions' values: `change` for the given condition, else zero."""
         out = np.zeros(len(self.whole.condition_scale))
         out[self.condition_index[condition]] = change
         return out
 
     @property
     def coupled(self) -> int:
-        """Number of unknowns that are solved for together."""
+        """Number of unknowns of the coupled system, which are solved for together."""
         return int(self.whole.solver.size)
 
     @property
     def iterated(self) -> bool:
-        """Whether the unknowns come from an iteration."""
+        """Whether the unknowns were computed by an iteration, not by LU factors."""
         return self.whole.iteration is not None
 
     @property
     def unresolved(self) -> bool:
-        """Whether the largest number of modes does not resolve the equation on the zones.
+        """Whether even the largest number of modes does not resolve the equation on the zones.
 
         Then a zone lies too close to a singularity, or a user's function varies too much.
         """
@@ -89,7 +91,7 @@ class Answered(Kept):
 
 @dataclass(frozen=True, eq=False)
 class Solved(Answered):
-    """The fields of `State`, and the responses of the solution to changed conditions."""
+    """Base class of `State`: its fields, and the solution's responses to changed conditions."""
 
     density: Density
     system: System
@@ -104,7 +106,7 @@ class Solved(Answered):
     sizes: Sizes
 
     def response(self, values: Array, tolerance: float = 0.0) -> Density:
-        """The density caused by unit changes of the side conditions' values.
+        """The density caused by given changes of the side conditions' values.
 
         The right side is zero and the conditions have the values `values`. tolerance: relative
         tolerance of an iterative solution.
@@ -112,20 +114,20 @@ class Solved(Answered):
         return self.homogeneous(self.response_unknowns(values, tolerance))
 
     def response_unknowns(self, values: Array, tolerance: float = 0.0) -> Array:
-        """The unknowns of `response`, in the order of the columns of the system."""
+        """The unknowns of the density `response`, in the order of the system's columns."""
         right, iteration = self.right_of(values), self.iteration
         return self.symmetry.unfold(
             self.solver(right) if iteration is None else iteration(right, None, tolerance)
         )
 
     def right_of(self, values: Array) -> Array:
-        """Right side of the rows for values of the side conditions; that of the equation is 0."""
+        """Right side of all rows for given values of the side conditions and a zero equation."""
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
         return right
 
     def with_value(self, condition: int, change: float) -> Self:
-        """The state after the value of one side condition has changed."""
+        """The state after a change of the value of one side condition."""
         folded = self.folded_unknowns + self.solver(self.right_of(self.values(condition, change)))
         unknowns = self.symmetry.unfold(folded)
         return replace(
@@ -141,36 +143,36 @@ class Solved(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved zone: mean of the potential less the primitive of the right side."""
+        """Level of each solved zone: the mean of the potential less the right side's primitive."""
         return self.system.level_changes(self.unknowns) + self.system.level_constants
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of the levels by unit changes of the side conditions' values."""
+        """Changes of the zones' levels caused by given changes of the side conditions' values."""
         return self.system.level_changes(self.response_unknowns(values))
 
     @cached_property
     def natural(self) -> Array:
-        """The largest coefficient of each zone's density beyond c_0, which gives its total."""
+        """The largest coefficient of each zone's density except c_0, which gives the total."""
         return coefficient_sizes(self.density, 1)
 
     @property
     def direct(self) -> Factored | None:
-        """The solver, if it has a matrix, else None."""
+        """The solver if it has LU factors of a matrix, else None."""
         return self.solver if isinstance(self.solver, Factored) else None
 
     @property
     def iteration(self) -> Iterative | None:
-        """The solver, if it iterates, else None."""
+        """The solver if it is an iteration, else None."""
         return self.solver if isinstance(self.solver, Iterative) else None
 
     @property
     def field_tail(self) -> float:
-        """The largest of `tails`."""
+        """The largest of the field's last coefficients on all zones, see `tails`."""
         return float(self.tails.max())
 
     @cached_property
     def level_rows(self) -> Array:
-        """Matrix (rows, zones) from levels of the solved zones to the conditions' rows."""
+        """Coefficients (rows, zones) of the solved zones' levels in the rows of the conditions."""
         zones = self.density.zones
         out = np.zeros((len(self.condition_scale), len(zones.solved)))
         for condition, first in zip(self.equation.conditions, self.condition_index, strict=True):
@@ -180,7 +182,7 @@ class Solved(Answered):
         return out / self.condition_scale[:, None]
 
     def homogeneous(self, y: Array) -> Density:
-        """The density with unknowns y, no right side and no jumps."""
+        """The density with unknowns y for a zero right side, without jumps."""
         layout, density = self.system.layout, self.density
         return Density(
             density.zones,
@@ -192,7 +194,7 @@ class Solved(Answered):
 
 
 def coefficient_sizes(density: Density, start: int = 0) -> Array:
-    """The largest coefficient of the density on each zone (Z,), jumps included, from `start` on."""
+    """The largest density coefficient of each zone (Z,) from index `start` on, jumps included."""
     sizes = row_sizes(density.coefficients[:, start:])
     if len(density.jumps) == 0:
         return sizes
@@ -202,7 +204,7 @@ def coefficient_sizes(density: Density, start: int = 0) -> Array:
 
 
 def density_of(system: System, y: Array) -> Density:
-    """The density with unknowns y.
+    """The density with the unknowns y, for the right side of the system.
 
     Coefficients up to m come from y; higher ones are minus those of the right side.
     """

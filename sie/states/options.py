@@ -5,19 +5,19 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class ErrorOptions:
-    """Options of the estimates of errors, and of inexact solutions."""
+    """Options of the error estimates of solutions."""
 
-    # The largest of some hundred rounding errors is about four times their root mean square.
+    # Ratio of the largest to the root mean square of some hundred rounding errors.
     safety: float = 4.0
-    # Errors below this fraction of another one are negligible beside it. Iterations are solved to
-    # this relative tolerance for random errors of the rows, and relative to the truncation.
+    # An error below this fraction of another error is negligible. Changes by random errors of the
+    # rows are solved to this relative tolerance.
     negligible: float = 1e-2
-    # Number of samples of random errors. With four, the estimate is below a quarter of the true
-    # size in one of a hundred cases.
+    # Number of samples of random errors. With four samples, the estimate is below a quarter of the
+    # true error in one of a hundred cases.
     samples: int = 4
-    # Singular parts are not evaluated closer to an end than this distance, in half widths.
+    # Least distance from an end, in half widths, at which the singular parts are evaluated.
     end_distance: float = 0.03
-    # Neglected coefficients are assumed to decay at this fraction of the observed rate.
+    # Neglected coefficients are assumed to decay at this fraction of the observed decay rate.
     slower_fall: float = 0.9
 
 

@@ -25,8 +25,8 @@ def intensity_rounding(state: Solved) -> Array:
     """Round-off of the intensity K at the left and right end of each zone, (2, Z)."""
     density, system = state.density, state.system
     zones = density.zones
-    # The round-off is relative to the terms that are subtracted, the right side and the fields,
-    # however small their difference is.
+    # The round-off is relative to the right side and the fields, which are subtracted from each
+    # other, however small their difference is.
     subtracted = (
         sum(
             by_rows(lambda rows: np.abs(rows).sum(axis=1), table)
@@ -45,7 +45,7 @@ def intensity_rounding(state: Solved) -> Array:
 
 
 def _stands_alone(state: Solved) -> bool:
-    """Whether there is a single zone on which nothing acts but itself.
+    """Whether there is only a single zone, and nothing acts on this zone but its own density.
 
     There are no images, no regular part of the kernel and no columns, so that nothing but the
     coefficients of the zone is unknown.
@@ -57,7 +57,7 @@ def _stands_alone(state: Solved) -> bool:
 
 
 def _of_others(state: Solved) -> Array | float:
-    """Effect on the intensities K (Z,) of the round-off of jumps in other zones.
+    """Effect of the round-off of jumps in other zones on each zone's intensities K (Z,).
 
     It is sampled by the field of one random density of that size. It matters for narrow zones next
     to a wide one with many knots, since the terms of these are much larger than their sum.
@@ -65,13 +65,15 @@ def _of_others(state: Solved) -> Array | float:
     system, zones = state.system, state.density.zones
     layout, rounding = system.layout, system.jumps.rounding(len(zones))
     if system.equation.forcing.value_jumps:
-        # The field of these zones is computed from the right side itself, without this round-off.
+        # The field of the zones `by_moments` is computed from the right side itself, without this
+        # round-off.
         rounding[system.by_moments] = 0.0
     if not rounding.any():
         return 0.0
     order = np.arange(layout.coefficients) - np.repeat(layout.offset, layout.m + 1)
     shaken = np.zeros(layout.size)
-    # The errors decrease with the order; totals are prescribed and have none.
+    # The errors of coefficients decrease with the order. The totals, of order 0, are prescribed and
+    # have no error.
     shaken[: layout.coefficients] = np.where(
         order > 0, np.repeat(rounding, layout.m + 1) / (1 + order), 0.0
     )
@@ -84,21 +86,22 @@ def _of_others(state: Solved) -> Array | float:
 
 
 def _of_levels(state: Solved) -> Array | float:
-    """Effect on the intensities K of the round-off of potentials in conditions on levels (Z,)."""
+    """Effect of the round-off of levels on the intensities K (Z,); 0 without levels."""
     equation, zones = state.system.equation, state.density.zones
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
     w = zones.half
-    # An error e of a level changes c_0 by e / (w log(w / 2R)), with the conformal radius R, and K
-    # by `edge_scale` times this. Neighbours that are not wider keep less of their level than the
-    # grounded half-lines for which R holds.
+    # An error e of a zone's level changes its coefficient c_0 by e / (w log(w / 2R)), with the half
+    # width w and the conformal radius R. It changes K by `edge_scale` times the change of c_0. The
+    # radius R is that between grounded half-lines. The level between neighbours that are not wider
+    # than the zone is less fixed.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
     logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
     return np.asarray(zones.edge_scale * 2 * _level_noise(state) / (logarithm * 2 * w))
 
 
 def _through_rows(state: Solved) -> Array:
-    """Root mean square effect of the round-off of all rows on each intensity K, (2, Z)."""
+    """Root mean square effect of the round-off of all rows on each intensity K (2, Z)."""
     solver = state.direct
     assert solver is not None
     effect = _effect_on_intensities(state, solver)
@@ -109,7 +112,7 @@ def _through_rows(state: Solved) -> Array:
 
 
 def _effect_on_intensities(state: Solved, solver: Factored) -> Array:
-    """Derivatives of the intensities K by the right sides of the rows, (rows, 2 n).
+    """Derivatives of the intensities K with respect to the right sides of the rows (rows, 2 n).
 
     The columns are the left ends of the n solved zones, then their right ends.
     """
@@ -118,7 +121,7 @@ def _effect_on_intensities(state: Solved, solver: Factored) -> Array:
 
 
 def _of_solved(state: Solved, values: Array) -> Array:
-    """Values at the ends of the solved zones (2, n) spread to all zones (2, Z)."""
+    """Values at all ends (2, Z), from values at the ends of the solved zones (2, n)."""
     zones = state.system.zones
     out = np.zeros((2, len(zones)))
     out[:, zones.solved] = values
@@ -126,7 +129,7 @@ def _of_solved(state: Solved, values: Array) -> Array:
 
 
 def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
-    """Effect of the truncation of all rows on the intensity K at both ends of each zone (2, Z).
+    """Effect of the truncation of series on the intensity K at both ends of each zone (2, Z).
 
     missing, low: see `_row_truncation`.
     """
@@ -146,7 +149,7 @@ def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
 
 
 def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array) -> Array:
-    """Error of each row by truncated coefficients and by the lowest modes of the residual.
+    """Error of each row due to truncated coefficients and the residual's lowest modes.
 
     missing: sum of the truncated coefficients (Z,); low: amplitudes of the residual's lowest modes
     (solved zones, modes). Truncated coefficients act on the rows as the last kept one does, or
@@ -162,7 +165,7 @@ def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array)
 
 
 def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
-    """Changes of the unknowns by `OPTIONS.samples` random errors of the rows, by iteration.
+    """Changes of the unknowns by random errors of the rows, one for each of `samples` draws.
 
     The errors of the rows are those of `_row_truncation`, the round-off of their terms, and the
     iteration's remaining error of the totals. Each row has its own random sign. If instead each
@@ -193,7 +196,7 @@ def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
 
 
 def _low_rows(state: Solved, low: Array) -> tuple[Index, Array]:
-    """(indices of the rows of the lowest modes, errors of these rows by the residual).
+    """(indices of the rows of the lowest modes, errors of these rows due to the residual).
 
     low: see `_row_truncation`.
     """
@@ -219,7 +222,7 @@ def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
 
 
 def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
-    """Effect of truncation and round-off of all rows on the density of each zone (Z,).
+    """Error of each zone's density (Z,) due to truncation and round-off of the rows.
 
     The density is taken without its singular factors. If conditions nearly depend on each other,
     the effect is many times the errors of the rows. So the rows are changed at random, with a fixed
@@ -243,7 +246,7 @@ def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
 
 
 def density_changes(state: Solved, unknowns: list[Array]) -> Array:
-    """Size of a random change of the density on each zone (Z,), from samples of unknowns."""
+    """Estimated size of a random change of each zone's density (Z,), from sampled unknowns."""
     largest = _largest(
         np.concatenate([state.system.layout.padded(one) for one in unknowns])
     ).reshape(len(unknowns), -1)
@@ -253,13 +256,13 @@ def density_changes(state: Solved, unknowns: list[Array]) -> Array:
 
 
 def _largest(coefficients: Array) -> Array:
-    """Largest value on each zone of sum c_k T_k / sqrt(1 - t^2) or its bounded part.
+    """Largest value on each zone of sum c_k T_k / sqrt(1 - t^2), or of its bounded part.
 
     It is evaluated at a few angles. The factor 1 / sqrt(1 - t^2) is kept below its value at the
     distance `OPTIONS.end_distance` from an end.
     """
     k = np.arange(max(coefficients.shape[1], 2))
-    # The angles are denser close to the ends, where high modes add up.
+    # The angles lie closer together near the ends, where high modes add up.
     theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, SAMPLES.samples)[:, None]) ** 2
     u = bounded_part(coefficients)[2]
     whole = (
@@ -272,7 +275,7 @@ def _largest(coefficients: Array) -> Array:
 
 
 def _level_noise(state: Solved) -> Array:
-    """Root mean square round-off of the zones' levels, by potentials and the primitive of g."""
+    """Root mean square round-off of the zones' levels, from potentials and g's primitive."""
     sizes, forcing = state.sizes, state.system.equation.forcing
     if state.system.integrated:
         return np.asarray(state.system.level_rounding(state.unknowns))
@@ -284,7 +287,7 @@ def _level_noise(state: Solved) -> Array:
 
 
 def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> float:
-    """Round-off of the values of the right side's primitive.
+    """Round-off of the values of the right side's primitive at the ends of zones.
 
     It has two parts. Values are rounded relative to their range on the zones and between them. The
     round-off of their evaluation is measured as the deviation from straight lines over a few units
@@ -295,8 +298,8 @@ def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> 
     ahead = zones.a[1:] if period is None else np.append(zones.a[1:], zones.a[0] + period)
     between = 0.5 * (ahead + zones.b[: len(ahead)])
     between = between[(between > forcing.within[0]) & (between < forcing.within[1])]
-    # A single zone does not depend on values beyond it, which for steep powers are many decades
-    # larger.
+    # For a single zone, values of the primitive outside the zone do not matter. They may be many
+    # decades larger, for steep powers.
     heights = np.asarray(
         forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between)))
     )

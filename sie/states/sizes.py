@@ -21,7 +21,7 @@ from sie.trees.panels import panels_over
 
 @dataclass(eq=False)
 class Sizes:
-    """Numbers of modes to start from, and other data kept from one solve to the next.
+    """Numbers of modes with which a solve starts, and other data kept from the last solve.
 
     own: number of coefficients of the right side on each zone; least: number of coupled modes of
     each zone; carried: see `Carried`; coarse: coarse operator of an iteration, reused while zones
@@ -53,7 +53,7 @@ class Sizes:
     """Mask of the zones to whose right a narrow gap was treated as a slit."""
 
     def of(self, kept: Index) -> Sizes:
-        """The sizes of some of the zones."""
+        """The numbers of modes for the zones with the indices `kept`."""
         least = self.least if isinstance(self.least, int) else self.least[kept]
         return replace(
             self,
@@ -66,7 +66,7 @@ class Sizes:
 
 @record
 class Carried:
-    """Data of an iterative solution that predict the next one, on mostly similar zones.
+    """Data of an iterative solution that give a first guess of the next solution.
 
     If a free end moves by d, the density at fixed positions changes by the order d^2. So do the
     total of its zone and the field of the other zones on it. These are carried over. The
@@ -86,7 +86,7 @@ class Carried:
 
     @classmethod
     def of(cls, system: System, y: Array, slits: dict[int, Array]) -> Carried:
-        """The totals and fields of a solution.
+        """The data to carry over from the solution with unknowns y: totals and fields of its zones.
 
         slits: coefficients that slits add to those of their zones, by zone.
         """
@@ -106,7 +106,7 @@ class Carried:
         return cls(zones.middle, zones.half, totals, field, layout, y[coupled.coefficients :])
 
     def near(self, system: IterativeSystem) -> Array:
-        """Predicted unknowns of another system, as the first guess of its iteration."""
+        """Predicted unknowns of another system: the first guess for its iteration."""
         zones, layout, period = system.zones, system.layout, system.equation.kernel.period
         at = wrapped(zones.middle, float(self.middle[0] - self.half[0]), period)
         place = self._place(at, zones.half)
@@ -127,7 +127,7 @@ class Carried:
         return np.asarray(y[system.symmetry.keep])
 
     def _place(self, middle: Array, half: Array) -> Index:
-        """Index of the stored zone that each new zone corresponds to; -1 if there is none.
+        """Index of the stored zone that corresponds to each new zone; -1 if there is none.
 
         The new zone's middle lies in the stored one, and their widths differ by less than a factor
         of two.
@@ -141,7 +141,7 @@ class Carried:
         return np.where(alike, i, -1)
 
     def _totals(self, middle: Array, half: Array, place: Index) -> Array:
-        """Predicted totals, divided by pi.
+        """Predicted total of each new zone, divided by pi.
 
         A zone without a corresponding one gets the sum of the totals of the stored zones within it.
         """
@@ -158,7 +158,7 @@ class Carried:
 
 
 def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Sizes:
-    """Numbers of modes to start with.
+    """Numbers of modes with which the first solve on the zones starts.
 
     With regular kernels and columns, zones start with a few modes, and more are added later. Else
     the distances of the zones determine the number. tolerance: truncation tolerance of the
@@ -187,7 +187,7 @@ def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Siz
     """
     alike = len(left.own) == len(zones)
     if last:
-        # The mask of slits holds only for the same number of zones.
+        # The mask of gaps treated as slits is valid only for the same number of zones.
         kept = {
             name: getattr(left, name)
             for name in ("carried", "coarse", "solves", "primitive_rounding")

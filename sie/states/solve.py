@@ -28,11 +28,12 @@ from sie.states.state import State, field_tails
 
 @dataclass(frozen=True)
 class SolveOptions:
-    """Number of unknowns from which fast sums replace a matrix, and the largest matrix."""
+    """Numbers of unknowns from which fast sums are used, and up to which a matrix is allowed."""
 
     # From this number of unknowns on, fast sums cost less than a matrix (measured on one core).
     min_fast_unknowns: int = 600
-    # A matrix of this size and its factors need more than six gigabytes of memory.
+    # Largest number of unknowns for a matrix: such a matrix and its LU factors need more than six
+    # gigabytes of memory.
     max_matrix_unknowns: int = 20_000
 
 
@@ -56,7 +57,7 @@ class SingularSystem(ArithmeticError):
 
 
 class TooLarge(SingularSystem):
-    """There are too many unknowns for a matrix, and fast sums do not apply to the equation."""
+    """There are too many unknowns for a matrix, and fast sums do not apply to this equation."""
 
 
 def solve_fixed(
@@ -150,7 +151,7 @@ def solve_fixed(
 
 
 def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
-    """Coupled modes for another solution, or None if the tails show that these are enough.
+    """Numbers of coupled modes for another solve; None if the present numbers are enough.
 
     Modes are added to each zone separately, since to give all zones as many as the worst one would
     cost too much. Coefficients below the error of an iteration do not count as tails.
@@ -167,7 +168,8 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     if panels is not None and not any(
         column.resolution.modes is None for column in state.equation.columns
     ):
-        # With this number of modes the panels resolve the regular part exactly.
+        # With the number of modes that the panels give, the kernel's regular part is resolved
+        # exactly.
         few &= m < panels.modes(zones.half)
     if not state.equation.grows or not few.any():
         return None
@@ -189,7 +191,8 @@ def _solve_once(
     if not all(np.all(np.isfinite(part)) for part in (samples.coefficients, right, matrix)):
         raise SingularSystem(_not_finite(equation, system))
     solver = Factored.of(matrix)
-    # The rows are of size one, so that a smaller reciprocal condition number is round-off.
+    # Each row has been divided by its size, so a smaller reciprocal condition number is only
+    # round-off.
     singular = 4 * EPS
     if (
         _condition(solver, matrix) < singular
@@ -210,7 +213,7 @@ def _solve_once(
 
 
 def _condition(solver: Factored, matrix: Array) -> float:
-    """Estimate of the reciprocal condition number of a matrix."""
+    """Estimate of the reciprocal condition number of a matrix, from its LU factors."""
     found = (
         lapack.dgecon(solver.lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0]
         if np.isfinite(solver.lu).all()
@@ -220,7 +223,7 @@ def _condition(solver: Factored, matrix: Array) -> float:
 
 
 def _even(matrix: Array) -> Array:
-    """The matrix with its rows, then its columns, divided by their largest entry.
+    """The matrix after each row, then each column, is divided by its largest entry.
 
     Kernels and columns of very different sizes would otherwise make a regular matrix look singular.
     """
@@ -231,7 +234,7 @@ def _even(matrix: Array) -> Array:
 
 
 def _singular(equation: Equation) -> str:
-    """The reason in words why a system is singular.
+    """Message that explains why a system is singular.
 
     If the kernel has poles alone, only side conditions can make it singular.
     """
@@ -244,9 +247,10 @@ def _singular(equation: Equation) -> str:
 
 
 def _not_finite(equation: Equation, system: System) -> str:
-    """Which function of an equation is not finite on the zones, and where, in words."""
+    """Message that says which function of an equation is not finite on the zones, and where."""
     zones, places = system.zones, [system.targets.x]
-    # Nodes at which the right side was sampled, about as many as it has coefficients.
+    # These are about as many nodes as the right side has coefficients, similar to those at which
+    # the right side was sampled.
     t = chebyshev.lobatto(max(16, system.g.shape[1] - 1))[0][1:-1]
     places.append((zones.middle[:, None] + zones.half[:, None] * t).ravel())
     x = np.concatenate(places)
@@ -264,7 +268,7 @@ def _not_finite(equation: Equation, system: System) -> str:
 
 
 def _size_of_rows(system: System, terms: Array) -> Array:
-    """Sizes of the rows to which their round-off is relative.
+    """Size of each row, as the scale of the row's round-off.
 
     The rows of the equation come from values at nodes. Each has the round-off of these values,
     however small the row itself is, as in the highest modes. terms: root of the sum of squares of
@@ -289,7 +293,7 @@ def _solve_iterated(
     jumps: ForcingJumps,
     sizes: Sizes,
 ) -> State:
-    """The solution by fast sums and GMRES, started from the last one on similar zones."""
+    """The solution by fast sums and GMRES; the first guess is from the last solution, if any."""
     system = IterativeSystem(equation, zones, m, samples.coefficients, jumps, sizes.rough)
     carried = (
         sizes.carried
@@ -348,7 +352,7 @@ def _state(
 
 
 def rows_of(state: State) -> Array:
-    """The matrix that a state was solved with; its columns are the kept unknowns."""
+    """The matrix with which the state was solved; one column for each kept unknown."""
     direct = state.direct
     return (
         direct.rows
@@ -360,7 +364,7 @@ def rows_of(state: State) -> Array:
 def _rows(
     equation: Equation, system: System, scale: Array | None = None
 ) -> tuple[Array, Array, Array]:
-    """(matrix, right sides, scales of the conditions); the columns are the kept unknowns.
+    """(matrix, right sides, scales of the conditions), with one column for each kept unknown.
 
     The rows of the side conditions are divided by their scales, so that all are of size one.
     """

@@ -15,13 +15,16 @@ from sie.states.base import Solved, coefficient_sizes
 from sie.states.options import OPTIONS
 from sie.states.rounding import density_rounding, intensity_rounding, truncation_through_rows
 
-# max over t of |T_k / sqrt(1 - t^2) - its singular parts| is 0.73 k, near an end.
+# Without its singular parts at the ends, |T_k / sqrt(1 - t^2)| is at most 0.73 k; it reaches this
+# near an end.
 _AT_ENDS = 0.73
-# Round-off of n coefficients close to an end that moves so that the 1/sqrt(d) term vanishes. It is
-# 0.42 n^1.5 times their mean size, and the mean size is a third of the largest. Here is half of
-# this, 0.07 n^1.5; `State.made_of` restores the other half.
+# Factor of n^1.5 in the round-off of a sum of n coefficients close to a free end, relative to the
+# round-off of the largest coefficient. The round-off is 0.42 n^1.5 times the mean error of a
+# coefficient, which is a third of the largest error. Of this 0.14 n^1.5 only about half is taken
+# here, because `State.made_of` doubles the sum.
 _OF_ROUNDING = 0.08
-# Points of every zone at which the residual is evaluated; none of them is a node.
+# Number of points of each zone at which the residual is evaluated, and their angles. No point is a
+# node.
 LOOKS = 15
 THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
 
@@ -61,11 +64,11 @@ class State(Solved):
 
     @property
     def whole(self) -> "State":
-        """The state without slits, which is this one."""
+        """The state of all zones without slits, which is this state itself."""
         return self
 
     def wide_of(self, zones: Index) -> "tuple[State, Index]":
-        """The state without slits, and the indices of zones in it."""
+        """The state on zones without slits, and the indices of the given zones in this state."""
         return self, zones
 
     @cached_property
@@ -75,7 +78,7 @@ class State(Solved):
 
     @cached_property
     def size(self) -> float:
-        """The largest coefficient of the density on all zones."""
+        """The largest coefficient of the density on all zones; scale of `density_error`."""
         return float(self.zone_sizes.max())
 
     @cached_property
@@ -89,7 +92,7 @@ class State(Solved):
         return self._errors_over(self.zone_sizes)
 
     def _errors_over(self, sizes: Array) -> Array:
-        """Error of the density on each zone, divided by given sizes (Z,); 0 where a size is 0.
+        """Error of the density on each zone (Z,), divided by `sizes`; 0 where the size is 0.
 
         It is the sum of three errors: the neglected coefficients, the residual between the nodes,
         and the effect of truncation and round-off of all rows. No residual shows the last one.
@@ -110,12 +113,12 @@ class State(Solved):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Effect of the truncation and round-off of all rows on the density of each zone (Z,)."""
+        """Error of each zone's density (Z,) due to the truncation and round-off of all rows."""
         return density_rounding(self, self.missing, self.low_residuals)
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Error of moving ends by truncation, relative to their zone's width (Z, 2).
+        """Error of moving ends due to truncated series, relative to their zone's half width (Z, 2).
 
         An error dK of the intensity moves an end by 2 dK / A, with the edge slope A.
         """
@@ -125,7 +128,7 @@ class State(Solved):
 
     @cached_property
     def intensity_truncation(self) -> Array:
-        """Error of the intensity K at the left and right ends by truncation (2, Z).
+        """Error of the intensity K at the left and right ends due to truncated series (2, Z).
 
         It is caused by the zone's own missing coefficients, and by the truncation of all rows.
         """
@@ -145,12 +148,12 @@ class State(Solved):
 
     @cached_property
     def residual_rounding(self) -> Array:
-        """Round-off in the residual of each zone (Z,)."""
+        """Round-off of the residual on each zone (Z,)."""
         return 2e-15 * self.zone_sizes + self.jumps_rounding
 
     @cached_property
     def low_residuals(self) -> Array:
-        """Amplitudes of the residual's lowest modes on each solved zone (solved zones, 7).
+        """Amplitudes (solved zones, 7) of the lowest modes of the residual on each solved zone.
 
         The round-off is subtracted from them.
         """
@@ -159,12 +162,12 @@ class State(Solved):
 
     @cached_property
     def zone_sizes(self) -> Array:
-        """The largest coefficient of the density on each zone, jumps included (Z,)."""
+        """The largest coefficient of the density on each zone (Z,), jumps included."""
         return coefficient_sizes(self.density)
 
     @cached_property
     def jumps_rounding(self) -> Array:
-        """Round-off of the closed forms of all jumps of each zone (Z,)."""
+        """Round-off of the closed forms of the jumps, summed for each zone (Z,)."""
         return self.system.jumps.rounding(len(self.density.zones))
 
     @cached_property
@@ -178,7 +181,7 @@ class State(Solved):
         )
 
     def made_of(self, left_out: Array) -> Array:
-        """Errors of the density of each zone (Z,) by sums of neglected coefficients (Z,).
+        """Errors of each zone's density (Z,) caused by neglected coefficients with given sums (Z,).
 
         These count twice, since sampling at nodes also adds them to the kept ones.
         """
@@ -186,7 +189,7 @@ class State(Solved):
 
     @cached_property
     def _missing(self) -> Array:
-        """`left_out`, bounded by ten times the residual.
+        """The estimate `left_out` of neglected coefficients, at most ten times the residual.
 
         A larger sum would show in the residual. The extrapolation may be too large, because a
         series may decay faster towards its end.
@@ -203,7 +206,7 @@ class State(Solved):
 
     @cached_property
     def _missing_fields(self) -> Array:
-        """Sum of the coefficients of the other zones' fields beyond the coupled modes (Z,).
+        """Sum of the uncoupled coefficients of the other zones' fields on each zone (Z,).
 
         They decay geometrically, at a rate that follows from the distance. The fields of a user's
         functions may decay otherwise: then the largest of the last three coefficients is used.
@@ -216,12 +219,12 @@ class State(Solved):
 
     @cached_property
     def _falls(self) -> Array:
-        """Ratio of successive coefficients of the other zones' fields (Z,), from the distances."""
+        """Ratio of successive coefficients of the other zones' fields on each zone (Z,)."""
         return np.exp(-modes.decay(self.density.zones, self.density.kernel))
 
     @cached_property
     def noise(self) -> Array:
-        """Round-off of the right side on each zone, relative to its largest coefficient.
+        """Round-off of each zone's right side, relative to the zone's largest coefficient.
 
         It is zero on zones whose last coefficients are not noise.
         """
@@ -229,13 +232,13 @@ class State(Solved):
 
     @cached_property
     def kept(self) -> Index:
-        """Number of coefficients of the right side on each zone."""
+        """Number of nonzero coefficients of the right side on each zone."""
         g = self.system.g[: len(self.truncation)] != 0.0
         return np.maximum(g.shape[1] - 1 - np.argmax(g[:, ::-1], axis=1), 1)
 
     @cached_property
     def _stopped(self) -> Mask:
-        """Mask of the zones whose last coefficients are round-off.
+        """Mask of the zones for which the last coefficients of the right side are only round-off.
 
         They no longer decrease, or the series was cut where they stopped decreasing.
         """
@@ -244,7 +247,7 @@ class State(Solved):
 
     @cached_property
     def _ends_of_series(self) -> tuple[Array, Array]:
-        """(largest of a few coefficients in the middle of each series, largest at its end).
+        """(largest of a few coefficients in the middle of each series, largest at the series' end).
 
         The series are those of the right side on the zones.
         """
@@ -252,7 +255,7 @@ class State(Solved):
         return np.array([row.max() for row in head]), np.array([row.max() for row in last])
 
     def _some_up_to(self, part: float) -> list[Array]:
-        """A few coefficients of the right side of each zone, in descending order of the mode.
+        """A few coefficients of each zone's right side, in descending order of the mode.
 
         The first one stands at the given fraction `part` of the series.
         """
@@ -264,7 +267,7 @@ class State(Solved):
 
     @cached_property
     def neglected(self) -> Array:
-        """Sum of 0.73 k |c_k| for neglected coefficients, divided by the zone's largest one.
+        """Sum of 0.73 k |c_k| over the neglected coefficients c_k, over the zone's largest one.
 
         It is extrapolated from the decay of the last coefficients.
         """
@@ -281,7 +284,8 @@ class State(Solved):
             [_continued(row, one) for row, one in zip(self._some_up_to(1.0), fall, strict=True)]
         ).T
         falling = _AT_ENDS * (n + rest) * rest * following
-        # Round-off is of the same size in all coefficients: its sum grows as a random walk.
+        # Round-off is of the same size in all coefficients, so the sum of their errors grows as a
+        # random walk.
         rounding = np.maximum(_OF_ROUNDING * n**1.5, np.where(self._stopped, 0.0, falling))
         return np.asarray(
             self.truncation
@@ -290,27 +294,27 @@ class State(Solved):
 
     @cached_property
     def _residual(self) -> Array:
-        """The largest residual of each solved zone at a few points."""
+        """The largest residual of each solved zone at the points THETA."""
         return np.asarray(np.abs(self._residuals).max(axis=1))
 
     @cached_property
     def _residuals(self) -> Array:
-        """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone."""
+        """Residual of the equation times sqrt(1 - t^2) at the points THETA of each solved zone."""
         return self._residuals_at(
             self.density.zones.solved,
             np.broadcast_to(THETA, (len(self.density.zones.solved), LOOKS)),
         )
 
     def _residuals_at(self, solved: Index, theta: Array) -> Array:
-        """Residual of the equation times sqrt(1 - t^2) on zones (n,) at angles (n, points)."""
+        """Residual times sqrt(1 - t^2) on the zones `solved` (n,) at angles `theta` (n, points)."""
         system, zones = self.system, self.density.zones
         t = np.cos(theta)
         x = (zones.middle[solved][:, None] + zones.half[solved][:, None] * t).ravel()
         transformed = self.density.transform(x)
         value = transformed - self.right_side(x) - system.jumps.left_out(x)
         if zones.symmetric:
-            # The mirrored half is not solved, so that data which are not exactly symmetric leave a
-            # residual there.
+            # The mirrored half of the zones is not solved. If the data are not exactly symmetric, a
+            # residual remains in this half.
             mirrored = -transformed - self.right_side(-x) - system.jumps.left_out(-x)
             value = np.where(np.abs(mirrored) > np.abs(value), mirrored, value)
         return np.asarray(value.reshape(theta.shape) * np.sin(theta))
@@ -318,13 +322,13 @@ class State(Solved):
 
 @lru_cache(maxsize=1)
 def separated_modes() -> tuple[Array, Array]:
-    """(values of sin(k theta) at the angles THETA, pseudo-inverse), for the modes they separate."""
+    """(values of sin(k theta) at the angles THETA, pseudo-inverse), k = 1 to half of LOOKS."""
     values = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
     return values, np.linalg.pinv(values)
 
 
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
-    """(whether the last coefficients hardly decrease, ratio of the next one to their largest).
+    """(whether the last coefficients hardly decrease, next coefficient over their largest).
 
     row: last coefficients in descending order of the mode; fall: mean ratio of successive
     coefficients of the whole series. If the last ones decrease at less than half of this rate, they
@@ -338,7 +342,7 @@ def _continued(row: Array, fall: float) -> tuple[bool, float]:
 
 
 def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array:
-    """The largest residual close to the ends of zones with long series (n,), 0 of other zones.
+    """Largest residual close to the ends of zones with long series (n,), 0 for other zones.
 
     All neglected coefficients add up there, at angles of about one over their number. kept: number
     of coefficients of each zone; residual: function of zones (k,) and angles (k, points), the
@@ -360,7 +364,7 @@ def residual_errors(
     rounding: Array,
     separated: Mask | bool = True,
 ) -> Array:
-    """Relative error of the density on zones (n,), from residuals at the angles THETA (n, LOOKS).
+    """Relative error of the density on each zone (n,), from residuals at THETA (n, points).
 
     rounding: round-off of the jumps' closed forms, which the residuals include; separated: on which
     zones the points separate the first modes from the rest. Of the rest only the largest value is
@@ -376,14 +380,14 @@ def residual_errors(
         )
         / size
     )
-    # A few points show the largest residual to within a factor of about three. The sum of the
-    # round-off of the modes does not have their order as a weight.
+    # A few points show the largest residual only to within a factor of about three. In 5e-16 *
+    # coupled, the round-off of each mode counts once, without the order of the mode as a factor.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return np.asarray(beyond + high + 5e-16 * coupled)
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Last coupled coefficients of the field on each zone (Z,), relative to its largest one.
+    """Last coupled coefficients of the field on each zone (Z,), over the density's largest one.
 
     The field is that of the other zones and of the columns.
     """
@@ -392,8 +396,9 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
         return np.zeros(len(layout.m))
     last = _last_of_fields(system, y)
     top = coefficient_sizes(density)
-    # A tail is a difference of the right side and of summed fields, and is zero within their
-    # round-off. This matters for a zone with a small share of a load that its neighbours bear.
+    # The field's last coefficient is the sum of the right side's and the unknown one. Within the
+    # round-off of this sum it is set to zero. This matters for a zone with a small share of a load
+    # that its neighbours bear.
     rounding = 8 * 2.2e-16 * row_sizes(g)
     if system.field_sizes is not None:
         rounding[system.zones.solved] += 8 * 2.2e-16 * (system.field_sizes @ np.abs(y))

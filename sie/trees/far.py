@@ -19,12 +19,12 @@ from sie.basis.zones import Zones
 from sie.trees.panels import panels_over
 from sie.trees.tree import TERMS, Tree, interactions
 
-# Factors of the moments: 1 for k = 0, else 2.
+# Factors of the moments in the Chebyshev series: 1 for k = 0, else 2.
 _TWICE = np.sign(np.arange(TERMS)) + np.ones(TERMS)
 
 
 def antiderivatives(s: Array) -> Array:
-    """Integrals of T_k from 0 to s, k = 0 ... TERMS - 1, for s (n,); k is the last axis.
+    """Integrals of T_k from 0 to s for s (n,) and k = 0 ... TERMS - 1, shape (n, TERMS).
 
     For k >= 2 the antiderivative is T_(k+1) / (2 (k+1)) - T_(k-1) / (2 (k-1)).
     """
@@ -42,7 +42,7 @@ def antiderivatives(s: Array) -> Array:
 
 @record
 class Nested:
-    """A tree with the matrices that take moments to parents and series to children.
+    """A tree with the matrices that convert moments to parents and series to children.
 
     kept: whether the matrices are stored for the next sum.
     """
@@ -52,7 +52,8 @@ class Nested:
 
     @cached_property
     def _place(self) -> tuple[Array, Array]:
-        """(alpha, beta) of each node: it is the interval alpha + beta s in its parent's variable.
+        """(alpha, beta) for each node: it covers alpha + beta s, |s| <= 1, in its parent's
+        variable.
 
         The variable s of a node runs from -1 to 1 on its hull.
         """
@@ -69,14 +70,14 @@ class Nested:
         return self._made(slice(0, len(self.tree)))
 
     def matrices(self, nodes: slice) -> Array:
-        """Matrices A of some nodes, with T_j(alpha + beta s) = sum_k A_jk T_k(s).
+        """Matrices A of the given nodes, with T_j(alpha + beta s) = sum_k A_jk T_k(s).
 
         The shape is (TERMS, TERMS, nodes), with j and k first.
         """
         return self._all[:, :, nodes] if self.kept else self._made(nodes)
 
     def _made(self, nodes: slice) -> Array:
-        """The matrices A by the recurrence of T_j(alpha + beta s), a polynomial of degree j."""
+        """The matrices A, by a recurrence over j for the polynomials T_j(alpha + beta s)."""
         every = self._place[0][nodes], self._place[1][nodes]
         a = np.zeros((TERMS, TERMS, len(every[0])))
         a[0, 0], a[1, 0], a[1, 1] = 1.0, *every
@@ -95,7 +96,7 @@ class Nested:
 
     @cached_property
     def rises(self) -> Array:
-        """Difference of the potential between the middles of a node and of its parent.
+        """Rise of the potential from a parent's middle to its child's, for each Chebyshev term.
 
         Each row holds the factors of the coefficients of the parent's transform.
         """
@@ -104,7 +105,7 @@ class Nested:
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
 
     def _slices(self) -> list[slice]:
-        """The levels of the tree, in parts of `cache_pairs` nodes if matrices are not stored."""
+        """Slices of nodes, level by level; of `cache_pairs` nodes if matrices are not stored."""
         levels, most = self.tree.levels, len(self.tree) if self.kept else SUMS.cache_pairs
         bounds = zip(levels[1:-1], levels[2:], strict=True)
         return [
@@ -112,7 +113,7 @@ class Nested:
         ]
 
     def upward(self, leaves: Array) -> Array:
-        """Moments of all nodes from those of the intervals (n, terms)."""
+        """Moments of all nodes, from the moments of the intervals (n, terms)."""
         tree, terms = self.tree, leaves.shape[1]
         out = np.zeros((terms, len(tree)))
         out[:, tree.leaves] = leaves.T
@@ -122,7 +123,7 @@ class Nested:
         return out.T
 
     def downward(self, series: Array, middle: Array) -> tuple[Array, Array, Array]:
-        """Fields on every interval from fields given at nodes.
+        """Fields on every interval, from the fields given at the nodes of the tree.
 
         The result is (Chebyshev series of the transform (intervals, terms), potential at the
         middle, correction to be added to this potential). The correction holds its round-off.
@@ -132,7 +133,7 @@ class Nested:
         for here in self._slices():
             above = series[:, tree.parent[here]]
             series[:, here] += np.einsum("jn,jkn->kn", above, self.matrices(here)[:terms, :terms])
-            # The round-off of each sum is kept in `rest` and added at the next level.
+            # The round-off of each sum is kept in `rest` and added at the next level of the tree.
             up = tree.parent[here]
             before = middle[up]
             added = middle[here] + np.einsum("nj,jn->n", self.rises[here, :terms], above) + rest[up]
@@ -163,7 +164,7 @@ class FarSum:
         self._nodes: dict[int, tuple[Array, Array]] = {}
 
     def _at(self, terms: int, here: slice = slice(None)) -> tuple[Array, Array]:
-        """(rho, factor of the sum over powers of rho) of far pairs, at `terms` target nodes."""
+        """(rho, factor of the sum over powers of rho) for far pairs, at `terms` target nodes."""
         nodes, half = chebyshev.gauss(terms)[:, None], self._half[here]
         away = self._gap[here] + self._width[here] * (
             1 + np.where(self._right[here], nodes, -nodes)
@@ -173,7 +174,8 @@ class FarSum:
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
-        """(matrix of the transform, row of the potential at the middle) of the regular part.
+        """(matrix of the transform, row of the potential at the middle) of the kernel's regular
+        part.
 
         They act from the moments of the source root to the target root. A regular part given by the
         user is treated by panels instead, and the result is None.
@@ -191,13 +193,13 @@ class FarSum:
         return np.asarray(values), np.asarray(middle)
 
     def __call__(self, leaves: Array, rough: bool = False) -> tuple[Array, Array, Array]:
-        """The far field, from the moments of all intervals (n, TERMS).
+        """The far field on all targets, from the moments of all source intervals (n, TERMS).
 
         The result is that of `Nested.downward`. rough: whether half of the terms are enough. They
         give half of the digits, an error of 1e-7 of the sum, at a quarter of the time.
         """
         terms = TERMS // 2 if rough else TERMS
-        # The nodes of a sum that is computed only once are not stored for all pairs.
+        # If a sum is computed only once, the data at its nodes are not stored for all pairs.
         if self.targets.kept and terms not in self._nodes:
             self._nodes[terms] = self._at(terms)
         nodes = self._nodes.get(terms)
@@ -236,7 +238,7 @@ class FarSum:
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:
-    """Whether far sums apply to a kernel: its regular part must be smooth across all zones."""
+    """Whether the fast sums apply to the kernel: its regular part is smooth across all zones."""
     if kernel.regular is None:
         return kernel.regular_potential is None
     if kernel.sure:

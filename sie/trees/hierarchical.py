@@ -21,7 +21,7 @@ Entries = Callable[[Index, Index], Array]
 class InverseOptions:
     """Options of the hierarchical inverse."""
 
-    # Number of rows of a block that is inverted directly. Blocks have at most this rank, too.
+    # Largest number of rows of a block that is inverted directly, and largest rank of a block.
     leaf_size: int = 64
 
 
@@ -29,7 +29,7 @@ _OPTIONS = InverseOptions()
 
 
 class Inverse:
-    """Approximate inverse of the block [first, end) of a matrix, from its entries.
+    """Approximate inverse of the diagonal block [first, end) of a matrix, from its entries.
 
     Its relative error is about `tolerance`.
     """
@@ -38,7 +38,7 @@ class Inverse:
         self.count = end - first
         if self.count <= _OPTIONS.leaf_size:
             here = np.arange(first, end)
-            # An explicit inverse is faster to apply than LU factors, and its round-off is far below
+            # An explicit inverse is faster to apply than LU factors. Its round-off is far below
             # `tolerance`.
             self.inverse = np.linalg.inv(entries(here[:, None], here))
             self.halves: tuple[Inverse, Inverse] | None = None
@@ -56,7 +56,7 @@ class Inverse:
         self.small = np.linalg.inv(small)
 
     def __call__(self, b: Array) -> Array:
-        """The product of the inverse with b, (n,) or (n, k)."""
+        """The product of the approximate inverse with b, (n,) or (n, k)."""
         if self.halves is None:
             return np.asarray(self.inverse @ b)
         one, two = self.halves
@@ -67,10 +67,10 @@ class Inverse:
 
 
 def cross(entries: Entries, rows: Index, columns: Index, tolerance: float) -> tuple[Array, Array]:
-    """(U, V), where U V' approximates the block, by adaptive cross approximation."""
+    """(U, V) such that U V' approximates a block of a matrix, by adaptive cross approximation."""
     u, v = np.zeros((len(rows), _OPTIONS.leaf_size)), np.zeros((len(columns), _OPTIONS.leaf_size))
     unused = np.ones(len(rows), dtype=bool)
-    # The first pivot row is next to the other half, where the entries vary most.
+    # The first pivot row is the row next to the other half of the matrix, where entries vary most.
     pivot = len(rows) - 1 if rows[0] < columns[0] else 0
     size = 0.0
     for k in range(min(_OPTIONS.leaf_size, len(rows), len(columns))):

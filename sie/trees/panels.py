@@ -38,10 +38,10 @@ Function = Callable[[Array, Array], Array]
 class PanelOptions:
     """Options of the panels of a smooth kernel."""
 
-    # Largest number of panels for each zone. A kernel that varies faster is summed directly, unless
-    # the table of all its matrices is small.
+    # Largest number of panels for each zone. A kernel that varies so fast that more panels are
+    # needed is summed directly, unless the table of all its matrices is small.
     panels_per_zone: int = 8
-    # From this number of zones on, a kernel that does not depend on x - xi alone has a skeleton.
+    # If a kernel does not depend on x - xi alone, a skeleton is used from this number of zones on.
     min_zones_of_skeleton: int = 32
 
 
@@ -49,7 +49,7 @@ OPTIONS = PanelOptions()
 
 
 def panels_over(kernel: Kernel, zones: Zones) -> Panels | Skeleton | None:
-    """Panels or skeleton for fast sums of a kernel's regular part; None if they do not apply."""
+    """Panels or a skeleton for fast sums of the kernel's regular part; None if neither applies."""
     if (
         kernel.regular is None
         or kernel.sure
@@ -64,7 +64,7 @@ def panels_over(kernel: Kernel, zones: Zones) -> Panels | Skeleton | None:
 
 
 def panels_of(kernel: Kernel, lo: float, hi: float, most: int = 0) -> Panels | None:
-    """At most `most` panels of the regular part over [lo, hi]; None if these are too few.
+    """Panels that resolve the regular part over [lo, hi]; None if more than `most` are needed.
 
     More panels are allowed if the table of their matrices has at most `memory_pairs` numbers.
     """
@@ -72,7 +72,7 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = 0) -> Panels | N
     if kernel.regular is None or kernel.sure or not hi > lo:
         return None
     # Without a period the panels end where the zones end, since the kernel need not be defined
-    # beyond. With a period they have fixed positions, so that they can be reused for other zones.
+    # outside. With a period they have fixed positions, so that they can be reused for other zones.
     whole, origin = (
         (hi - lo, lo)
         if kernel.period is None
@@ -82,7 +82,7 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = 0) -> Panels | N
     while True:
         first = 0 if kernel.period is None else math.floor(lo / step)
         count = round(whole / step) if kernel.period is None else math.floor(hi / step) - first + 1
-        # With a period, all lags up to half of it from the middle of the zones are needed.
+        # With a period, all lags up to half a period from the middle of the zones are needed.
         away = 0.0 if kernel.period is None else 0.5 * (kernel.period + hi - lo)
         farthest = max(count - 1, math.ceil(away / step))
         if farthest >= most:
@@ -96,7 +96,8 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = 0) -> Panels | N
             kernel.kept_panels[key] = Panels(kernel, step, origin, first, count, farthest)
         found: Panels = kernel.kept_panels[key]
         tail = found.tail
-        # Small last coefficients that shorter panels do not halve are the kernel's own round-off.
+        # If the last coefficients are small but shorter panels do not halve them, they are the
+        # kernel's own round-off.
         if tail <= SUM_ROUNDING or (tail <= SKELETON.max_error and tail > 0.5 * before):
             return found
         step, before = 0.5 * step, tail
@@ -104,7 +105,7 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = 0) -> Panels | N
 
 @record
 class Panels(Kept):
-    """Panels of equal length that cover the sources.
+    """Panels of equal length that cover all sources, for fast sums of a smooth kernel.
 
     Panel p is the interval from origin + p step to origin + (p + 1) step, for p = first ... first +
     count - 1. farthest: largest lag between panels for which the kernel is tabulated.
@@ -118,19 +119,19 @@ class Panels(Kept):
     farthest: int
 
     def modes(self, half: Array) -> Index:
-        """Number of Chebyshev modes that resolve the kernel on zones of given half widths.
+        """Number of Chebyshev modes that resolve the kernel on zones of the half widths `half`.
 
         It holds both for the field on a zone and for the effect of the density of a zone.
         """
-        # The series on a panel decay to round-off in TERMS terms. So the kernel has no singularity
-        # closer to the line than this distance.
+        # The series on a panel decays to round-off within TERMS terms. So the kernel has no
+        # singularity closer to the line than this distance.
         reach = 0.5 * self.step * math.sinh(-math.log(SUM_ROUNDING) / TERMS)
         fall = np.arcsinh(reach / half)
         return np.asarray(np.ceil(-math.log(SUM_ROUNDING) / fall), dtype=np.intp) + 2
 
     @cached_property
     def tail(self) -> float:
-        """Largest of the last coefficients in either variable, relative to the largest of all.
+        """Largest of the last coefficients in either variable, relative to the largest coefficient.
 
         Neighbouring panels are sampled first, and all others only if these coefficients have
         decayed.
@@ -143,18 +144,18 @@ class Panels(Kept):
         )
 
     def _few(self) -> Array:
-        """The matrices K^(d) of neighbouring panels."""
+        """The matrices K^(d) between a panel and itself or its neighbours (lags d = -1, 0, 1)."""
         return self._made(False, -min(1, self.farthest), min(1, self.farthest) + 1)
 
     def _made(self, potential: bool, low: int, high: int) -> Array:
-        """The matrices K^(d) for low <= d < high, (high - low, TERMS, TERMS)."""
+        """The matrices K^(d) of the lags low <= d < high (high - low, TERMS, TERMS)."""
         nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
         out = np.empty((high - low, TERMS, TERMS))
         with np.errstate(all="ignore"):  # values may overflow while panels are too long
             for start in range(low, high, SUMS.cache_pairs // TERMS):
                 lags = np.arange(start, min(start + SUMS.cache_pairs // TERMS, high))
-                # One of the two panels is the first one, so that both lie where the kernel is
-                # defined.
+                # One of the two panels of each pair is panel 0, so that both panels lie where the
+                # kernel is defined.
                 target, source = np.maximum(lags, 0)[:, None], np.maximum(-lags, 0)[:, None]
                 out[lags - low] = self._coefficients(
                     potential, self.place(target) + nodes, self.place(source) + nodes
@@ -162,11 +163,11 @@ class Panels(Kept):
         return out
 
     def place(self, panel: Index) -> Array:
-        """Middles of panels; panel 0 is the first one."""
+        """Positions of the middles of panels; panel 0 is the first one."""
         return np.asarray(self.origin + (self.first + panel + 0.5) * self.step)
 
     def _coefficients(self, potential: bool, x: Array, xi: Array) -> Array:
-        """The matrices K^(d) from values of the kernel at nodes.
+        """The matrices K^(d) of pairs of panels, from values of the kernel at nodes.
 
         x: nodes (n, TERMS) of n target panels; xi: those of n source panels, or of one.
         """
@@ -191,11 +192,11 @@ class Panels(Kept):
         return self._tables[potential]
 
     def _all(self, potential: bool) -> Array:
-        """The matrices K^(d) for all tabulated lags, (2 farthest + 1, TERMS, TERMS)."""
+        """The matrices K^(d) of all tabulated lags d (2 farthest + 1, TERMS, TERMS)."""
         return self._made(potential, -self.farthest, self.farthest + 1)
 
     def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
-        """Series of the field on the panels low ... high, (panels, TERMS, n).
+        """Series of the field on the panels low to high (panels, TERMS, n), from moments.
 
         They are a convolution of the matrices K^(d) and the moments, computed by FFT.
         """
@@ -205,7 +206,7 @@ class Panels(Kept):
         return np.asarray(fft.irfft(waves, length, axis=0)[: high - low + 1])
 
     def _waves(self, potential: bool, low: int, high: int) -> tuple[Complex, int]:
-        """(Fourier transform of K^(d) with respect to the lag d, its length).
+        """(Fourier transform of the matrices K^(d) over the lag d, length of this transform).
 
         The lags are those from the sources to the panels low ... high.
         """
@@ -216,7 +217,8 @@ class Panels(Kept):
             lag = np.arange(1 - self.count, wanted)
             kernel = np.zeros((length, TERMS, TERMS))
             kernel[lag % length] = self._table(potential)[lag + low - self.first + self.farthest]
-            # Only the last transform is stored: the same zones use the same one again and again.
+            # Only the last transform is stored, since repeated sums over the same zones use the
+            # same one.
             self._transforms.pop(
                 next((k for k in self._transforms if k[0] == potential), key), None
             )
@@ -229,15 +231,15 @@ class Panels(Kept):
 
     @property
     def size(self) -> int:
-        """Number of moments on all panels."""
+        """Number of moments of all panels together."""
         return self.count * TERMS
 
     def spread(self, x: Array) -> Spread:
-        """The points x with the panels that they lie on."""
+        """The points x, each with the panel that contains it."""
         return Spread.of(self, x)
 
     def moments(self, spread: Any, weights: Array) -> Array:
-        """Moments (count TERMS, ...) of sources with the given weights (n, ...) at points."""
+        """Moments (count TERMS, ...) of sources at points, with the given weights (n, ...)."""
         shape = weights.shape[1:]
         out = np.zeros((self.count, TERMS, *shape))
         for panel, here in spread.groups:
@@ -265,7 +267,7 @@ class Panels(Kept):
         return out
 
     def _far_off(self, x: Array, moments: Array, potential: bool) -> Array:
-        """Transform or potential at points beyond the tabulated lags, by calls of the kernel."""
+        """Transform or potential at points too far away for the tabulated lags, by kernel calls."""
         function = self.kernel.regular_potential if potential else self.kernel.regular
         assert function is not None
         middles = self.place(np.arange(self.count))
@@ -296,7 +298,7 @@ def _tail(blocks: Array) -> float:
 
 @record
 class Spread(Kept):
-    """Points on the panels.
+    """Points on the panels, with the Chebyshev polynomials at each point.
 
     x: the points (n,); table: T_k at each of them (n, TERMS); groups: (panel, indices of its
     points) of each panel with points.
@@ -310,7 +312,7 @@ class Spread(Kept):
     def of(cls, panels: Panels, x: Array) -> Spread:
         place = (x - panels.origin) / panels.step
         panel = np.floor(place)
-        # The last panel includes its right end.
+        # The last panel includes its right end, which would otherwise lie on the next panel.
         last = panels.first + panels.count - 1
         panel = np.where((panel == last + 1) & (place - panel < HALF_DIGITS), last, panel)
         theta = np.arccos(np.clip(2 * (place - panel) - 1, -1.0, 1.0))

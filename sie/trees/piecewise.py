@@ -29,11 +29,11 @@ from sie.trees.tree import SEPARATION, TERMS, Tree
 
 @dataclass(frozen=True)
 class CellOptions:
-    """Options of the cells of a piecewise function."""
+    """Options of the cells into which the line is divided for a piecewise function."""
 
-    # A cell is halved if more jumps than this are near it, or if two near jumps are closer to each
-    # other than `min_distance` of its length. On a longer cell their terms would be much larger
-    # than f.
+    # A cell is halved if more than `max_jumps` jumps are near it, or if two near jumps are closer
+    # together than `min_distance` of its length. On a longer cell the terms of these jumps would be
+    # much larger than the function f.
     max_jumps: int = 12
     min_distance: float = 0.2
 
@@ -98,8 +98,8 @@ class PiecewiseTransform:
         self._kinks = kinks[order] / np.pi if len(kinks) else None
         self.ends = _cells(ends, self._at)
         self.half = 0.5 * np.diff(self.ends)
-        # Jumps within `SEPARATION` half lengths of a cell are evaluated in closed form. Series of
-        # TERMS terms resolve the effect of all others.
+        # Jumps within `SEPARATION` half lengths of a cell are evaluated in closed form. A series of
+        # TERMS terms resolves the effect of all other jumps.
         reach = SEPARATION * self.half
         self._first = np.searchsorted(self._at, self.ends[:-1] - reach)
         self._count = np.searchsorted(self._at, self.ends[1:] + reach, side="right") - self._first
@@ -110,13 +110,13 @@ class PiecewiseTransform:
 
     @property
     def most_near(self) -> int:
-        """Largest number of jumps that are evaluated in closed form at a point."""
+        """Largest number of jumps that are evaluated in closed form at one point."""
         return int(self._count.max())
 
     def _made(self, ends: Array, pieces: Array) -> Array:
         a, w = self.ends[:-1], self.half
         piece = np.minimum(np.searchsorted(ends, a, side="right") - 1, len(pieces) - 1)
-        # The polynomials in the variable u, -1 to 1 on each cell.
+        # The polynomials are expressed in the variable u, which goes from -1 to 1 on each cell.
         p, start = pieces[piece], (a - ends[piece]) + w
         local = np.column_stack(
             (
@@ -146,15 +146,15 @@ class PiecewiseTransform:
     def _from(
         self, target: Index, source: Index, shift: Array, local: Array, moments: Array
     ) -> Array:
-        """Fields of cells `source` at the nodes of cells `target`, pair by pair: (pairs, nodes)."""
+        """Fields of the cells `source` at the nodes of the cells `target` (pairs, nodes)."""
         left, right = chebyshev.gauss_sides(TERMS)
         a, b, w = self.ends[:-1], self.ends[1:], self.half
         after = (a[target] + b[target]) >= (a[source] + b[source]) + 2 * shift
         own = (target == source) & (shift == 0.0)
         wide, size = w[target][:, None], w[source][:, None]
-        # Distances of the target's nodes from the nearer end of the source. They are sums of the
-        # gap between the two cells and the distance from the nearer end of the target, divided by
-        # the half width of the source.
+        # The distances of the target's nodes from the nearer end of the source, over the half width
+        # of the source. Each is the sum of the gap between the two cells and the distance from the
+        # nearer end of the target.
         past_b = (a[target] - (b[source] + shift))[:, None] + wide * left
         before_a = ((a[source] + shift) - b[target])[:, None] + wide * right
         outside = np.where(after[:, None], past_b, before_a) / size
@@ -167,7 +167,8 @@ class PiecewiseTransform:
         log = np.where(own[:, None], 1.0, sign) * np.log(ratio)
         p = local[source].T[:, :, None]
         out = ((p[0] + z * (p[1] + z * p[2])) * log - 2 * (p[1] + p[2] * z)) / np.pi
-        # Far from a piece its closed form cancels, and its moments are used instead.
+        # Far from a piece its closed form suffers from cancellation, and its moments are used
+        # instead.
         distant = np.flatnonzero(outside.min(axis=1) > SEPARATION)
         if len(distant):
             e, m = outside[distant], moments[source[distant]]
@@ -179,7 +180,7 @@ class PiecewiseTransform:
         return np.asarray(out)
 
     def _near(self, cell: Index, from_left: Array, from_right: Array) -> Array:
-        """Terms at points of the jumps near the points' cells, in closed form.
+        """Closed-form terms at points, from the jumps near the cell that contains each point.
 
         Points are given by their cells and their distances from both ends of these.
         """
@@ -205,7 +206,7 @@ class PiecewiseTransform:
         return total.reshape(shape)
 
     def __call__(self, x: ArrayLike) -> Array:
-        """The transform at points from the first end to the last."""
+        """The transform of f at points between the first and the last end."""
         x = np.asarray(x, dtype=float)
         return np.reshape(by_rows(self._at_points, x.ravel(), max_rows=SUMS.cache_pairs), x.shape)
 
@@ -219,7 +220,7 @@ class PiecewiseTransform:
 
 
 def clenshaw(table: Array, cell: Index, t: Array) -> Array:
-    """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence, in blocks that stay in the cache."""
+    """Chebyshev sums sum_k table[k, cell] T_k(t) by Clenshaw's recurrence, block by block."""
     out = np.empty(len(t))
     for start in range(0, len(t), SUMS.cache_pairs):
         here = slice(start, start + SUMS.cache_pairs)
@@ -235,7 +236,7 @@ def clenshaw(table: Array, cell: Index, t: Array) -> Array:
 
 
 def _cells(ends: Array, at: Array) -> Array:
-    """Ends of the cells: the pieces, halved until few of the jumps `at` are near any of them."""
+    """Ends of the cells: pieces of f, halved until few of the jumps `at` are near each cell."""
     between = np.append(np.diff(at), np.inf)
     while True:
         length = np.diff(ends)
@@ -253,7 +254,7 @@ def _cells(ends: Array, at: Array) -> Array:
 
 
 def _monomials() -> Array:
-    """Integrals of u^j T_k(u) from -1 to 1, (3, TERMS)."""
+    """Integrals of u^j T_k(u) from -1 to 1 for j = 0, 1, 2 (3, TERMS)."""
     u, weight = np.polynomial.legendre.leggauss(TERMS)
     table = np.cos(np.arccos(u)[:, None] * np.arange(TERMS))
     return np.asarray(np.array([weight, weight * u, weight * u * u]) @ table)

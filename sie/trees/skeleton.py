@@ -29,23 +29,24 @@ from sie.basis.zones import Zones
 class SkeletonOptions:
     """Options of the skeleton of a smooth kernel."""
 
-    # Largest accepted error at other positions, relative to the largest value of the kernel.
+    # Largest accepted error of the interpolated kernel at positions not used to build the skeleton,
+    # relative to the kernel's largest value.
     max_error: float = 1e-12
-    # Numbers of nodes on each zone that are tried in turn, until one shows the number of modes of
-    # the kernel there. They are also the numbers of positions that are tried for the skeleton.
+    # Sizes that are tried in turn. They are numbers of nodes on each zone, to find how many modes
+    # the kernel has there, and numbers of positions among which the skeleton is chosen.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
-    # Number of positions of the skeleton at which these coefficients are computed.
+    # Number of the skeleton's positions for which the number of modes on each zone is computed.
     sampled_places: int = 8
 
 
 SKELETON = SkeletonOptions()
-# Number of skeletons, or of sets of panels, that are stored with a kernel.
+# Largest number of skeletons and of sets of panels that are stored with one kernel.
 MAX_STORED = 24
 
 
 @record
 class Skeleton(Kept):
-    """Source positions s_j of the skeleton, and rows that determine the interpolating functions.
+    """The source positions s_j, and the rows (positions x) that determine the functions P_j.
 
     places: positions s_j (r,); of_row: function of each row (0: regular part, 1: potential);
     x_of_row: position x of each row; factors: LU factors of the functions in these rows at the
@@ -62,11 +63,11 @@ class Skeleton(Kept):
 
     @property
     def size(self) -> int:
-        """Number of moments."""
+        """Number of moments, one for each source position of the skeleton."""
         return len(self.places)
 
     def modes(self, half: Array) -> Index:
-        """Number of Chebyshev modes that resolve the kernel on each zone of `zones`.
+        """Number of Chebyshev modes that resolve the kernel on each of the skeleton's zones.
 
         half: not used; it is the argument of `Panels.modes`.
         """
@@ -97,11 +98,11 @@ class Skeleton(Kept):
         return out
 
     def spread(self, x: Array) -> Seen:
-        """The points x with the skeleton's matrices for them, as sources or as targets."""
+        """The points x, with the skeleton's matrices for x as sources or as targets."""
         return Seen(self, x)
 
     def shares(self, xi: Array) -> Array:
-        """The interpolating functions P_j at sources xi (n,), shape (n, r)."""
+        """Values (n, r) of the r interpolating functions P_j at sources xi (n,)."""
         functions = _functions(self.kernel)
         rows = np.empty((len(self.x_of_row), len(xi)))
         for number, function in enumerate(functions):
@@ -111,16 +112,16 @@ class Skeleton(Kept):
         return np.asarray(linalg.lu_solve(self.factors, rows, check_finite=False).T)
 
     def moments(self, spread: Any, weights: Array) -> Array:
-        """Moments (r, ...) of sources with the given weights (n, ...) at points."""
+        """Moments (r, ...) of sources at points, with the given weights (n, ...)."""
         return np.asarray(np.tensordot(spread.as_sources, weights, axes=(0, 0)))
 
     def at(self, spread: Any, moments: Array, potential: bool) -> Array:
-        """Transform or potential at points, (n, ...), from moments (r, ...)."""
+        """Transform or potential at points (n, ...), from moments (r, ...)."""
         return np.asarray(spread.as_targets(potential) @ moments)
 
 
 class Seen:
-    """Points (n,) with the skeleton's matrices for them."""
+    """Points (n,) with the skeleton's matrices for these points as sources and as targets."""
 
     def __init__(self, skeleton: Skeleton, x: Array) -> None:
         self.skeleton, self.x = skeleton, x
@@ -128,11 +129,11 @@ class Seen:
 
     @cached_property
     def as_sources(self) -> Array:
-        """The interpolating functions P_j at the points, shape (n, r)."""
+        """Values (n, r) of the r interpolating functions P_j at the points."""
         return self.skeleton.shares(self.x)
 
     def as_targets(self, potential: bool) -> Array:
-        """The kernel or its potential at the points, for sources at the places s_j (n, r)."""
+        """Values (n, r) of the kernel or its potential at the points, for sources at places s_j."""
         if potential not in self._targets:
             kernel = self.skeleton.kernel
             function = kernel.regular_potential if potential else kernel.regular
@@ -145,9 +146,9 @@ class Seen:
 
 
 def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
-    """The skeleton of the kernel's regular part on zones; None if its rank is too high."""
-    # A rank that is too high takes longest to find out. So a failure is stored for this number of
-    # zones, and the skeleton is not tried again.
+    """The skeleton of the kernel's regular part on the zones; None if its rank is too high."""
+    # To find that the rank is too high takes longest. So this result is stored for the number of
+    # zones, and no other skeleton is tried for this number.
     key, too_high = zones.table.tobytes(), ("rank", len(zones))
     if too_high in kernel.kept_panels:
         return None
@@ -178,7 +179,7 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
             continue
         chosen = table[:, order[:rank]]
         rows = linalg.qr(chosen.T, mode="r", pivoting=True, check_finite=False)[1][:rank]
-        # For a kernel that is zero, the rows are singular and any factors serve.
+        # If the kernel is zero the chosen rows are singular, and any factors will do.
         factors = linalg.lu_factor(
             chosen[rows] if size[0] > 0.0 else np.eye(rank), check_finite=False
         )
@@ -191,7 +192,7 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
 
 
 def _misses(skeleton: Skeleton, x: Array, xi: Array) -> float:
-    """Largest error of the skeleton at x and xi, relative to the kernel's largest value."""
+    """Largest error of the interpolated kernel at x and xi, over the kernel's largest value."""
     shares, worst = skeleton.shares(xi), 0.0
     for function, size in zip(_functions(skeleton.kernel), skeleton.scale, strict=True):
         off = np.asarray(function(x[:, None], skeleton.places)) @ shares.T - function(
@@ -202,7 +203,7 @@ def _misses(skeleton: Skeleton, x: Array, xi: Array) -> float:
 
 
 def _functions(kernel: Kernel) -> list[Any]:
-    """The regular part, and its potential if there is one."""
+    """The kernel's regular part, and the potential of this part if there is one."""
     assert kernel.regular is not None
     return (
         [kernel.regular]
@@ -212,7 +213,7 @@ def _functions(kernel: Kernel) -> list[Any]:
 
 
 def _some(zones: Zones, count: int, shift: int) -> Array:
-    """About `count` positions on zones; another shift gives other positions.
+    """About `count` positions spread over the zones; each `shift` gives other positions.
 
     Each zone gets a number of positions in proportion to its width, but at least two. If there are
     very many zones, only some of them are used.

@@ -20,7 +20,7 @@ SEPARATION = 1.45
 
 @record
 class Tree:
-    """Nodes (n,) of the tree, level by level, the root first.
+    """Binary tree over intervals; its n nodes are stored level by level, with the root first.
 
     lo, hi: ends of their hulls; left, right: children (-1 for a leaf); parent: parent (-1 for the
     root); item: the interval of a leaf (-1 for other nodes); levels: first node of every level,
@@ -44,7 +44,7 @@ class Tree:
 
     @classmethod
     def over(cls, a: Array, b: Array, rest: Array | None = None) -> Tree:
-        """The tree over the ascending intervals [a, b].
+        """The tree over the intervals [a, b], which are in ascending order.
 
         rest: part of their ends below the last digit (2, n).
         """
@@ -86,13 +86,13 @@ class Tree:
 
     @cached_property
     def leaves(self) -> Index:
-        """Node of every interval, in their order."""
+        """Index of the leaf of each interval, in the order of the intervals."""
         nodes = np.flatnonzero(self.item >= 0)
         return nodes[np.argsort(self.item[nodes])]
 
 
 def _between_wide(cut: Index, first: Index, last: Index, narrower: Array) -> Index:
-    """Cuts of nodes, moved to positions where the intervals on both sides are wide.
+    """Positions at which nodes are split, moved to where the intervals on both sides are wide.
 
     A cut is moved by at most the square root of the number of intervals in the node.
     The potential difference of two intervals separated by a cut has a round-off that is relative to
@@ -108,7 +108,7 @@ def _between_wide(cut: Index, first: Index, last: Index, narrower: Array) -> Ind
 
 @record
 class Pairs:
-    """Pairs of a target and a source, with the source moved by `shift`."""
+    """Pairs of a target and a source; each source is moved by `shift`."""
 
     target: Index
     source: Index
@@ -116,7 +116,7 @@ class Pairs:
 
     @classmethod
     def joined(cls, parts: list[Pairs]) -> Pairs:
-        """All pairs of several parts, sorted by target."""
+        """All pairs of several lists of pairs, sorted by their target."""
         target = np.concatenate([p.target for p in parts])
         order = np.argsort(target, kind="stable")
         source, shift = (
@@ -129,7 +129,7 @@ class Pairs:
 
 
 def interactions(targets: Tree, sources: Tree, shifts: tuple[float, ...]) -> tuple[Pairs, Pairs]:
-    """(far pairs of nodes, near pairs of intervals).
+    """(pairs of nodes far from each other, pairs of intervals near each other).
 
     Together they contain each pair of intervals exactly once for each shift.
     """
@@ -149,7 +149,7 @@ def interactions(targets: Tree, sources: Tree, shifts: tuple[float, ...]) -> tup
             near.append(
                 Pairs(targets.item[t[both]], sources.item[s[both]], np.full(int(both.sum()), shift))
             )
-            # The larger node is split; a leaf is never split.
+            # The larger of the two nodes is split; a leaf is never split.
             cut_t = ~t_leaf & (s_leaf | (t_half[t] >= s_half[s]))
             cut_s = ~both & ~cut_t
             t, s = (
