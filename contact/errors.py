@@ -93,7 +93,7 @@ class SceneError(ContactError, ValueError):
 
 
 class NotConverged(ContactError):
-    """Error if the tolerance was not met: `trace` has the steps, `best` the best solution or None.
+    """Error if the tolerance was not met; `trace` holds the steps, `best` the best solution.
 
     Parameters
     ----------

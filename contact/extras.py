@@ -32,7 +32,7 @@ SOURCE = Path(__file__).parent.parent
 
 
 def require(name: str) -> Any:
-    """Import and return the module of this name; raises MissingExtra, with the remedy, on failure."""
+    """Import and return the module of this name; raises MissingExtra if that fails."""
     try:
         with uncollected():
             return importlib.import_module(name)

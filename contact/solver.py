@@ -221,7 +221,7 @@ def _run(context: SolveContext) -> Solution:
 
 
 def _found(context: SolveContext) -> Outcome:
-    """The contact of a scene, found by the law's module, on a branch of equilibria, or by search.
+    """The contact of a scene: from the law's module, from a branch of equilibria, or by search.
 
     What a module returns is final, see `contact.model.laws.base.Routes`.
     """

@@ -198,7 +198,7 @@ class Spot(sie.Kept):
         return -least_value(lambda r: -self.pressure(r), 0.0, self.radius, 129)
 
     def gap(self, r: ArrayLike) -> Array:
-        """Mean gap [m] over the angle: 0 in the spot, defined for radii up to `reach`."""
+        """Gap [m] as a mean over the angle: 0 in the spot, defined for radii up to `reach`."""
         r = np.abs(finite_array("r", r, None))
         if np.any(r > self.reach):
             raise SceneError.of(
@@ -214,7 +214,7 @@ class Spot(sie.Kept):
         return np.asarray(2.0 / pi * np.sum(weight * above, axis=-1))
 
     def displacement(self, r: ArrayLike) -> Array:
-        """Mean displacement into the body over the angle [m].
+        """Displacement into the body [m], as a mean over the angle.
 
         It is measured from its mean over the surface; for a spot alone, from infinity.
         """

@@ -93,7 +93,7 @@ class Surroundings:
     density: float = 0.0
 
     def outside(self, x: ArrayLike) -> Array:
-        """sqrt(A^2 - x^2) with the radius A of the circle; 0 for x > A. With a kernel, minus A.
+        """sqrt(A^2 - x^2), A the circle's radius; 0 for x > A. With a kernel, A is subtracted.
 
         The kernel's constant contains A.
         """
@@ -144,7 +144,7 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         if not radii.size:
             return Surroundings(None, circle, density)
         sums = np.sum(counts[~near] * radii[~near] ** powers[:, None], axis=1)
-        # The constant 2 pi N A is subtracted here: it belongs to the load of N spots per unit area,
+        # The constant 2 pi N A is subtracted here. It belongs to the load of N spots per unit area,
         # spread over the circle of radius A. Later, the difference of two large constants would
         # lose digits.
         sums[0] -= 2.0 * pi * density * circle * lattice.spacing

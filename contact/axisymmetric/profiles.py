@@ -197,7 +197,7 @@ class Power(AxisymmetricProfile):
     g = k f(x) with k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2), and P = 2 E* n/(n + 1) a g(a).
     """
 
-    # The subclasses define these two, as fields or class attributes.
+    # The subclasses define the exponent and the scale, as fields or class attributes.
     exponent: float
     scale: float
 

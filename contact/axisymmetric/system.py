@@ -136,8 +136,8 @@ class Linear:
         self.at_force = {j: len(self.active) * m + k for k, j in enumerate(self.active)}
         self.at_delta = len(self.active) * (m + 1)
         self.size = self.at_delta + 1
-        # Nodes and doubled weights for the smooth part of w, and for the transform g of the
-        # profile, which need not be smooth.
+        # Nodes and doubled weights for the smooth part of the transform w of the displacement, and
+        # for the transform g of the profile, which need not be smooth.
         self.smooth = {j: (radii[j] * self.unit, 2.0 * radii[j] * self.weight) for j in self.active}
         self.rough = {j: self._rough(j) for j in self.active}
         every = np.eye(self.size + 1)

@@ -125,7 +125,7 @@ def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=4)
 def _rules(count: int) -> tuple[Array, Array]:
-    """Nodes, from 0 to 2, and weights of Gauss's rule on one, two and three parts of a panel.
+    """Nodes between 0 and 2, and weights of Gauss's rule on this interval in 1, 2 and 3 parts.
 
     Each number of parts has its column of weights.
     """
@@ -211,7 +211,7 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
         np.take_along_axis(of, rest, axis=0).sum(axis=0) for of in (difference, size)
     )
     seen = np.abs(difference) > panels.doubt[which] + 4 * OPTIONS.margin * parts.noise
-    # Errors of slopes far below the largest one do not matter.
+    # Errors of slopes that are far below the largest slope do not matter.
     size = np.maximum(size, CHECKS.same * panels.largest * (panels.b - panels.a)[which])
     relative = np.where(seen, np.abs(difference) / size, 0.0)
     worst = int(np.argmax(relative))

@@ -146,7 +146,7 @@ class Conjugate(sie.Kept):
         return Transform(smooth, sum(part.error for part in parts.values()), worst.limit)
 
     def _difference(self, closed: Callable[[Array], Array], series: "Transform") -> float:
-        """Largest difference between a user's closed form and the series of the slope.
+        """Largest difference between a user's closed form of H f' and the series of the slope.
 
         Raises SceneError if the difference is so large that the closed form must be wrong.
         """
@@ -317,7 +317,7 @@ def _series_error(coefficients: Array, used: int, rounding: float) -> float:
 
 
 def _last_octaves(size: Array) -> tuple[float, float]:
-    """Root mean square of the terms in the last octave of a series, and in the one before."""
+    """Root mean square of the terms in the last octave of a series, and in the octave before it."""
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
     return last, before

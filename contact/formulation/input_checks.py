@@ -30,8 +30,8 @@ class InputCheckOptions:
 
 
 _OPTIONS = InputCheckOptions()
-# Number of parts of the widest zone, on each of which the rise of the height is compared with the
-# integral of the slope; also the number of nodes in each part.
+# Number of parts of the widest zone, and of nodes in each part. In each part, the rise of the
+# height is compared with the integral of the slope.
 _PARTS = CLAIMS.panels
 
 

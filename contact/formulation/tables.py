@@ -86,14 +86,14 @@ def parted_at_wide(table: Array, period: float, wide_fraction: float = 0.1) -> A
 
 
 def joined_where(table: Array, meets: Mask) -> Array:
-    """Intervals, of which each one with meets = True is joined with the next; meets is (n - 1,)."""
+    """Intervals, each of them joined with the next one where `meets` (n - 1,) is True."""
     return np.column_stack((table[np.append(True, ~meets), 0], table[np.append(~meets, True), 1]))
 
 
 def united(table: Array) -> Array:
     """The union of the intervals, in which overlapping intervals are joined."""
     table = table[np.argsort(table[:, 0], kind="stable")]
-    # An interval that overlaps no earlier interval begins to the right of all their ends.
+    # An interval that overlaps no earlier interval begins to the right of the ends of all of them.
     reach = np.maximum.accumulate(table[:, 1])
     return joined_where(np.column_stack((table[:, 0], reach)), ~(table[1:, 0] > reach[:-1]))
 

@@ -32,7 +32,8 @@ class ModelLimits:
     stiffest: float = 2e12  # [Pa]: diamond on diamond
     in_pascals: float = 1e7  # [Pa]: diamond has 1.2e6 MPa, so that a larger number is in pascals
     smallest: float = 1e-11  # [m]: less than an atom
-    # [m]: size of machine parts; a longer body of a tiny modulus is probably given in other units
+    # Length [m] of machine parts. A longer body with a tiny modulus is probably given in other
+    # units.
     longest: float = 1.0
 
 

@@ -135,7 +135,7 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     axes.fill_between(x * along, floor * up, surface * up, color=_SURFACE, alpha=0.10, linewidth=0)
     axes.plot(x * along, outline * up, color=_BODY, linewidth=1.2, label="profile")
     axes.plot(x * along, surface * up, color=_SURFACE, linewidth=1.4, label="deformed surface")
-    # Values of NaN between the zones let one line object draw all of them.
+    # NaN values between the zones let one line object draw all zones.
     touching = np.where(on_zones(x, zones), surface, np.nan)
     weight = 2.6 if len(zones) <= FIGURE.max_zones else 1.8
     axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")

@@ -65,8 +65,8 @@ class Energy:
 class PeakOptions:
     """Number of samples in the search for the highest pressure of a zone."""
 
-    # Number for each shortest length of the profile, added to the samples for a smooth zone. Larger
-    # numbers give the same peaks.
+    # Number of samples for each shortest length of the profile, added to those for a smooth zone.
+    # Larger numbers give the same peaks.
     samples_per_length: int = 12
 
 
@@ -74,7 +74,7 @@ PEAKS = PeakOptions()
 
 
 def peaks(scene: Scene, zones: Array, pressure_at: Callable[[Array, int], Array]) -> Array:
-    """The highest pressure of each zone [Pa]; inf where a convex kink of the profile touches.
+    """The highest pressure of each zone [Pa]; inf for a zone with a convex kink of the profile.
 
     zones: (n, 2) [m]. pressure_at: pressure [Pa] at normalised positions t of one zone.
     """

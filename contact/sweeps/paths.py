@@ -52,8 +52,8 @@ class PathOptions:
     # tolerance of ends, relative to the width of their zone, while an event is located. An error of
     # an end changes pressure and gap away from the end only by the square of that error.
     same: float = 1e-7
-    # Relative sizes below this are taken not to change the number of zones: overlaps of two zones,
-    # errors of ends, and steps of the load in which a zone might be born and merge.
+    # Overlaps of two zones and errors of ends that are relatively smaller do not change the number
+    # of zones. In a relative step of the load below this, no zone can be born and merge.
     negligible: float = 1e-3
     # Above this ratio of two loads, the rates of the ends at these loads do not predict the motion
     # of the ends.
@@ -355,8 +355,8 @@ class _Condition:
             if not isinstance(fields, GapFields)
             else GapForm(self.problem, fields.relief)
         )
-        # Zones (or gaps) for each load: those of each evaluation, and those at a load next to the
-        # first one, extrapolated by the rates of the ends.
+        # Zones (or gaps) for each load at which they were computed. At a load next to the first
+        # one, they are extrapolated by the rates of the ends.
         load, table = fields.load / fields.problem.units.load, fields.solved_zones.table
         self.tables: dict[float, Array] = {
             load: table,
@@ -376,7 +376,7 @@ class _Condition:
         return np.asarray(table) if np.all((grown > 0.5) & (grown < 2.0)) else first
 
     def formal(self, load: float) -> Any:
-        """Fields at a load, with the event's number of zones or gaps; their signs may be wrong.
+        """Fields with the event's number of zones (or gaps); pressures and gaps may be negative.
 
         Later calls start from them.
         """

@@ -117,7 +117,7 @@ def _in_processes(
     ]
     solvers = min(workers or processors(), len(left) // 2)
     if solvers > 1:
-        # Each process gets every n-th value. So its values are close to one another, and all
+        # Each process gets every n-th value. So each value has a neighbour to start from, and all
         # processes take about the same time.
         chunks = [
             Chunk.of_curve(curve.control, left[first::solvers], values) for first in range(solvers)

@@ -257,7 +257,8 @@ class Cluster:
             client.submit(solve_sent, given, chunk, tol, pure=False): chunk for chunk in chunks
         }
         try:
-            # Each result is fetched as soon as it is ready, so that it is not lost with its worker.
+            # Each result is fetched as soon as it is ready, so that a worker lost later does not
+            # take it along.
             done = self._distributed.as_completed(
                 list(running), loop=client.loop, with_results=True, raise_errors=False
             )
