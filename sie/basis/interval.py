@@ -71,7 +71,7 @@ def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, 
 
 
 def end_changes(slope: Array, at_left: Array, at_right: Array, angle: Array) -> tuple[Array, Array]:
-    """Derivatives of a density at fixed t by the positions of both ends, in zone widths.
+    """Changes of a density at fixed t if the left, or the right, end moves by one zone width.
 
     slope: derivative of the density by the angle; at_left, at_right: its slopes by the angle from
     the ends. See `Series.sensitivity` for the formula.

@@ -242,7 +242,7 @@ class SlitDensity(DensityBase):
         by_left, by_right = (
             0.5 / from_end - 0.5 / to_end
             for from_end, to_end in zip(*self._end_distances, strict=True)
-        )  # derivative of log X by x
+        )  # derivative of log(sqrt(1 - t^2)) by x
         slopes_left = slopes_left - np.where(before < 0, 0.0, (k_left * by_right[before]))
         slopes_right = slopes_right + np.where(after < 0, 0.0, (k_right * by_left[after]))
         return slopes_left, slopes_right

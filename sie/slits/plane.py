@@ -160,7 +160,7 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
     away, (c, s) = seen.left - kink.from_left, half_angles(kink.from_left, kink.from_right)
     own = -1j * np.log((c - 1j * s) ** 2 * (c * seen.m + 1j * s * seen.p) ** 2 / away)
     sine, sines, nodes = 2 * c * s, root_weight(l, r), 0.5 * (l - r)
-    moves = (seen.left[:, None] - l) / half  # zeta - s' at the nodes
+    moves = (seen.left[:, None] - l) / half  # zeta - s' for the nodes s'
     first = inner.zeta * (mean_log + 1) - inner.root
 
     def means() -> Iterator[Complex]:

@@ -178,7 +178,7 @@ class SlitSystem(Kept):
         # The effect of a slit falls with the square of (slit's width / distance from the slit). A
         # few steps of GMRES therefore suffice.
         folded = start + base.solver(slit_response(start))
-        for _ in range(2):  # the second solution corrects for the rounding of the first
+        for _ in range(2):  # the second pass corrects the round-off of the first
             folded = folded + gmres(operator, start - operator(folded), EPS * float(norm(folded))).x
         change = float(np.abs(start - operator(folded)).max()) / max(
             float(np.abs(folded).max()), 1e-300
