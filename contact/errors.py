@@ -79,7 +79,7 @@ class SceneError(ContactError, ValueError):
 
     @classmethod
     def unknown(cls, what: str, name: Any, known: Iterable[str]) -> "SceneError":
-        """An error for an unknown name; the message suggests the known name that is most similar."""
+        """An error for an unknown name; the message suggests the most similar known name."""
         names = sorted(known)
         near = get_close_matches(name, names, n=1) if isinstance(name, str) else []
         hint = f" (did you mean {near[0]!r}?)" if near else ""

@@ -140,7 +140,7 @@ class Lattice:
         return radii * self.spacing, counts
 
     def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
-        """Radii, over the spacing, of all rings of shifted lattices up to `reach`; spots on each."""
+        """Radii, over the spacing, of rings of shifted lattices up to `reach`; spots on each."""
         found = np.sort(np.concatenate([self.distances(s, reach) for s in shifts]))
         first = np.flatnonzero(np.diff(found, prepend=-1.0) > ROUND_OFF)
         return found[first], np.diff(np.append(first, found.size))

@@ -100,7 +100,7 @@ class AxisymmetricProfile(sie.Kept):
 
     @property
     def jumps(self) -> Array:
-        """Jump of the slope at each breakpoint; a nonzero jump is an edge with infinite pressure."""
+        """Jump of the slope at each breakpoint; a nonzero jump is an edge: infinite pressure."""
         b = self.breakpoints
         return self.slope(np.nextafter(b, inf)) - self.slope(np.nextafter(b, 0.0))
 
@@ -121,7 +121,7 @@ class AxisymmetricProfile(sie.Kept):
         return bool(tip > 0.5 * near and tip > 1e-7 * abs(far))
 
     def line(self, x: ArrayLike) -> Array:
-        """Equivalent plane profile g(x) [m]; g(a) is the penetration of a spot of radius a alone."""
+        """Equivalent plane profile g(x) [m]; g(a) is the penetration of a lone spot of radius a."""
         r, weight = quarter(x, self.breakpoints)
         return np.asarray(np.asarray(x) * np.sum(weight * self.slope(r), axis=-1))
 
@@ -146,8 +146,9 @@ class AxisymmetricProfile(sie.Kept):
         return float(2.0 * np.sum(weight * r**2 * self.slope(r)))
 
     def line_integral(self, a: float) -> float:
-        """Integral of the equivalent plane profile g from 0 to a: a g(a) - P/(2 E*) with the load
-        P.
+        """Integral of the equivalent plane profile g from 0 to a.
+
+        It is a g(a) - P/(2 E*), with the load P.
         """
         return float(a * self.line(a)) - 0.5 * self.load_integral(a)
 
@@ -433,7 +434,7 @@ class Revolved(AxisymmetricProfile):
             self._called(field, np.array([0.25, 0.5]))
 
     def _called(self, field: str, r: Array) -> Array:
-        """The values of a user's function; SceneError unless it gives one real number per radius."""
+        """The values of a user's function; SceneError unless it gives a real number per radius."""
         value = np.asarray(getattr(self, field)(r))
         if value.dtype.kind not in "iuf" or value.shape not in ((), r.shape):
             raise SceneError.of(

@@ -350,7 +350,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def largest_shape(self) -> float:
-        """Scaled estimate of the largest displacement on the zones: height at the ends plus level."""
+        """Scaled estimate of the largest displacement on zones: height at ends plus level."""
         zones = self.density.zones
         return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(
             self.level
@@ -389,7 +389,7 @@ class ZoneFields(sie.Kept):
 
     @property
     def _limits(self) -> tuple[float, float]:
-        """Scaled limits of a profile that does not repeat; infinite if the profile has no limits."""
+        """Scaled limits of a profile that does not repeat; infinite if there are no limits."""
         problem = self.problem
         return max(problem.borders[0], problem.corners[0]), min(
             problem.borders[1], problem.corners[1]

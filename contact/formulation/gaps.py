@@ -253,7 +253,7 @@ class GapFields(sie.Kept):
 
     @property
     def gap_sizes(self) -> Array:
-        """A scaled bound of the gap on each interval: half width times a bound of the gap's slope."""
+        """Scaled bound of the gap on each interval: half width times a bound of its slope."""
         slope, gaps = self.gap_slope, self.gap_slope.zones
         jumps = np.bincount(slope.jumps.zone, np.abs(slope.jumps.height), len(gaps))
         return np.asarray(gaps.half * (np.abs(slope.coefficients).sum(axis=1) + jumps))

@@ -165,7 +165,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def algebraic(self) -> sie.AlgebraicPoints | None:
-        """Algebraic points of the scaled slope, from those of the profile; None if there are none."""
+        """Algebraic points of the scaled slope, from those of the profile; None if none."""
         points, units = np.asarray(self.profile.algebraic_points), self.units
         if not len(points):
             return None
@@ -242,7 +242,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def compression(self) -> float:
-        """Scaled displacement by a unit of scaled uniform pressure; 0 if there is no displacement."""
+        """Scaled displacement by a unit of scaled uniform pressure; 0 if there is none."""
         return (self.operator.compression or 0.0) / self.units.length
 
     def bearing(

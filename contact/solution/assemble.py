@@ -42,7 +42,7 @@ def zone_solution(
     branch: str | None = None,
     find_pull_off: Callable[[ZoneFields], PullOff] | None = None,
 ) -> Solution:
-    """The solution from zones; raises NotConverged, with this solution, if its error is too large.
+    """The solution from zones; raises NotConverged, with it, if its error is too large.
 
     branch, find_pull_off: see `Solution`.
     """

@@ -26,7 +26,7 @@ class Decision:
 
     @property
     def reason(self) -> str:
-        """The reason with the numbers compared, as in "contact is 0.81 of the period, above 0.7"."""
+        """The reason with its numbers, as in "contact is 0.81 of the period, above 0.7"."""
         if self.measured is None:
             return self.because
         reason = self.because.format(f"{self.measured:.3g}")

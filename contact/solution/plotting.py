@@ -52,7 +52,7 @@ class FigureOptions:
 
     @property
     def max_zones(self) -> int:
-        """The largest number of zones, with gaps of the same width between them, that are visible."""
+        """The largest number of visible zones with gaps of the same width between them."""
         return int(0.5 / self.min_visible)
 
 

@@ -331,7 +331,7 @@ class Solution(sie.Kept):
 
     @property
     def rotational_stiffness(self) -> float | None:
-        """Derivative of the moment by the tilt at the given load [N]; None for bodies that repeat."""
+        """Derivative of moment by tilt at the given load [N]; None for bodies that repeat."""
         return self.fields.rotational_stiffness if self.scene.interaction.turns else None
 
     @property
@@ -397,9 +397,7 @@ class Solution(sie.Kept):
         require(_FILES).write_fields(self, path, overwrite)
 
     def to_dict(self) -> dict[str, Any]:
-        """The whole solution as a dictionary of plain types; None for infinite or undefined
-        numbers.
-        """
+        """The solution as a dictionary of plain types; None for infinite or undefined values."""
         return require(_FILES).to_dict(self)
 
 

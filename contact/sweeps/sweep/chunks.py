@@ -158,7 +158,7 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
 
 
 def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
-    """The `Curve` that solves the points of a chunk one after another; None if not applicable.
+    """The `Curve` that solves the points of a chunk in turn; None if it is not applicable.
 
     It is None if no control varies, if the branch is not the default one, or if no point is a valid
     scene. Points with a closed form are solved here.
@@ -198,7 +198,7 @@ def solve_sent(given: bytes, chunk: Chunk, tol: float) -> Rows:
 
 
 def cannot_receive(given: bytes, here: str) -> str:
-    """The reason why this process cannot use a scene sent to it, as the end of a sentence; or "".
+    """Why this process cannot use a scene sent to it, as the end of a sentence; or "".
 
     here: the version of this package in the sending process.
     """
