@@ -17,11 +17,11 @@ from sie.states.state import LOOKS, THETA, State
 
 @dataclass(frozen=True)
 class ReasonOptions:
-    """Limits above which a measured cause is named as the reason."""
+    """Limit above which a measured cause is named as the reason for an error."""
 
-    # A residual smaller than this many round-offs of its terms is explained by round-off. If the
-    # effect of the residual on the density is more than this many times the residual, the side
-    # conditions nearly depend on each other.
+    # If the effect of the rows' errors on the density is more than this factor times the errors of
+    # the rows, the side conditions nearly depend on each other. A residual below this factor times
+    # the round-off of its terms is explained by round-off.
     max_ratio: float = 1e4
 
 
@@ -29,14 +29,14 @@ OPTIONS = ReasonOptions()
 
 
 def of_search(search: Free) -> str:
-    """The reason, in words, why a search for ends stopped before the ends converged."""
+    """The reason, as a message, why a search for the ends stopped without convergence."""
     which = [f"zone {i}" for i in search.lost] + [f"the gap after zone {i}" for i in search.met]
     more = f" and {len(which) - 4} more" if len(which) > 4 else ""
     return search.reason + (f" ({', '.join(which[:4])}{more}, counted from 0)" if which else "")
 
 
 def of_error(state: AnyState, search: Free | None, tol: float) -> str:
-    """The reason, in words, for the largest part of a solution's stated error."""
+    """The reason, as a message, for the largest part of a solution's stated error."""
     if search is not None:
         zone = int(search.rounding.max(axis=1).argmax())
         open_ = float(search.rounding[zone].max())
@@ -46,7 +46,7 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
                 f"{open_:.1e} of its width"
             )
     iteration, conditions, resolution = _parts(state)
-    # The residual contains the error of an iteration once for each mode.
+    # The part `resolution` contains the error of the iteration, multiplied by the number of modes.
     if iteration > max(0.1 * tol, ERRORS.negligible * resolution):
         return (
             "the iteration by which so many zones are solved does not come to rest: "
@@ -66,7 +66,7 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
 
 
 def _parts(state: AnyState) -> tuple[float, float, float]:
-    """Relative errors of the density: (iteration, round-off of the rows, all the rest)."""
+    """Relative errors of the density, in parts: (iteration, round-off of rows, the rest)."""
     size = max(state.size, 1e-300)
     iteration = float(state.linear_error.max(initial=0.0)) / size
     if isinstance(state, SlitState):
@@ -77,7 +77,7 @@ def _parts(state: AnyState) -> tuple[float, float, float]:
 
 @record
 class _Worst:
-    """The zone with the largest residual, and measurements there.
+    """The zone with the largest residual, and quantities measured on this zone.
 
     state: state of the zones without slits, or of the wide zones; zone: index of the zone in it;
     where: name of the zone in messages. residual: the largest residual, times sqrt(1 - t^2); place:
@@ -112,7 +112,7 @@ class _Worst:
         )
         sizes = whole.system.field_sizes
         if sizes is not None:
-            # The terms of sums over quadrature nodes may cancel; this is a bound of their size.
+            # Terms of sums over quadrature nodes may cancel; the largest sizes bound these terms.
             terms += float(sizes.max() * np.abs(whole.unknowns).sum())
         return cls(
             whole,
@@ -125,20 +125,20 @@ class _Worst:
 
 
 def whole_zone(state: AnyState, piece: int) -> int:
-    """Index of the wide zone that contains a zone; the zone itself if there are no slits."""
+    """Index of the wide zone that contains the zone `piece`; `piece` itself without slits."""
     return int(state.wide_of(np.array([piece]))[1][0])
 
 
 def _causes(worst: _Worst) -> dict[str, float]:
-    """Measured errors on the worst zone, relative, with their causes as keys."""
+    """Relative errors measured on the zone with the largest residual, by their cause."""
     state, zone = worst.state, worst.zone
     zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
     fall = float(modes.decay(zones, equation.kernel)[zone])
-    # Round-off of places in excess of a few units of `EPS`, which every number has.
+    # The round-off of places beyond a few units of `EPS`, which all numbers have.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
-    # The right side is a cause only if its coefficients stopped decaying or their number is at its
-    # limit. The fields are a cause only if the number of modes is at its limit, or more modes do
-    # not help.
+    # The right side is a cause only if its coefficients no longer decay or their number is at its
+    # limit. The fields of other zones are a cause only if the number of modes is at its limit or
+    # more modes do not help.
     unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.OPTIONS.max_nodes
     grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
     return {
@@ -150,13 +150,13 @@ def _causes(worst: _Worst) -> dict[str, float]:
 
 
 def _is_noisy(worst: _Worst) -> bool:
-    """Whether more modes no longer reduce a column or the kernel's regular part."""
+    """Whether more modes no longer reduce the last coefficients of the zone's field."""
     growth = worst.state.sizes.growth
     return growth is not None and bool(growth.floor[worst.zone] > 0.0)
 
 
 def _of_resolution(worst: _Worst, tol: float) -> str:
-    """The largest cause from `_causes`, in words; else round-off or the residual."""
+    """The largest cause from `_causes`, as a message; else round-off or the residual."""
     state, m, causes = worst.state, int(worst.state.system.layout.m[worst.zone]), _causes(worst)
     neighbour, rounded, noisy = causes["neighbour"], causes["places"], _is_noisy(worst)
     cause = max(causes, key=lambda name: causes[name])
@@ -199,7 +199,7 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
 
 
 def _of_user(state: State) -> str:
-    """The user's functions for which the number of modes grows, in words."""
+    """The user's functions for which the number of modes grows, as words of a message."""
     of_columns = any(column.resolution.modes is None for column in state.equation.columns)
     if not state.equation.kernel.grows:
         return "a column"
@@ -207,7 +207,7 @@ def _of_user(state: State) -> str:
 
 
 def _of_right_side(worst: _Worst) -> str:
-    """Text on the decay of the right side's coefficients on a zone, with its likely reason."""
+    """Message about the decay of the right side's coefficients on a zone, with a likely reason."""
     state, zone = worst.state, worst.zone
     n, last = int(state.kept[zone]), float(state.truncation[zone])
     falls = "no longer fall" if bool(state._stopped[zone]) else "have not fallen further"
@@ -221,6 +221,6 @@ def _of_right_side(worst: _Worst) -> str:
 
 
 def _less_jumps(state: State, zone: int) -> str:
-    """Text with the number of declared jumps on a zone; empty if there are none."""
+    """Part of a message: the number of declared jumps on a zone; '' if there are none."""
     count = int(np.count_nonzero(state.system.jumps.zone == zone))
     return f" less its {count} declared jumps" if count else ""

@@ -20,10 +20,10 @@ from sie.states.solve import SingularSystem
 
 @dataclass(frozen=True)
 class SolveOptions:
-    """Tolerances of the coefficients and of the ends."""
+    """Tolerances of the coefficients and of the ends, relative to that of the solution."""
 
-    # Tolerances relative to that of the solution. Those of the ends are tried in turn until the
-    # stated error is small enough. The first is also the tolerance of the coefficients.
+    # Tolerances divided by that of the solution. For the ends they are tried in turn until the
+    # stated error is small enough. The first one is also used for the coefficients.
     parts: tuple[float, ...] = (0.1, 1e-3, 1e-5)
 
 
@@ -32,7 +32,7 @@ OPTIONS = SolveOptions()
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The result of `solve`.
+    """The solution found by `solve`, with its stated errors.
 
     Parameters
     ----------
@@ -73,17 +73,17 @@ class Solution:
 
     @property
     def amplitudes(self) -> Array:
-        """Amplitudes of the equation's columns (k,)."""
+        """Amplitudes of the equation's terms of unknown amplitude, `Equation.columns` (k,)."""
         return self.density.amplitudes
 
     @property
     def levels(self) -> Array:
-        """Mean of the potential minus the right side's primitive over each solved zone (n,)."""
+        """Means over the solved zones of the potential minus the right side's primitive (n,)."""
         return self.state.levels
 
 
 class NotConverged(ArithmeticError):
-    """Raised if there is no solution to the wanted tolerance.
+    """Raised if no solution to the wanted tolerance was found.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def solve(
     """
     _check_problem(equation, zones, tol)
     _check_search(value, signs, max_steps)
-    # The values of a user's functions are checked, so that warnings of NumPy are superfluous.
+    # NumPy's warnings are suppressed, since the values of a user's functions are checked.
     with np.errstate(all="ignore"):
         if not zones.moves.any():
             return _solve(equation, zones, tol, _fixed(equation, zones, tol))
@@ -171,7 +171,7 @@ def solve(
 
 
 def _solve(equation: Equation, zones: Zones, tol: float, solutions: Iterator[Solution]) -> Solution:
-    """The first of ever more accurate solutions that meets the tolerance, or an error."""
+    """The first of ever more accurate solutions that meets the tolerance; else NotConverged."""
     try:
         found = _best(solutions, tol)
     except SingularSystem as error:
@@ -186,7 +186,7 @@ def _solve(equation: Equation, zones: Zones, tol: float, solutions: Iterator[Sol
 
 
 def _check_problem(equation: Equation, zones: Zones, tol: float) -> None:
-    """Raise ValueError for an equation, zones or a tolerance that cannot be solved for."""
+    """Raise ValueError for an equation, zones or a tolerance that are not valid."""
     if not isinstance(equation, Equation):
         raise ValueError(f"the equation must be a sie.Equation, got {type(equation).__name__}")
     if not isinstance(zones, Zones):
@@ -199,7 +199,7 @@ def _check_problem(equation: Equation, zones: Zones, tol: float) -> None:
 
 
 def _check_search(value: float, signs: tuple[float, float], max_steps: int) -> None:
-    """Raise ValueError for a wrong first guess, wrong signs or a wrong number of steps."""
+    """Raise ValueError for a first guess, signs or number of steps that are not valid."""
     inputs.number("the first guess of the unknown value", value)
     if not (
         isinstance(signs, tuple | list)
@@ -214,7 +214,7 @@ def _check_search(value: float, signs: tuple[float, float], max_steps: int) -> N
 
 
 def _solvable(equation: Equation, zones: Zones) -> bool:
-    """Whether the system of the given zones has a solution."""
+    """Whether the system of equations on the given zones has a unique solution."""
     try:
         solve_zones(equation, zones)
     except SingularSystem:
@@ -223,7 +223,7 @@ def _solvable(equation: Equation, zones: Zones) -> bool:
 
 
 def _best(solutions: Iterator[Solution], tol: float) -> Solution:
-    """The first of ever more accurate solutions that meets the tolerance, or else the best one."""
+    """The first of ever more accurate solutions that meets the tolerance; else the best."""
     best = next(solutions)
     while best.error > tol and (found := next(solutions, None)) is not None:
         best = found if found.error < best.error else best
@@ -231,7 +231,7 @@ def _best(solutions: Iterator[Solution], tol: float) -> Solution:
 
 
 def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
-    """Solutions on zones with fixed ends: to the tolerance, then as exact as round-off allows."""
+    """Solutions on zones with fixed ends: first to the tolerance, then to round-off."""
     for decay in (max(OPTIONS.parts[0] * tol, EPS), EPS):
         yield _with_errors(solve_zones(equation, zones, decay))
         if _unresolvable(equation, zones, tol):
@@ -241,7 +241,7 @@ def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
 def _free(
     equation: Equation, zones: Zones, tol: float, options: NewtonOptions, start: WarmStart
 ) -> Iterator[Solution]:
-    """Solutions with free ends, for smaller and smaller tolerances of the ends."""
+    """Solutions with free ends, for ever smaller tolerances of the ends."""
     for part in OPTIONS.parts:
         free = find_ends(equation, zones, max(part * tol, EPS), options, start)
         yield _with_errors(free.state, free)
@@ -251,7 +251,7 @@ def _free(
 
 
 def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
-    """The solution with its stated errors; search: the search for its ends if any are free."""
+    """The solution with its stated errors; search: the search for its free ends, if any."""
     zones, value = state.density.zones, None if search is None else search.value
     if search is not None and not search.converged:
         unknown = np.full(len(zones), math.inf)
@@ -269,8 +269,8 @@ def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
     moved = moved + _jump_rounding(state)
     sizes = np.where(state.zone_sizes > 0.0, state.zone_sizes, math.inf)
     of_density = float(moved.max()) / max(state.size, 1e-300) + state.density_error
-    # The evaluation of the density at a place adds four round-offs: of its coefficients, of the
-    # square root, and of the distances from both ends.
+    # An evaluation of the density adds four round-offs: of the coefficients, of the square root,
+    # and of the distances from both ends.
     evaluation = 4 * EPS
     error = max(float(of_ends.max()), of_density) + evaluation
     errors = np.maximum(of_ends, moved / sizes + state.zone_errors) + evaluation
@@ -278,7 +278,7 @@ def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
 
 
 def _jump_rounding(state: AnyState) -> Array:
-    """Round-off in each zone's density (n,) that comes from the closed forms of jumps.
+    """Round-off of each zone's density (n,) from the closed forms of its jumps.
 
     The terms of single jumps may be much larger than their sum.
     """
@@ -288,7 +288,7 @@ def _jump_rounding(state: AnyState) -> Array:
 
 
 def _reason(found: Solution, tol: float) -> str:
-    """The reason why the error exceeds the tolerance."""
+    """The reason, as a message, why the error exceeds the tolerance."""
     search = found.search
     if search is not None and not search.converged:
         return reasons.of_search(search)
@@ -297,6 +297,6 @@ def _reason(found: Solution, tol: float) -> str:
 
 
 def _unresolvable(equation: Equation, zones: Zones, tol: float) -> bool:
-    """Whether a zone is so close to another one that even the most modes do not resolve it."""
+    """Whether two zones are too close to each other even for the largest number of modes."""
     fallen = modes.decay(zones, equation.kernel) * modes.COUPLED_SIZES[-1]
     return float(fallen.min()) < -math.log(OPTIONS.parts[0] * tol)

@@ -13,7 +13,7 @@ from sie.basis.sums import OPTIONS as SUMS
 
 @record
 class Factored:
-    """LU factors of the matrix of the equation and its conditions.
+    """LU factors of the matrix whose rows are the equation and the side conditions.
 
     size_of_rows: root of the sum of squares of each row's terms at the solution; last: columns of
     the last coefficient of each solved zone; rows: the matrix itself, kept only if intensities are
@@ -38,7 +38,7 @@ class Factored:
         return self._solved(right, 0)
 
     def transposed(self, right: Array) -> Array:
-        """Solve with the transposed matrix."""
+        """The solution for the transposed matrix, for one or several right sides."""
         return self._solved(right, 1)
 
     def _solved(self, right: Array, trans: int) -> Array:
@@ -46,8 +46,8 @@ class Factored:
             return np.zeros(right.shape)
         if right.ndim == 1 or right.size > SUMS.min_matrix_pairs:
             return np.asarray(lapack.dgetrs(self.lu, self.pivots, right, trans)[0])
-        # For a few right sides together, BLAS would use threads, which takes as long and leaves the
-        # threads spinning for 0.1 s.
+        # For a few right sides together, BLAS would use several threads. This takes as long, and
+        # the threads would go on spinning for 0.1 s.
         out = np.empty_like(right)
         for i, column in enumerate(right.T):
             out[:, i] = lapack.dgetrs(self.lu, self.pivots, column, trans)[0]

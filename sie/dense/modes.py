@@ -32,47 +32,48 @@ OWN_SIZES = np.sort(np.concatenate((8 * 2 ** np.arange(13), 24 * 2 ** np.arange(
 
 @dataclass(frozen=True)
 class ModeOptions:
-    """Limits and tolerances of the numbers of modes."""
+    """Limits of the numbers of nodes and modes of zones, and tolerances of their choice."""
 
     # Largest number of nodes of a zone. A zone whose last coefficients have nearly decayed may have
-    # more, while the table of all zones has at most `memory_pairs` numbers.
+    # more nodes, while the table of all zones has at most `memory_pairs` numbers.
     max_nodes: int = 8192
-    # Coefficients below this fraction of the largest have nearly decayed. Those that have stopped
-    # decreasing are noise only below it. Those of a kernel as rough as |x - xi| decrease to less
-    # than half with 1.5 times the modes.
+    # Coefficients below this fraction of the largest one have nearly decayed. Only below it,
+    # coefficients that have stopped decreasing are taken for noise. Even those of a kernel as rough
+    # as |x - xi| decrease to less than half if there are 1.5 times as many modes.
     nearly_decayed: float = 1e-5
     # First number of nodes of a zone, and least number of coefficients that count as its leading
-    # ones. If the right side is singular close to the zone, there are so many nodes that its
+    # ones. If the right side is singular close to the zone, the first number is larger, so that the
     # coefficients decay to round-off.
     first_nodes: int = 16
-    # With fewer nodes for each jump on a zone, the decay of coefficients is not judged.
+    # The decay of a zone's coefficients is judged only if it has at least this number of nodes for
+    # each jump.
     nodes_per_piece: int = 4
-    # Largest number of coupled modes of a zone. For a regular kernel that needs more, or next to
-    # narrow gaps with fixed ends, it is the last of `COUPLED_SIZES`. Zones with moving ends do not
-    # need more, since narrow gaps between them are treated as slits.
+    # Largest number of coupled modes of a zone. It is the last of `COUPLED_SIZES` instead for a
+    # regular kernel that needs more, and next to narrow gaps with fixed ends. Zones with moving
+    # ends do not need more, since narrow gaps between them are treated as slits.
     max_modes: int = 768
-    # Matrices may have more entries than this only by zones with at most `max_modes` modes.
+    # If the matrix would have more entries than this, no zone gets more than `max_modes` modes.
     max_matrix_numbers: float = 4e7
-    # First number of modes, divided by the square root of (half width / length of a regular
-    # kernel). The density varies on the kernel's length only close to the ends, where Chebyshev
-    # nodes are dense. 24 give an error of about 1e-12, and modes are added where they are too few.
+    # First number of modes of a zone, divided by sqrt(half width / length of the regular kernel).
+    # Only close to the ends, where Chebyshev nodes are dense, does the density vary on this length.
+    # The factor 24 gives an error of about 1e-12, and modes are added where they are too few.
     first_modes_per_root: float = 24.0
 
 
 OPTIONS = ModeOptions()
 
-# Decay rate of a zone without neighbours: exp(-ALONE) is the smallest normal number.
+# Decay rate that stands for a zone without neighbours: exp(-ALONE) is the smallest normal number.
 ALONE = -math.log(np.finfo(float).tiny)
 COUPLED_SIZES = np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 12]).ravel()))
 
 
 def most(kernel: Kernel) -> int:
-    """Largest number of coupled modes of a zone."""
+    """Largest number of coupled modes of a zone, for the given kernel."""
     return OPTIONS.max_modes if np.isinf(kernel.length) else int(COUPLED_SIZES[-1])
 
 
 def enough(kernel: Kernel, tolerance: float) -> float:
-    """Level, relative to the largest, to which the coefficients of a regular part have to decay.
+    """Size, relative to the largest, to which the coefficients of a regular part must decay.
 
     If the kernel has a length they decay exponentially, so that a lower level costs little. It is
     useful because the truncation error counts more if the regular part nearly cancels the poles.
@@ -82,7 +83,7 @@ def enough(kernel: Kernel, tolerance: float) -> float:
 
 @record
 class Growth:
-    """History of the last coefficients of the field on each zone, while modes were added.
+    """History of each zone's last field coefficients in successive solves with more modes.
 
     m: numbers of modes of the last solution (Z,); tails: sizes of the last coefficients with the
     last three numbers of modes, the newest last (3, Z); floor: noise of a user's functions, which
@@ -95,13 +96,13 @@ class Growth:
 
     @classmethod
     def first(cls, m: Index, tails: Array) -> "Growth":
-        """The history after a first solution."""
+        """The history after the first solution, with m modes and the last coefficients `tails`."""
         return cls(
             m, np.array([np.full(len(m), np.inf), np.full(len(m), np.inf), tails]), np.zeros(len(m))
         )
 
     def after(self, m: Index, tails: Array, own: Index) -> "Growth":
-        """The history after the next solution.
+        """The history after one more solution, with m modes and the last coefficients `tails`.
 
         own: number of coefficients of the right side on each zone.
         """
@@ -109,9 +110,10 @@ class Growth:
             return Growth.first(m, tails)
         grew = m > self.m
         kept = np.where(grew, self.tails[1:], self.tails[:2])
-        # With fewer modes than the right side has, the further coefficients may be more than noise.
+        # If a zone has fewer modes than the right side has coefficients, its last coefficients may
+        # be more than noise. So only zones with more modes are judged.
         noisy = grew & (m > own) & (tails < OPTIONS.nearly_decayed) & (tails > 0.5 * kept[0])
-        # The factor four is a margin, since the noise differs from one solution to the next.
+        # The factor four is a margin, since the noise differs between solutions.
         return Growth(
             m,
             np.array([*kept, tails]),
@@ -120,7 +122,7 @@ class Growth:
 
 
 def least(zones: Zones, kernel: Kernel) -> Index:
-    """First number of coupled modes of each zone if the user gives the kernel's regular part."""
+    """First number of coupled modes of each zone for a user's regular part of the kernel."""
     lengths = zones.half / kernel.length
     return np.maximum(
         OPTIONS.first_nodes, np.ceil(OPTIONS.first_modes_per_root * np.sqrt(lengths))
@@ -128,7 +130,7 @@ def least(zones: Zones, kernel: Kernel) -> Index:
 
 
 def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Index:
-    """First number of nodes of each zone."""
+    """First number of nodes of each zone, from the distances of the right side's singularities."""
     if len(singular_at) == 0:
         return np.full(len(zones), OPTIONS.first_nodes)
     at = np.sort(wrapped(singular_at, float(zones.a[0]), period))
@@ -139,7 +141,7 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
             [np.inf],
         )
     )
-    # Only singularities strictly outside the zone count, not those at its ends.
+    # Singularities at the ends of the zone do not count, only those strictly outside it.
     left, right = (
         at[np.searchsorted(at, zones.a) - 1],
         at[np.searchsorted(at, zones.b, side="right")],
@@ -153,7 +155,7 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
 
 
 def most_own(zones: Zones) -> int:
-    """Largest number of nodes of a zone."""
+    """Largest number of nodes of a zone, for this number of zones."""
     return int(
         OWN_SIZES[
             np.searchsorted(
@@ -167,7 +169,7 @@ def most_own(zones: Zones) -> int:
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
-    """Number m of coupled modes of each zone, at least `least`.
+    """Number m of coupled modes of each zone, at least `least`, from the decay of fields.
 
     With it, rho^m of the nearest end of another zone is below the tolerance.
     """
@@ -176,7 +178,8 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
     want = np.minimum(
         np.where(by < ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here
     )
-    # If the matrix is too large, the zones with the most modes are reduced first.
+    # If the matrix is too large, the number of modes is reduced first for zones with the most
+    # modes.
     while (
         want.max(initial=0.0) > OPTIONS.max_modes and want.sum() ** 2 > OPTIONS.max_matrix_numbers
     ):
@@ -187,7 +190,7 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
 
 
 def decay(zones: Zones, kernel: Kernel) -> Array:
-    """Decay rate of the coefficients of the field of other zones, for each zone (Z,).
+    """Decay rate of the coefficients of the other zones' field on each zone (Z,).
 
     It is -log(rho) of the nearest end of another zone or image.
     """
@@ -196,7 +199,7 @@ def decay(zones: Zones, kernel: Kernel) -> Array:
 
 
 def least_distance() -> float:
-    """Distance of a singularity from a zone, over its width, down to which nodes resolve it.
+    """Least distance of a singularity from a zone, over the zone's width, that nodes resolve.
 
     With the largest number of nodes, the coefficients of the zone then nearly decay.
     """
@@ -205,7 +208,7 @@ def least_distance() -> float:
 
 
 def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
-    """Distances from each zone to the nearest zone or image on its left and right (inf if none)."""
+    """Distance of each zone from the nearest zone or image, on its left and right; inf if none."""
     between = zones.a[1:] - zones.b[:-1]
     shifts = [s for s in kernel.poles if s > 0]
     border = min(shifts) - (zones.b[-1] - zones.a[0]) if shifts else np.inf
@@ -214,7 +217,7 @@ def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
 
 @record
 class Samples:
-    """The sampled smooth part of the right side.
+    """Chebyshev coefficients of the smooth part of the right side, from samples on each zone.
 
     coefficients: U coefficients g_k at [:, k] (g_0 unused); own: number of nodes of each zone;
     tail: size of the last coefficients of each zone; evaluations: number of values computed.
@@ -229,7 +232,7 @@ class Samples:
 def sample(
     forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tolerance: float, largest: int
 ) -> Samples:
-    """Sample the right side on each zone, with nodes doubled until the coefficients have decayed.
+    """Sample the right side on each zone; double the nodes until the coefficients have decayed.
 
     A symmetric set is sampled on its right half only. The decay is measured relative to the
     coefficients of the smooth part or of the subtracted jumps, whichever are larger. Under a wedge,
@@ -241,10 +244,10 @@ def sample(
     knots = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     bent = knots > 0
     bent[jumps.kinked] = False
-    # The largest of many coefficients of noise is some four times their standard deviation.
+    # The largest of many coefficients that are noise is about four times their standard deviation.
     noise = np.maximum(jumps.rounding(len(zones)), 4 * np.sqrt(2) * forcing.resolution.rounding)
     found: list[tuple[Index, Array]] = []
-    # The last two numbers of nodes, and sizes of last coefficients, of each zone.
+    # For each zone: the last two numbers of nodes, and the sizes of the last coefficients for them.
     sizes, tails = np.ones((len(zones), 2)), np.full((len(zones), 2), -np.inf)
     calm = np.zeros(len(zones), dtype=np.intp)
     pending = zones.solved
@@ -262,8 +265,8 @@ def sample(
             scale = np.where(
                 bent[group], largest_value, np.maximum(np.abs(g).max(axis=1), subtracted[group])
             )
-            # Positions are rounded to half a unit in their last digit, which the slope of g turns
-            # into noise in all coefficients.
+            # Positions are rounded to half a unit in their last digit. By the slope of g, this
+            # rounding causes noise in all coefficients of the right side g.
             rounded = (
                 place_rounding(zones, group)
                 * root_of_squares(g, np.arange(1.0, int(n) + 1))
@@ -273,16 +276,17 @@ def sample(
                 last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))
             ) & (n < largest)
             grow &= (n < OPTIONS.max_nodes) | (last <= OPTIONS.nearly_decayed * scale)
-            # Last coefficients ~ 1/n come from a jump of g, and ~ 1/sqrt(n) from round-off. So
-            # those that decrease more slowly than n^-0.75 are round-off. This is tested for the
-            # last two numbers of nodes, since next to knots one of them may agree by chance.
+            # If g jumps, the last of n coefficients decrease as 1/n; if they are round-off, as
+            # 1/sqrt(n). So coefficients that decrease more slowly than n^-0.75 are round-off. This
+            # is tested for the last two numbers of nodes, since next to knots one of them may agree
+            # by chance.
             slow = (tails[group, 1] >= 0) & (
                 last[:, None] > tails[group] * (sizes[group] / n) ** 0.75
             ).all(axis=1)
             sizes[group], tails[group] = sizes[group][:, [1, 1]], tails[group][:, [1, 1]]
             sizes[group, 1], tails[group, 1] = n, last
-            # Too few nodes do not resolve the function between jumps, so that its coefficients do
-            # not yet show how they decay.
+            # If there are too few nodes to resolve the function between its jumps, the coefficients
+            # do not yet show how they decay.
             calm[group] += (
                 slow
                 & (last < OPTIONS.nearly_decayed * scale)
@@ -307,7 +311,7 @@ def sample(
 
 
 def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
-    """Cut long series whose second half no longer decreases, in place: that half is round-off.
+    """Cut long series, in place, where the second half is round-off and no longer decreases.
 
     From the middle to the end the coefficients of a jump decrease to half, and round-off does not.
     The limit is the geometric mean of both ratios.
@@ -325,14 +329,14 @@ def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
 
 
 def place_rounding(zones: Zones, group: Index) -> Array:
-    """Spacing of floating-point numbers at zones, divided by their half widths."""
+    """Spacing of floating-point numbers at each zone, divided by the zone's half width."""
     return np.asarray(
         np.spacing(np.maximum(np.abs(zones.a[group]), np.abs(zones.b[group]))) / zones.half[group]
     )
 
 
 def mirror(zones: Zones, table: Array) -> None:
-    """Fill the left half of a symmetric set's table from the right one: T_k(-t) = (-1)^k T_k(t)."""
+    """Fill the left half of a symmetric coefficient table from its right half."""
     left = np.arange(len(zones) // 2)
     table[left] = table[::-1][left] * (1.0 - 2.0 * (np.arange(table.shape[1]) % 2))
 
@@ -345,15 +349,15 @@ def _values(
     left, right = left[1:-1], right[1:-1]
     w = zones.half[group][:, None]
     end = np.where(left <= right, zones.a[group][:, None], zones.b[group][:, None])
-    # Nodes are measured from the ends as rounded positions; `rest` is the part below the last
-    # digit.
+    # Nodes are measured from the rounded positions of the ends; `rest` is the part of the ends
+    # below the last digit.
     rest = zones.rest[:, group][:, :, None]
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
-    # The nodes of each zone, one zone after the other.
+    # Arrays of the nodes of all zones, one zone after the other.
     of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
     if float(place_rounding(zones, group).max()) > SUM_ROUNDING:
-        # The slope of g is needed. Jumps of g are removed first, since g on either side of a jump
-        # has a slope without them.
+        # The slope of g is needed. Jumps of g are removed first, so that values on both sides of a
+        # jump give the slope.
         levels = jumps.level_part(*of_jumps).reshape(len(group), -1)
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)
     else:
@@ -364,18 +368,19 @@ def _values(
 
 
 def conformal_radius(left: Array, right: Array) -> Array:
-    """Conformal radius R by the distances to both neighbours; one of them may be infinite."""
+    """Conformal radius R from the distances of both neighbours, at most one of them infinite."""
     with np.errstate(divide="ignore"):
         return np.asarray(4 / (1 / left + 1 / right))
 
 
 def felt(left: Array, right: Array) -> tuple[Array, Array]:
-    """Weights of the left and of the right neighbour's level in the potential between them.
+    """Weights of the left and the right neighbour's level in the potential between these two.
 
     They are harmonic measures (see the head of this file), and their sum is one.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
-        # sqrt(left / right) is the tangent of half the angle of asin(s) from -pi / 2.
+        # The weight of the right neighbour is 1/2 + asin(s) / pi, with s from -1 to 1 between the
+        # neighbours. Here sqrt(left / right) is the tangent of half the angle asin(s) + pi / 2.
         of_right = np.where(
             np.isinf(left) & np.isinf(right), 0.5, 2 / np.pi * np.arctan(np.sqrt(left / right))
         )

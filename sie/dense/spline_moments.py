@@ -27,10 +27,10 @@ from sie.jumps.right_side import ForcingJumps
 
 @dataclass(frozen=True)
 class MomentOptions:
-    """Options of the coefficients by integrals between jumps."""
+    """Options for computing coefficients of the right side by integrals between its jumps."""
 
-    # Zones with at least this number of jumps use the integrals. With so many jumps the truncated
-    # powers are some ten times the right side.
+    # Zones with at least this number of jumps use the integrals between jumps. With so many jumps,
+    # the truncated powers are some ten times as large as the right side.
     min_jumps: int = 32
 
 
@@ -38,18 +38,19 @@ OPTIONS = MomentOptions()
 
 
 def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
-    """Ascending solved zones with many jumps of derivatives of the right side or the density."""
+    """Indices (ascending) of the solved zones with many jumps of a derivative."""
     if len(forcing.jumps) == 0:
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     count[list(jumps.splines)] += OPTIONS.min_jumps
-    # Near algebraic points the right side is not smooth between its jumps.
+    # Near algebraic points the right side is not smooth between its jumps, so the integrals are not
+    # used.
     count[list(jumps.poles.by_zone)] = 0
     return np.asarray(zones.solved[count[zones.solved] >= OPTIONS.min_jumps])
 
 
 def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
-    """(angles, weights) of the quadrature between the jumps of a zone.
+    """(angles, weights) of the quadrature on the intervals between the jumps of a zone.
 
     For sin(k theta) up to k = `highest` it has no error above round-off.
     """
@@ -61,7 +62,7 @@ def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
 def coefficients(
     forcing: Forcing, zones: Zones, jumps: ForcingJumps, chosen: Index, m: Index
 ) -> tuple[Array, Array]:
-    """(coefficients g_k at [:, k] for k = 1 ... m, mean of the primitive) of the chosen zones.
+    """(coefficients g_k of the right side at [:, k], mean of its primitive) of zones `chosen`.
 
     The means are 0 if the right side has no primitive.
     """

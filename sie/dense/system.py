@@ -38,7 +38,7 @@ from sie.trees.tree import TERMS
 
 @record
 class Layout:
-    """Order of the unknowns.
+    """Order of the unknowns in their array.
 
     Zone i has the coefficients offset[i] ... offset[i] + m[i]. The amplitudes of the columns follow
     after all zones.
@@ -60,7 +60,7 @@ class Layout:
         return self.coefficients + self.columns
 
     def amplitude(self, k: int) -> int:
-        """Index of the amplitude of column k."""
+        """Index of the unknown amplitude of the equation's term `columns[k]`."""
         if not 0 <= k < self.columns:
             raise ValueError(
                 f"a condition asks for the amplitude of column {k}, but the equation has "
@@ -70,17 +70,17 @@ class Layout:
 
     @cached_property
     def given(self) -> Mask:
-        """Mask of a (zones, max m + 1) table: which of its entries are unknowns."""
+        """Mask of the entries of a (zones, max m + 1) table that are unknowns."""
         return np.asarray(np.arange(int(self.m.max()) + 1) <= self.m[:, None])
 
     def padded(self, y: Array) -> Array:
-        """Coefficients as a (zones, max m + 1) table, zero where a zone has fewer."""
+        """The unknown coefficients as a (zones, max m + 1) table, with zeros for missing modes."""
         out = np.zeros(self.given.shape)
         out[self.given] = y[: self.coefficients]
         return out
 
     def flat(self, table: Array) -> Array:
-        """The unknowns with these coefficients, in the order of `Layout`; amplitudes are zero.
+        """The array of unknowns with the coefficients of the table; amplitudes are zero.
 
         It is the inverse of `padded`.
         """
@@ -91,7 +91,7 @@ class Layout:
 
 @record
 class Targets:
-    """Points on zones: zone index, distances from the zone's left and right end, and positions."""
+    """Points on zones: index of the zone, distances from its left and right end, position."""
 
     zone: Index
     left: Array
@@ -100,7 +100,7 @@ class Targets:
 
     @classmethod
     def lobatto(cls, zones: Zones, chosen: Index, m: Index) -> "Targets":
-        """The Lobatto nodes of each chosen zone, ends included, from right to left."""
+        """The Lobatto nodes of each chosen zone, including the ends, from right to left."""
         count = m[chosen] + 2
         start = np.cumsum(count) - count
         zone = np.repeat(chosen, count)
@@ -115,7 +115,7 @@ class Targets:
         return cls(zone, lefts, rights, x)
 
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
-        """(targets relative to the zones `sources` moved by `shift`, mask), (points, sources) each.
+        """(points relative to the zones `sources` moved by `shift`, mask), each (points, sources).
 
         The mask is 0 for a target on the source itself, else 1. It is None if `shift` is not 0,
         since then there is no such pair. Distances are sums of the gap between the two zones and
@@ -144,17 +144,17 @@ class Targets:
 
 @record
 class Places:
-    """Points x outside all zones."""
+    """Points x that lie outside all zones."""
 
     x: Array
 
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
-        """The points relative to the zones `sources` moved by `shift`; see `Targets.seen`."""
+        """The points relative to the zones `sources` moved by `shift`, like `Targets.seen`."""
         return outside(zones.a[sources] + shift, zones.b[sources] + shift, self.x[:, None]), None
 
 
 def outside(a: Array, b: Array, x: Array) -> Outside:
-    """Points x outside the intervals [a, b], relative to these intervals."""
+    """Points x outside the intervals [a, b], in coordinates relative to each interval."""
     right = x > 0.5 * (a + b)
     return Outside(np.where(right, 1.0, -1.0), np.where(right, x - b, a - x) / (0.5 * (b - a)))
 
@@ -162,7 +162,7 @@ def outside(a: Array, b: Array, x: Array) -> Outside:
 def fields(
     zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout, potential: bool
 ) -> Array:
-    """Transform at the targets of the density of each unknown coefficient, (points, unknowns).
+    """Transform or potential at the targets for a unit of each unknown (points, unknowns).
 
     If `potential` is set it is the potential divided by the half width of the zone. The effect of a
     zone on itself is omitted.
@@ -188,7 +188,7 @@ def fields(
 def _add_regular(
     out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Layout, potential: bool
 ) -> None:
-    """Add the field of the kernel's regular part at points x to `out`."""
+    """Add the field of the kernel's regular part at points x to the table `out`."""
     regular = kernel.regular_potential if potential else kernel.regular
     if regular is None:
         raise ValueError("a condition on potentials needs the regular kernel's potential")
@@ -212,7 +212,7 @@ def _add_regular(
 def _panel_moments(
     zones: Zones, panels: Panels | Skeleton, layout: Layout, over_width: bool
 ) -> Array:
-    """Moments on the panels of the density of each unknown coefficient, (moments, coefficients).
+    """Moments on the panels for a unit of each unknown coefficient (moments, coefficients).
 
     over_width: whether they are divided by the half width of the zone.
     """
@@ -230,7 +230,7 @@ def _panel_moments(
 
 
 class System(Rows):
-    """Matrix rows of the equation, and of the quantities in side conditions (see `Rows`).
+    """Matrix rows of the equation, and of the quantities that side conditions use (see `Rows`).
 
     coefficients: U coefficients g_k of the smooth part of the right side at [:, k], for all zones.
     """
@@ -242,7 +242,7 @@ class System(Rows):
         self.equation, self.zones, self.jumps, self.g = equation, zones, jumps, coefficients
         self.layout = Layout(m, len(equation.columns))
         self.known = jumps.first_coefficients(zones, m + 1)
-        # On zones with many jumps, the unknowns up to m include the coefficients of the jumps.
+        # On zones with many jumps, the unknowns up to mode m include the coefficients of the jumps.
         self.by_moments = many_jumps(equation.forcing, zones, jumps)
         self.taken = np.zeros_like(self.known)
         self.lowest = coefficients
@@ -250,8 +250,8 @@ class System(Rows):
             self._take(m)
         self.targets = Targets.lobatto(zones, zones.solved, m)
         self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
-        # Index of the unknown c_k of each row k = 1 ... m of the solved zones, and the rows that
-        # are kept: a zone at the centre of symmetry keeps those of even k only.
+        # Each row k = 1 ... m of a solved zone has an unknown c_k, with index `own`. A zone at the
+        # centre of symmetry keeps only the rows of even k.
         zone, k = np.repeat(zones.solved, m[zones.solved]), numbered(m[zones.solved]) + 1
         self.own = self.layout.offset[zone] + k
         self.kept: Index | slice = (
@@ -260,7 +260,8 @@ class System(Rows):
             else slice(None)
         )
         self.source_tails = np.zeros(len(zones))
-        # Largest value on each solved zone of each unknown's field, computed if modes may grow.
+        # Largest value of the field of each unknown on each solved zone, computed if modes may
+        # grow.
         self.field_sizes: Array | None = None
 
     def _take(self, m: Index) -> None:
@@ -274,9 +275,9 @@ class System(Rows):
                 self.equation.forcing, zones, self.jumps, chosen, m
             )
         else:
-            # With jumps of the density, g is not smoother between the jumps, so integrals between
-            # them do not help. The coefficients are those of the smooth part less those of the
-            # jumps.
+            # If the density jumps, the right side g is not smoother between the jumps, so integrals
+            # between them do not help. The coefficients are those of the smooth part minus those of
+            # the jumps.
             of_g = widened(self.g[chosen], self.taken.shape[1])
             of_g[:, : self.taken.shape[1]] -= self.taken[chosen]
         count = max(self.g.shape[1], of_g.shape[1])
@@ -285,14 +286,14 @@ class System(Rows):
         self.lowest[chosen] = np.where(inner, widened(of_g, count), self.lowest[chosen])
 
     def equation_rows(self) -> tuple[Array, Array]:
-        """(matrix, right side) of the kept rows."""
+        """(matrix, right side) of the rows of the equation that are kept."""
         layout, zones = self.layout, self.zones
         if len(self.own) == 0:  # no zone has coupled modes: only the totals are unknown
             return np.zeros((0, layout.size)), np.zeros(0)
         raw = fields(zones, self.equation.kernel, self.targets, layout, potential=False)
         if self.equation.kernel.grows and panels_over(self.equation.kernel, zones) is None:
             # The last coefficients of the kernel as a function of xi show whether the quadrature
-            # resolves it.
+            # resolves the kernel.
             if np.isfinite(self.equation.kernel.length):
                 self.source_tails = self._quadrature_tails()
             else:
@@ -313,7 +314,7 @@ class System(Rows):
         return rows[self.kept], right[self.kept]
 
     def _quadrature_tails(self) -> Array:
-        """Quadrature error on each zone (Z,), relative, for a kernel that declares its length.
+        """Relative quadrature error on each zone (Z,), for a kernel that declares its length.
 
         Gauss's rule confuses one coefficient of the kernel with the highest mode. The error is the
         size of this coefficient, extrapolated for x at both ends and in the middle of the zone.
@@ -331,7 +332,9 @@ class System(Rows):
         return tails
 
     def projected(self, values: Array) -> Array:
-        """U coefficients k = 1 ... m of values at the targets, one solved zone after the other."""
+        """Coefficients k = 1 ... m in U_{k-1} of values at the targets, for each solved zone in
+        turn.
+        """
         m = self.layout.m[self.zones.solved]
         first, out = np.cumsum(m) - m, np.empty((int(m.sum()), *values.shape[1:]))
         for count in set(m.tolist()):
@@ -348,7 +351,7 @@ class System(Rows):
 
     @cached_property
     def unseen_moments(self) -> Array | None:
-        """Moments on the panels of the coefficients above m, which are not unknowns, or None.
+        """Moments on the panels of the known coefficients above mode m; None if there are none.
 
         It is None if the regular part of the kernel acts on no such coefficients.
         """
@@ -363,7 +366,7 @@ class System(Rows):
         return moments_of(panels, zones, self.equation.kernel, table, ForcingJumps.none())
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
-        """(all rows of the equation, levels) of a density, from its moments on the panels."""
+        """(equation rows, levels) of a density, from its moments on the panels."""
         assert self.panels is not None
         spread = self.panels.spread(self.targets.x)
         rows = self.projected(self.panels.at(spread, moments, False))
@@ -373,12 +376,12 @@ class System(Rows):
 
     @cached_property
     def diagonal(self) -> Index:
-        """Index of the unknown c_k of each kept row of the equation."""
+        """Index of the unknown c_k for each row of the equation that is kept."""
         return self.own[self.kept]
 
     @cached_property
     def last_unknowns(self) -> Index:
-        """Index of the last kept coefficient of each solved zone among the kept unknowns.
+        """Index of each solved zone's last kept coefficient among the kept unknowns.
 
         A zone at the centre of symmetry has even coefficients only.
         """
@@ -410,7 +413,7 @@ class System(Rows):
     def weighted(
         self, weight: Callable[[Array], Array], degree: int | None
     ) -> tuple[list[Array], Array]:
-        """(factors of the coefficients, constants) of the integral of weight times density.
+        """(factors of the unknowns, constants) of the integral of `weight` times the density.
 
         Both have one entry for each solved zone.
         """
@@ -435,7 +438,7 @@ class System(Rows):
     def moments(
         self, weight: Callable[[Array], Array], zone: int, size: int, degree: int | None = None
     ) -> Array:
-        """Means over a zone of the function `weight` times T_l, with respect to theta.
+        """Means over a zone, with respect to theta, of the function `weight` times T_l.
 
         Their number follows from the degree of a polynomial. For other functions it is doubled from
         `size` on until they have decayed.
@@ -478,7 +481,7 @@ class System(Rows):
 
     @cached_property
     def beyond(self) -> Array:
-        """Known coefficients of the density for intensities, (all zones, n + 1).
+        """Known coefficients of the density, for the intensities K (all zones, n + 1).
 
         Above m they are those of the right side. Up to m they correct for jumps whose coefficients
         the unknowns include.
@@ -495,7 +498,7 @@ class System(Rows):
 
     @cached_property
     def wants_levels(self) -> bool:
-        """Whether a side condition involves levels."""
+        """Whether any side condition contains levels."""
         return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
 
     @property
@@ -503,7 +506,7 @@ class System(Rows):
         return self.levels()[1]
 
     def level_changes(self, y: Array) -> Array:
-        """The part of the levels that is linear in the unknowns, for unknowns y."""
+        """The part of the levels that is linear in the unknowns y."""
         return np.asarray(self.levels()[0] @ y)
 
     @property
@@ -515,11 +518,11 @@ class System(Rows):
         return False
 
     def level_rounding(self, y: Array) -> Array | float:
-        """Root mean square of the round-off of the potentials in each level."""
+        """Root mean square round-off of the potentials in each level."""
         return 2.2e-16 * root_of_squares(self.levels()[0], y)
 
     def levels(self) -> Linear:
-        """Levels of the solved zones, as (rows, constants); see `Rows`.
+        """Levels of the solved zones, as (rows, constants) in the unknowns; see `Rows`.
 
         The mean of a zone's own potential is w c_0 log(w / 2), with the half width w. The mean of
         the primitive of g follows from its values at the ends and from the coefficients of g, since
@@ -550,7 +553,9 @@ class System(Rows):
         return self.means(primitive(self.targets.x))
 
     def means(self, values: Array) -> Array:
-        """Means with respect to theta over each solved zone, of values at its nodes (n, ...)."""
+        """Means over each solved zone, with respect to theta, of values at the zone's nodes (n,
+        ...).
+        """
         return np.array(
             [
                 (values[s:e].sum(axis=0) - 0.5 * (values[s] + values[e - 1])) / (e - s - 1)
@@ -579,7 +584,7 @@ class System(Rows):
 
 
 def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, Array]:
-    """(matrix rows, right sides) of all side conditions, then of intensities at fixed ends."""
+    """(rows, right sides) of all side conditions, then of the intensities at fixed ends."""
     zones, rows, values = system.zones, [np.zeros((0, size))], [np.zeros(0)]
     for condition in equation.conditions:
         matrix, constants, wanted = asked(condition, system, size)
@@ -598,7 +603,7 @@ def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, 
 
 @record
 class MirrorSymmetry:
-    """Which unknowns are kept: half of them for symmetric zones, else all.
+    """Selection of the unknowns that are kept: half of all for symmetric zones, else all.
 
     whole: number of all unknowns; size: number of kept ones; keep: indices of the kept ones. The
     unknowns at `follow` are `sign` times those at `source`.
@@ -637,13 +642,13 @@ class MirrorSymmetry:
         )
 
     def position(self, unknowns: Index) -> Index:
-        """Positions of the given unknowns among the kept ones; -1 if an unknown is not kept."""
+        """Positions of the given unknowns among the kept unknowns; -1 for those not kept."""
         places = np.full(self.whole, -1, dtype=np.intp)
         places[self.keep] = np.arange(self.size)
         return np.asarray(places[unknowns])
 
     def fold(self, matrix: Array) -> Array:
-        """The matrix for kept unknowns: columns of mirrored ones are added to their sources."""
+        """The matrix for the kept unknowns; columns of mirror images are added to kept columns."""
         if len(self.follow):
             matrix[:, self.source] += matrix[:, self.follow] * self.sign
         return np.asarray(matrix[:, self.keep])

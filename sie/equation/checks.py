@@ -24,21 +24,21 @@ from sie.equation.forcing import Forcing
 
 @dataclass(frozen=True)
 class CheckOptions:
-    """Places at which a user's functions are checked, and the tolerances of the checks.
+    """Positions at which a user's functions are checked, and tolerances of these checks.
 
     A claimed degree, number of modes or dependence on the lag must hold to half of all digits.
     """
 
-    # Normalised positions of the check points on each of at most three zones.
+    # Positions of the check points on each of at most three zones, from -1 to 1 on a zone.
     places: tuple[float, ...] = (-0.7, 0.1, 0.6)
-    # Half lengths, relative to the zone's half width, of the intervals over which a primitive must
-    # rise by the integral of its function. The second one is for functions that vary so fast that
-    # five values on the first interval do not show it.
+    # Half lengths of intervals, relative to the zone's half width. Over each interval, a primitive
+    # must rise by the integral of its function. The second interval is for functions that vary too
+    # fast for five values on the first one.
     steps: tuple[float, ...] = (1e-3, 2e-5)
-    # Largest difference between the slope of a primitive and its function, relative to the largest
-    # value of the function. It is above the round-off of both steps.
+    # Largest difference between the slope of a primitive and its function, relative to the
+    # function's largest value. It is above the round-off for both lengths of intervals.
     max_slope_error: float = 1e-4
-    # Number of coefficients beyond the claimed ones that are checked to be zero.
+    # Number of coefficients above the declared number that are checked to be zero.
     extra_coefficients: int = 8
 
 
@@ -47,7 +47,7 @@ _T = np.array(OPTIONS.places)
 
 
 def check_functions(equation: Equation, zones: Zones) -> None:
-    """Raise ValueError for a function of the equation that contradicts its declaration."""
+    """Raise ValueError if a function of the equation contradicts what is declared about it."""
     how = (
         any(
             condition.count(zones) > 0 and speaks_of_levels(condition, zones)
@@ -84,27 +84,27 @@ def check_functions(equation: Equation, zones: Zones) -> None:
 
 
 def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool]]:
-    """The pairs (potentials are needed, zones are symmetric) for which a part has been checked."""
+    """The cases for which a part was checked: (potentials are needed, zones are symmetric)."""
     found: set[tuple[bool, bool]] = part.__dict__.setdefault("_checked", set())
     return found
 
 
 def _places(zones: Zones) -> tuple[Array, Array]:
-    """(points for the checks, half width of the zone of each point)."""
+    """(points at which functions are checked, half width of the zone of each point)."""
     some = _some(zones)
     x = zones.middle[some, None] + zones.half[some, None] * _T
     return x.ravel(), np.repeat(zones.half[some], len(_T))
 
 
 def _some(zones: Zones) -> list[int]:
-    """Indices of the first, a middle and the last one of the solved zones."""
+    """Indices of three solved zones: the first, one in the middle, and the last."""
     return sorted(
         {int(zones.solved[0]), int(zones.solved[len(zones.solved) // 2]), int(zones.solved[-1])}
     )
 
 
 def _called(name: str, function: Callable[..., Any], *places: Array) -> Any:
-    """The result of a user's function, or a ValueError with its name and its exception."""
+    """The result of a user's function; ValueError with the function's name if it raises."""
     try:
         with np.errstate(all="ignore"):
             return function(*places)
@@ -116,7 +116,7 @@ def _called(name: str, function: Callable[..., Any], *places: Array) -> Any:
 
 
 def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array:
-    """The values that a user's function returned, checked to be real and of the right shape."""
+    """The values that a user's function returned, if they are real and have the right shape."""
     values = np.asarray(returned)
     if values.dtype.kind == "c":
         raise ValueError(
@@ -140,7 +140,7 @@ def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array
 def _check_forcing(
     name: str, forcing: Forcing, x: Array, half: Array, levels: bool, symmetric: bool
 ) -> None:
-    """Raise ValueError for a wrong value or primitive of a right side or a column."""
+    """Raise ValueError for a wrong value or primitive of a function on the right side."""
     for part, function in (("value", forcing.value), ("primitive", forcing.primitive)):
         if not (callable(function) or (part == "primitive" and function is None)):
             raise ValueError(
@@ -205,7 +205,7 @@ def _check_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetric
 
 
 def _check_degree(name: str, weight: Callable[[Array], Array], degree: int, zones: Zones) -> None:
-    """Raise ValueError for a weight that is no polynomial of the claimed degree."""
+    """Raise ValueError for a weight that is not a polynomial of the declared degree."""
     for zone in _some(zones):
         x = zones.middle[zone] + zones.half[zone] * chebyshev.gauss(
             degree + 1 + OPTIONS.extra_coefficients
@@ -228,7 +228,7 @@ def _check_degree(name: str, weight: Callable[[Array], Array], degree: int, zone
 
 
 def _check_modes(name: str, forcing: Forcing, zones: Zones) -> None:
-    """Raise ValueError for a column with more modes than it claims."""
+    """Raise ValueError for a term of unknown amplitude that has more modes than declared."""
     modes = forcing.resolution.modes
     if modes is None:
         return
@@ -248,15 +248,16 @@ def _check_modes(name: str, forcing: Forcing, zones: Zones) -> None:
 
 
 def _of_places(x: Array, length: float, values: Array) -> float:
-    """Change of values by the round-off of the places x, if they vary over this length."""
+    """Change of `values`, which vary over `length`, caused by the round-off of the places x."""
     return float(8 * np.spacing(np.abs(x).max()) / max(length, 1e-300) * np.ptp(values))
 
 
 def _check_lag(kernel: Kernel, x: Array, half: Array) -> None:
-    """Raise ValueError for a regular part that claims to depend on x - xi only, but does not."""
+    """Raise ValueError for a regular part declared to depend on x - xi alone that does not."""
     if not kernel.of_lag or kernel.regular is None:
         return
-    # x and xi are shifted by the same distance. It is so short that both stay within their zones.
+    # Both x and xi are shifted by the same distance, which is so short that both stay within their
+    # zones.
     places = x.reshape(-1, len(_T))[:, :2].ravel()
     target, source = np.repeat(places, len(places)), np.tile(places, len(places))
     shift = (_T[2] - _T[1]) * half.min()
@@ -285,7 +286,7 @@ def _check_lag(kernel: Kernel, x: Array, half: Array) -> None:
 
 
 def _check_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
-    """Raise ValueError unless the values at the mirrored places are minus the values at x."""
+    """Raise ValueError unless the values `there` at -x are minus the values `here` at x."""
     size = np.abs(here).max(initial=0.0)
     difference = np.abs(here + there).reshape(len(x), -1).max(axis=1)
     worst = int(np.argmax(difference))
@@ -306,7 +307,7 @@ def _check_rise(
     x: Array,
     half: Array,
 ) -> None:
-    """Raise ValueError for a primitive whose slope is not the function.
+    """Raise ValueError for a primitive whose slope is not the given function.
 
     By the mean value theorem, the primitive rises over a short interval by the interval's length
     times a value of the function there. If the discrepancy of the rise does not become smaller on a
@@ -320,14 +321,15 @@ def _check_rise(
             ends = primitive(x[:, None] + h[:, None] * np.array([-1.0, 1.0]))
             rise = np.diff(ends)[:, 0] / (2 * h)
             low, high, size = g.min(axis=1), g.max(axis=1), np.abs(g).max(initial=0.0)
-            # If the primitive has large values, its rise over a short interval may be round-off.
+            # If the primitive has large values, its rise over a short interval may be only
+            # round-off.
             slack = (
                 (high - low)
                 + OPTIONS.max_slope_error * size
                 + SUM_ROUNDING * np.abs(ends).max(axis=1) / (2 * h)
             )
-            # Values that are not finite are skipped. So are zones so narrow that the round-off of
-            # places makes the interval too long for them.
+            # Values that are not finite are skipped. Zones are skipped, too, if they are so narrow
+            # that the interval, which the round-off of places makes longer, is too long for them.
             missed = 2 * h * np.maximum(low - slack - rise, rise - high - slack)
             wrong &= (missed > 0.0) & (missing >= 0.5 * np.sqrt(longer / h) * missed)
             wrong &= (h < 0.1 * half) & np.isfinite(g).all(axis=1)

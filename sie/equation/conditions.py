@@ -23,7 +23,7 @@ Linear = tuple[Array, Array]
 
 
 class Rows(Protocol):
-    """Quantities of the assembled system that a condition may use, for each solved zone.
+    """Quantities of the assembled system that a side condition may use, for each solved zone.
 
     Each method returns (matrix, constants): the quantities are matrix @ unknowns + constants.
 
@@ -51,33 +51,33 @@ class Rows(Protocol):
     """The zones of the system."""
 
     def totals(self) -> Linear:
-        """Integral of the density over each zone."""
+        """Integral of the density over each solved zone."""
 
     def levels(self) -> Linear:
-        """Level of each zone: mean of the potential minus the primitive of the right side.
+        """Level of each solved zone: mean of the potential minus the primitive of the right side.
 
         The weight of the mean is 1 / sqrt(1 - t^2).
         """
 
     def level_steps(self) -> Linear:
-        """Differences of the levels of neighbouring zones, the next one minus this one."""
+        """Differences of the levels of neighbouring zones: the right one minus the left one."""
         matrix, constants = self.levels()
         return np.diff(matrix, axis=0), np.diff(constants)
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """Integral of weight times density over each zone.
+        """Integral of `weight` times the density over each solved zone.
 
         degree: degree of the weight if it is a polynomial on each zone, else None.
         """
 
     def intensities(self) -> tuple[Linear, Linear]:
-        """Intensities K at the left and at the right end of each zone."""
+        """Intensities K at the left end and at the right end of each solved zone."""
 
     def amplitude(self, k: int) -> Linear:
-        """The amplitude of column k."""
+        """The amplitude of the equation's term `columns[k]`."""
 
     def multiplicity(self) -> Array:
-        """Number of zones for each solved zone: 2 for a mirrored pair, else 1."""
+        """Number of zones that each solved zone stands for: 2 with a mirror image, else 1."""
         weight = np.ones(len(self.zones.solved))
         if self.zones.symmetric:
             weight[1 if self.zones.central else 0 :] = 2.0
@@ -85,7 +85,7 @@ class Rows(Protocol):
 
 
 class Condition:
-    """Base of side conditions: linear equations for the density and the unknown amplitudes.
+    """Base class of side conditions: linear equations for the density and the amplitudes.
 
     A user's condition has a method `rows(system)`. It returns (matrix, constants, values) of the
     shapes (count, unknowns), (count,), (count,), which stand for matrix @ unknowns + constants =
@@ -122,7 +122,7 @@ class Condition:
     """Whether the condition contains potentials."""
 
     def count(self, zones: Zones) -> int:
-        """Number of rows."""
+        """Number of rows (scalar equations) of the condition."""
         return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
@@ -154,13 +154,13 @@ def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, 
 
 
 def of_levels(condition: Condition, zones: Zones) -> Array:
-    """Coefficients of the levels in the rows of a condition, shape (rows, solved zones)."""
+    """Coefficients of the levels in the rows of a condition (rows, solved zones)."""
     count = len(zones.solved)
     return asked(condition, Trial(zones, np.zeros((count, count)), np.eye(count)), count)[0]
 
 
 def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
-    """Whether a condition contains potentials: it says so, or its rows respond to trial levels."""
+    """Whether a condition contains potentials: as declared, or as trial levels show."""
     if condition.levels or type(condition).rows in _SILENT:
         return condition.levels
     level = np.random.default_rng(0).uniform(0.5, 1.5, (len(zones.solved), 1))
@@ -170,7 +170,7 @@ def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
 
 @record
 class ByZone:
-    """Coefficients of a condition with a row for each solved zone, or each pair of neighbours.
+    """Coefficients of a condition with one row for each zone, or for each neighbouring pair.
 
     `by_zone` finds them from the response of its rows to levels and to densities c_0 / sqrt(1 -
     t^2). Row i of the condition is
@@ -185,13 +185,13 @@ class ByZone:
 
     @property
     def of_levels(self) -> bool:
-        """Whether every row contains a level; otherwise none does."""
+        """Whether all rows of the condition contain a level; otherwise no row does."""
         return bool(np.all(self.levels != 0.0))
 
 
 @record
 class Trial(Rows):
-    """Quantities of a trial density c_0 / sqrt(1 - t^2) on every solved zone.
+    """Quantities of a trial density c_0 / sqrt(1 - t^2) on each solved zone.
 
     Its levels do not depend on the density. first, level: matrices (solved zones, unknowns) from
     the unknowns to c_0 and to the levels.
@@ -203,7 +203,7 @@ class Trial(Rows):
 
     @property
     def _scaled(self) -> Array:
-        """Matrix of the integrals over the zones: `first` times pi and the half width."""
+        """Matrix of the integrals over zones: pi times the half width times `first`."""
         return np.asarray(np.pi * self.zones.half[self.zones.solved][:, None] * self.first)
 
     def totals(self) -> Linear:
@@ -234,14 +234,14 @@ class Trial(Rows):
 
 
 def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
-    """The coefficients with which a condition acts on each zone alone; None if it does not.
+    """Coefficients of a condition that acts on each zone by itself; None for other conditions.
 
     The response of its rows to trial values that are equal on all zones, or rise evenly, gives the
     coefficients. The response to random values shows whether the condition contains anything else.
     """
     solved, count = zones.solved, condition.count(zones)
     n = len(solved)
-    # With two zones, the single row of a user's condition need not be a difference.
+    # With two zones, the single row of a user's condition need not be a difference of levels.
     differences = count == n - 1 and (
         n > 2 or (condition.levels and type(condition).rows in BUILT_IN)
     )
@@ -272,14 +272,14 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
 
 
 def summed(system: Rows, of_zones: Linear, value: float) -> tuple[Array, Array, Array]:
-    """(matrix, constants, values) of one row: the sum over all zones of a quantity is `value`."""
+    """(matrix, constants, values) of one row: the sum of a quantity over all zones is `value`."""
     weight = system.multiplicity()
     return (weight @ of_zones[0])[None], np.array([weight @ of_zones[1]]), np.array([value])
 
 
 @dataclass(frozen=True)
 class Total(Condition):
-    """The integral of the density over all zones has a given value.
+    """The side condition that the integral of the density over all zones has a given value.
 
     Parameters
     ----------
@@ -310,7 +310,7 @@ class Total(Condition):
 
 @dataclass(frozen=True)
 class Weighted(Condition):
-    """The integral of weight(x) times the density over all zones has a given value.
+    """The side condition that the integral of weight(x) times the density has a given value.
 
     It can be a moment, a mean, or any other linear functional with a smooth weight. On symmetric
     zones only the even part of the weight counts.
@@ -352,12 +352,12 @@ class Weighted(Condition):
         )
 
     def _even(self, x: Array) -> Array:
-        """The even part of the weight."""
+        """The even part of the function `weight`."""
         return np.asarray(0.5 * (self.weight(x) + self.weight(-x)))
 
 
 def moment(value: float, about: float = 0.0) -> Weighted:
-    """The condition that the integral of (x - about) times the density has a given value.
+    """The side condition that the integral of (x - about) times the density has a given value.
 
     Parameters
     ----------
@@ -389,7 +389,7 @@ def moment(value: float, about: float = 0.0) -> Weighted:
 
 @dataclass(frozen=True)
 class ZoneMoments(Condition):
-    """The sum of the density's first moments about each zone's middle has a given value.
+    """The condition that the sum of the density's moments about the zones' middles is given.
 
     If the total of every zone is zero, the sum is minus the integral of the opening, which is the
     primitive of the density.
@@ -428,7 +428,7 @@ class ZoneMoments(Condition):
 
 @dataclass(frozen=True)
 class ZoneTotals(Condition):
-    """The integral of the density over each zone has a given value.
+    """The side condition that the integral of the density over each zone has a given value.
 
     Parameters
     ----------
@@ -467,7 +467,7 @@ class ZoneTotals(Condition):
 
 @dataclass(frozen=True)
 class EqualPotential(Condition):
-    """The potential minus the primitive of the right side has one unknown value on all zones.
+    """The condition that the potential minus the primitive has one unknown value on all zones.
 
     These are n - 1 conditions for n zones. The right side needs its primitive.
 
@@ -498,7 +498,7 @@ class EqualPotential(Condition):
 
 @dataclass(frozen=True)
 class Level(Condition):
-    """The potential minus the primitive of the right side has a given value on every zone.
+    """The condition that the potential minus the primitive has a given value on every zone.
 
     The right side needs its primitive.
 
@@ -536,7 +536,7 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The amplitude of column k is `value` plus `per_total` times the total of the density.
+    """The condition that the amplitude of column k is `value` + `per_total` * (total).
 
     Parameters
     ----------
@@ -589,15 +589,15 @@ A user's `rows` may rely on the given zones.
 
 
 class EndCondition(Protocol):
-    """A condition on the ends of the zones alone, not on the density."""
+    """A condition that contains only the ends of the zones, not the density."""
 
     def residual(self, zones: Zones) -> tuple[float, Array, Array]:
-        """(residual, derivatives by outward motions of left ends (n,), and of right ends (n,))."""
+        """(residual, its derivatives by motions of left ends (n,), of right ends (n,))."""
 
 
 @dataclass(frozen=True)
 class TotalWidth:
-    """The sum of the zones' widths has a given value.
+    """The condition that the sum of the widths of all zones has a given value.
 
     An equation with it needs one side condition of unknown value, such as `Total(None)`.
 

@@ -21,7 +21,7 @@ from sie.equation.forcing import Forcing
 
 
 class CountError(ValueError):
-    """Raised if there are too few or too many side conditions; the message says how many.
+    """Raised if the number of side conditions is wrong; the message says what it should be.
 
     Examples
     --------
@@ -36,7 +36,7 @@ class CountError(ValueError):
 
 
 def _forcing(name: str, given: Any) -> Forcing:
-    """The given `Forcing`, or a function of x as a `Forcing`."""
+    """The given `Forcing`, or a new `Forcing` of the given function of x."""
     if isinstance(given, Forcing):
         return given
     if callable(given) and given is not Forcing:
@@ -45,7 +45,7 @@ def _forcing(name: str, given: Any) -> Forcing:
 
 
 def _check_kernel(kernel: Any) -> None:
-    """Raise ValueError unless the argument is a kernel with a pole."""
+    """Raise ValueError unless the argument is a `Kernel`, that is, a kernel with a pole."""
     if isinstance(kernel, Kernel):
         return
     if kernel in MAKERS:
@@ -62,7 +62,7 @@ def _check_kernel(kernel: Any) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Equation(Kept):
-    """A singular integral equation with its side conditions and conditions on the ends.
+    """A singular integral equation with its side conditions and with conditions on the ends.
 
     Parameters
     ----------
@@ -136,13 +136,13 @@ class Equation(Kept):
 
     @cached_property
     def within(self) -> tuple[float, float]:
-        """The open interval on which the right side and all columns are defined."""
+        """The open interval on which the right side and all `columns` are defined."""
         low, high = zip(*(part.within for part in (self.forcing, *self.columns)), strict=True)
         return max(low), min(high)
 
     @property
     def grows(self) -> bool:
-        """Whether the number of modes must grow until columns and the regular kernel are resolved.
+        """Whether modes are added until the equation's general functions are resolved.
 
         This is so for a column of unknown number of modes, and for a user's regular kernel.
         """
@@ -150,14 +150,14 @@ class Equation(Kept):
 
     @property
     def open_condition(self) -> int | None:
-        """Index of the side condition of unknown value; None if there is none.
+        """Index of the side condition whose value is unknown; None if all values are known.
 
         A condition on the ends determines its value.
         """
         return next((k for k, condition in enumerate(self.conditions) if condition.open), None)
 
     def check_count(self, zones: Zones) -> None:
-        """Raise CountError unless there are as many conditions as unknowns.
+        """Raise CountError unless the number of side conditions equals the number still needed.
 
         Raise ValueError if the zones reach over a period or more, up to the image of the first
         zone.
@@ -170,7 +170,8 @@ class Equation(Kept):
             )
         first = int(zones.solved[0])
         ends = [*zones.left[first:], *zones.right[first:]]
-        # Ends share a few `End` objects, so that counting these is faster than a sum over ends.
+        # Ends share a few `End` objects, so counting the uses of each object is faster than a sum
+        # over all ends.
         kinds = {id(end): end for end in ends}
         surplus = sum(
             count * kinds[one].surplus for one, count in Counter(map(id, ends)).items()

@@ -22,7 +22,7 @@ Function = Callable[[Array], Array]
 
 
 def _for_each(name: str, count: int, values: Any) -> Array:
-    """Checked numbers (count,), one for each jump; a single given number is used for all."""
+    """Checked numbers (count,), one for each jump; a single number stands for all jumps."""
     table = inputs.numbers(name, values)
     if len(table) == 1 and count > 1 and np.ndim(values) == 0:
         return np.full(count, table[0])
@@ -35,7 +35,7 @@ def _for_each(name: str, count: int, values: Any) -> Array:
 
 
 def _orders(name: str, count: int, values: Any) -> Index:
-    """Checked orders of jumps (count,); a single given order is used for all."""
+    """Checked orders of jumps (count,); a single order stands for all jumps."""
     if np.ndim(values) == 0 and values == 0:
         return np.zeros(count, dtype=np.intp)
     if (
@@ -55,7 +55,7 @@ def _orders(name: str, count: int, values: Any) -> Index:
 
 
 def _interval(name: str, values: Any) -> tuple[float, float]:
-    """The value as an interval (lo, hi) with lo < hi; both may be infinite."""
+    """The argument as a checked interval (lo, hi) with lo < hi; both ends may be infinite."""
     table = inputs.table_of(name, values)
     if table.shape != (2,) or not table[0] < table[1]:
         raise ValueError(
@@ -67,7 +67,7 @@ def _interval(name: str, values: Any) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False)
 class Jumps(Kept):
-    """Places where the right side g, or the wanted density, is not smooth.
+    """Points at which the right side g, or the wanted density, is not smooth.
 
     For a kernel with a period all places repeat.
 
@@ -128,13 +128,13 @@ class Jumps(Kept):
 
     @cached_property
     def of_order_zero(self) -> tuple[Array, Array]:
-        """(positions, heights) of the jumps of order 0."""
+        """(positions, heights) of the jumps of order 0: of the function, not of a derivative."""
         which = np.asarray(self.orders) == 0
         return self.at[which], self.heights[which]
 
     @cached_property
     def broken_at(self) -> Array:
-        """Positions at which g, or the wanted density, is not smooth."""
+        """Positions at which the right side g, or the wanted density, is not smooth."""
         points = () if self.algebraic is None else np.asarray(self.algebraic.at)
         return np.concatenate((self.at, points))
 
@@ -144,7 +144,7 @@ NO_JUMPS = Jumps()
 
 @dataclass(frozen=True)
 class Resolution:
-    """Resolution that a right side or a column needs, and the accuracy of its values.
+    """Resolution that a function on the right side needs, and accuracy of its values.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ UNRESOLVED = Resolution()
 
 @dataclass(frozen=True, eq=False)
 class Forcing(Kept):
-    """The right side g, or another known function on the right side.
+    """The right side g of the equation, or another known function on the right side.
 
     Parameters
     ----------
@@ -246,7 +246,7 @@ class Forcing(Kept):
         object.__setattr__(self, "within", _interval("within", self.within))
 
     def trusted(self) -> "Forcing":
-        """The same function, whose values and primitive `sie` does not check.
+        """The same function, declared correct: `sie` does not check its values and primitive.
 
         Returns
         -------
@@ -257,7 +257,7 @@ class Forcing(Kept):
         return found
 
     def sampled(self, start: Array, away: Array, slope: Function) -> Array:
-        """g at start + away, accurate even where this sum is rounded.
+        """Values of g at start + away, accurate even where the sum start + away is rounded.
 
         g is evaluated at the rounded sum; slope(values), the derivative of g there, corrects for
         the rounding of the place.
@@ -270,7 +270,7 @@ class Forcing(Kept):
 
     @property
     def kinks(self) -> tuple[Array, Array]:
-        """(positions, heights) of the jumps of g itself, not of its derivatives."""
+        """(positions, heights) of the jumps of the right side g itself, not of its derivatives."""
         return NO_JUMPS.of_order_zero if self.jumps.of_density else self.jumps.of_order_zero
 
     @property
@@ -280,17 +280,18 @@ class Forcing(Kept):
 
     @property
     def value_jumps(self) -> bool:
-        """Whether g or a derivative of it jumps."""
+        """Whether the right side g or a derivative of g has jumps."""
         return len(self.jumps) > 0 and not self.jumps.of_density
 
     @property
     def density_jumps(self) -> bool:
-        """Whether the wanted density or a derivative of it jumps."""
+        """Whether the wanted density or a derivative of this density has jumps."""
         return len(self.jumps) > 0 and self.jumps.of_density
 
     @property
     def cornered(self) -> bool:
-        """Whether g or the wanted density itself jumps, not only a derivative.
+        """Whether the right side g, or the wanted density, has jumps itself, not only in a
+        derivative.
 
         Then the distances of ends from the jumps matter.
         """

@@ -12,13 +12,13 @@ from sie.trees.hierarchical import Inverse
 
 @dataclass(frozen=True)
 class CoarseOptions:
-    """Options of the coarse problem."""
+    """Options of the coarse problem, which has one unknown c_0 for each zone."""
 
-    # Relative accuracy of the hierarchical inverse. The coarse problem neglects how zones bend each
-    # other, which is a larger error.
+    # Relative accuracy of the hierarchical inverse of the coarse matrix. The error of the coarse
+    # problem is larger, since it neglects how the field of one zone varies over another one.
     tolerance: float = 1e-4
-    # An inverse is reused for moved zones while ends have moved by less than this number of widths
-    # in the mean. No end may have moved by more than one width.
+    # The inverse is reused for moved zones as long as ends have moved by less than this number of
+    # widths in the mean, and no end by more than one width.
     kept_move: float = 0.1
 
 
@@ -26,7 +26,7 @@ _OPTIONS = CoarseOptions()
 
 
 class CoarseOperator:
-    """The coarse matrix and its inverse.
+    """The coarse matrix, which acts on the coefficients c_0 of all zones, and its inverse.
 
     The matrix gives the mean potential on each solved zone from the coefficient c_0 of each zone. A
     constant times the total load is subtracted, which makes the matrix definite.
@@ -59,8 +59,9 @@ class CoarseOperator:
     def _of(self, i: Index, j: Index) -> Array:
         zones, kernel = self.zones, self.kernel
         x, xi, w = zones.middle[i], zones.middle[j], zones.half[j]
-        # A punch of half width w has the potential log((d + sqrt(d^2 - w^2)) / 2) at distance d,
-        # and log(w / 2) on itself. One logarithm of a product serves all poles of the kernel.
+        # The density 1 / sqrt(w^2 - x^2) of a punch of half width w has the potential log((d +
+        # sqrt(d^2 - w^2)) / 2) at distance d, and log(w / 2) on the punch. One logarithm of a
+        # product serves all poles of the kernel.
         product, away = np.ones(np.broadcast(i, j).shape), x - xi
         for shift in kernel.poles:
             d = np.maximum(np.abs(away - shift), w)
@@ -71,7 +72,9 @@ class CoarseOperator:
         return np.asarray(w * (out - self.lowered))
 
     def serves(self, system: IterativeSystem) -> bool:
-        """Whether the inverse may be reused for a system with nearly the same zones and springs."""
+        """Whether the inverse may be reused for `system`, whose zones and springs are nearly the
+        same.
+        """
         zones, move = system.zones, _OPTIONS.kept_move
         if len(zones) != len(self.zones) or zones.symmetric != self.zones.symmetric:
             return False

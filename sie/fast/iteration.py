@@ -17,12 +17,13 @@ from sie.trees.krylov import gmres
 
 @dataclass(frozen=True)
 class IterationOptions:
-    """Options of preconditioned GMRES."""
+    """Options of the preconditioned GMRES iteration."""
 
-    # Each run of GMRES with rough sums, a correction, reduces the residual by this factor. Rough
-    # sums have an error of 1e-7.
+    # Each run of GMRES with rough sums is a correction, and reduces the residual by this factor.
+    # Rough sums have an error of 1e-7.
     correction: float = 1e-6
-    # Lower bound of each zone's scale, relative to the largest unknown of all zones.
+    # Lower bound of the scale of each zone's unknowns, relative to the largest unknown of all
+    # zones.
     min_scale: float = 1e-4
 
 
@@ -30,7 +31,7 @@ OPTIONS = IterationOptions()
 
 
 class Iterative:
-    """Solves the rows of an `IterativeSystem` for any right side.
+    """Iterative solver of the rows of an `IterativeSystem`, for any right side.
 
     value: the value of the open condition, if there is one. error: the error of each zone's
     unknowns (Z,), estimated by the last preconditioned residual.
@@ -51,7 +52,7 @@ class Iterative:
         self.equations = len(system.diagonal)
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
-        # Changes of the solution by random errors of the rows, with the sizes of these errors as
+        # Changes of the solution by random errors of the rows, and the sizes of these errors as
         # bytes. `states.rounding` computes and stores them.
         self.random_changes: tuple[tuple[bytes, bytes], list[Array]] | None = None
 
@@ -65,7 +66,7 @@ class Iterative:
         return np.concatenate((rows, condition_rows(system.equation, view, 1)[0][:, 0]))
 
     def right(self) -> Array:
-        """The right side of the equation and of its conditions."""
+        """The right side of all rows: of the equation, then of its side conditions."""
         system, none = self.system, np.zeros(len(self.system.zones.solved))
         values = condition_rows(
             system.equation, Applied(system, np.zeros(system.layout.size), none, none), 1
@@ -85,7 +86,7 @@ class Iterative:
         tolerance: float | None = None,
         taken: Callable[[Array], Array] | None = None,
     ) -> Array:
-        """The folded unknowns for a right side.
+        """The kept unknowns ("folded": half of all if zones are symmetric) for a right side.
 
         near: a first guess; tolerance: replaces the tolerance of the solver; taken: a linear map of
         the unknowns that is subtracted from the rows.
@@ -100,32 +101,32 @@ class Iterative:
 
         plain = self.preconditioner(right) if near is None else near
         scale = self.scale_of(plain)
-        # The norm adds up the round-off of all zones.
+        # The norm of the residual adds up the round-off of all zones.
         rounding = 4 * EPS * math.sqrt(len(self.system.zones.solved))
         wanted = max(self.tolerance if tolerance is None else tolerance, rounding)
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
         before = float(norm(left_over))
         while True:
-            # Rough sums are accurate enough for a partial reduction.
+            # Rough sums are accurate enough to reduce the residual by a limited factor.
             part = max(wanted, OPTIONS.correction * before)
             found = gmres(
                 lambda v: self.preconditioner(rows(v * scale, rough=True)) / scale, left_over, part
             )
             self.iterations += found.steps
             x = x + found.x * scale
-            # GMRES does not see the errors of rough sums and of long recurrences, so the residual
-            # is recomputed.
+            # GMRES does not notice the errors of rough sums and of long recurrences, so the
+            # residual is computed again.
             left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
             size, before = before, float(norm(left_over))
-            # A correction that is far from what GMRES wanted has left round-off.
+            # If the residual is much larger than GMRES has estimated, the rest is round-off.
             stagnant = not before <= math.sqrt(OPTIONS.correction) * size
             if found.steps == 0 or before <= 4 * wanted or stagnant:
                 return x
 
     def _largest(self, folded: Array) -> Array:
-        """Largest absolute value of the unknowns of every solved zone."""
+        """Largest absolute value of the unknowns of each solved zone."""
         return np.asarray(
             np.maximum.reduceat(
                 np.abs(folded[: self.size - len(self.preconditioner.amplitudes)]),
@@ -134,14 +135,14 @@ class Iterative:
         )
 
     def _by_zone(self, folded: Array) -> Array:
-        """Largest absolute value of the unknowns of every zone, mirrored zones included."""
+        """Largest absolute value of the unknowns of each zone, mirrored zones included."""
         zones = self.system.zones
         out = np.zeros(len(zones))
         out[zones.solved] = self._largest(folded)
         return np.maximum(out, out[::-1]) if zones.symmetric else out
 
     def scale_of(self, folded: Array) -> Array:
-        """Scale of every unknown: the largest unknown of its zone, bounded below.
+        """Scale of each unknown: the largest unknown of its zone, bounded below.
 
         The scale of amplitudes is 1.
         """

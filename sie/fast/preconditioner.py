@@ -9,7 +9,7 @@ from sie.fast.system import Applied, IterativeSystem
 
 
 class TwoLevelPreconditioner:
-    """Inverse of the rows, approximate because it neglects how zones bend each other.
+    """Approximate inverse of the rows: it neglects how one zone's field varies over another.
 
     The coefficients c_k with k > 0 follow from the rows of the equation. The coefficients c_0 and
     the amplitudes of the columns follow from the side conditions. On every zone the level is
@@ -33,7 +33,7 @@ class TwoLevelPreconditioner:
         self.held = np.array(sum(zones.fixed_bounded, []), dtype=np.intp)
         at = next((k for k, kind in enumerate(kinds) if kind is not None), None)
         self.own, self.levels = system.of_zones, system.levelled
-        # Rows of the condition that every zone has of its own. Without such a condition they are
+        # Rows of the condition that each zone has for itself. Without such a condition these are
         # the rows of the prescribed intensities at fixed ends, which come last.
         self.rows = (
             slice(int(starts[-1]), None)
@@ -41,7 +41,7 @@ class TwoLevelPreconditioner:
             else slice(int(starts[at]), int(starts[at + 1]))
         )
         self.absolute = self.own is not None and not self.own.differences
-        # The condition that every zone has of its own, unless it is a condition on levels.
+        # The condition that each zone has for itself, unless this is a condition on levels.
         self.closed = None if at is None or self.levels else conditions[at]
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
         layout, symmetry = system.layout, system.symmetry
@@ -54,7 +54,7 @@ class TwoLevelPreconditioner:
             self._small[:, k] = self._scalars(column)
 
     def _responses(self) -> Array:
-        """Columns: responses of the folded unknowns to the unknown constant and to each amplitude.
+        """Responses of the kept unknowns to the unknown constant and to each amplitude, as columns.
 
         The constant is the one that levels may share. If there is one, its column is the first.
         """
@@ -71,7 +71,7 @@ class TwoLevelPreconditioner:
         return out
 
     def _close(self, folded: Array, wanted: Array) -> None:
-        """Set c_0 of every zone, in place, so that its own condition has the wanted value."""
+        """Set the coefficient c_0 of each zone so that the zone's own condition holds."""
         system = self.system
         if self.levels:
             assert self.coarse is not None
@@ -85,7 +85,7 @@ class TwoLevelPreconditioner:
         folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / scale
 
     def _scalars(self, folded: Array) -> Array:
-        """Values of the single-row conditions, and of the constant if levels are absolute."""
+        """Values of conditions on several zones, and of the constant for absolute levels."""
         system = self.system
         y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
@@ -98,7 +98,8 @@ class TwoLevelPreconditioner:
             assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
-            # `__call__` adds the contribution of the constant, the first column of the basis.
+            # This leaves out the contribution of the constant, the first column of the basis;
+            # `__call__` adds it.
             out.append(self.coarse.lowered * total)
         return np.array(out)
 

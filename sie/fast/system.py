@@ -32,12 +32,13 @@ from sie.trees.far import reaches
 
 @dataclass(frozen=True)
 class QuadratureOptions:
-    """Options of the rows that are applied by sums."""
+    """Options of a system whose rows are applied by sums, without a matrix."""
 
-    # Largest number of rows of conditions that do not belong to single zones. A small dense system
-    # solves them.
+    # Largest number of rows of conditions on several zones together. A small dense system is solved
+    # for them.
     max_dense_conditions: int = 64
-    # Length of a panel in the integral of the right side g over a gap, in resolution lengths of g.
+    # Length of a quadrature panel in the integral of g over a gap, in units of g's resolution
+    # length.
     lengths_per_panel: int = 2
 
 
@@ -46,7 +47,7 @@ _OPTIONS = QuadratureOptions()
 
 @lru_cache(maxsize=1)
 def _gauss_legendre() -> tuple[Array, Array, Array]:
-    """(nodes, weights, matrix D) of the Gauss-Legendre rule.
+    """(nodes, weights, matrix D of derivatives at the nodes) of the Gauss-Legendre rule.
 
     The product values @ D is the slope, at the nodes, of the polynomial through the values.
     """
@@ -62,7 +63,7 @@ def _gauss_legendre() -> tuple[Array, Array, Array]:
 
 
 def unfit(equation: Equation, zones: Zones) -> str | None:
-    """The reason in words why fast sums cannot be used for this equation, or None if they can."""
+    """The reason, as a message, why fast sums do not apply to the equation; None if they do."""
     if len(zones.solved) < 2:
         return "one zone is too few"
     needs_half(zones.weight, "fast sums")
@@ -81,7 +82,7 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
 
 
 class IterativeSystem(System):
-    """The rows of the equation, applied to unknowns without a matrix.
+    """The system of equations whose rows are applied to the unknowns by sums, without a matrix.
 
     rough: whether a far field with an error of 1e-7 of the whole field is accurate enough.
     """
@@ -121,11 +122,11 @@ class IterativeSystem(System):
 
     @cached_property
     def known_intensities(self) -> tuple[Array, Array]:
-        """Part of the intensity K at the left and right ends that does not depend on unknowns."""
+        """Known part of the intensities K at the left and right ends, apart from the unknowns."""
         return self.intensities_of(self.beyond)
 
     def applied(self, y: Array, rough: bool = False) -> "tuple[Array, Applied]":
-        """(rows of the equation, quantities that conditions are about) for the unknowns y.
+        """(rows of the equation, quantities that conditions use), for the unknowns y.
 
         rough: see `ZoneSums`.
         """
@@ -136,7 +137,7 @@ class IterativeSystem(System):
         return rows[self.kept], Applied(self, y, middle, self._with_own(y, mean))
 
     def felt(self, y: Array) -> Array:
-        """Size of the field on each solved zone that the unknowns of the other zones cause.
+        """Size of the field that the unknowns y of all other zones cause on each solved zone.
 
         It is the sum of the absolute values of the field's coefficients.
         """
@@ -154,18 +155,22 @@ class IterativeSystem(System):
 
     @cached_property
     def levelled(self) -> bool:
-        """Whether every zone has a condition on potentials of its own."""
+        """Whether there is a condition on potentials with one row for each zone."""
         return self.of_zones is not None and self.of_zones.of_levels
 
     @cached_property
     def of_zones(self) -> ByZone | None:
-        """The condition that every zone has of its own; intensities at fixed ends do not count."""
+        """The condition that has one row for each zone or pair of neighbours; None if there is
+        none.
+        """
         found = (by_zone(c, self.zones) for c in self.equation.conditions)
         return next((one for one in found if one is not None), None)
 
     @cached_property
     def springs(self) -> Array:
-        """Factor of the coefficient c_0 in each zone's own condition on its level, or 0."""
+        """Factor of the coefficient c_0 in each zone's own condition on levels; 0 without such a
+        factor.
+        """
         own = self.of_zones
         none = np.zeros(len(self.zones.solved))
         return (
@@ -183,7 +188,7 @@ class IterativeSystem(System):
 
     @cached_property
     def step_constants(self) -> Array:
-        """Differences of `level_constants` between neighbours.
+        """Differences of `level_constants` between neighbouring zones.
 
         They are computed without the cancellation of large values.
         """
@@ -197,12 +202,12 @@ class IterativeSystem(System):
 
     @property
     def integrated(self) -> bool:
-        """Whether differences of the primitive are integrals of g."""
+        """Whether differences of the primitive are computed as integrals of the right side g."""
         forcing = self.equation.forcing
         return forcing.resolution.length is not None and not forcing.value_jumps
 
     def _forcing_differences(self) -> Array:
-        """Differences of the primitive's means between neighbouring zones.
+        """Differences between neighbouring zones of the mean of the right side's primitive.
 
         The rise across the gap comes from quadrature of the right side g. The rise along the zones
         comes from the coefficients of g, since the antiderivative of U_{k-1} is T_k / k.
@@ -224,7 +229,8 @@ class IterativeSystem(System):
 
     @cached_property
     def _across_gaps(self) -> tuple[Array, Array]:
-        """(integral of the right side g over every gap, its error by the rounding of positions).
+        """(integral of the right side g over each gap, error of this integral by rounded
+        positions).
 
         Positions are rounded to half a unit in the last digit. The error is zero if the forcing
         takes exact positions.
@@ -258,7 +264,9 @@ class IterativeSystem(System):
 
     @property
     def _gaps(self) -> tuple[Array, Array, Array]:
-        """(left end, part of it below its last digit, length) of the gaps between solved zones."""
+        """(left end, part of this end below its last digit, length) of the gaps between solved
+        zones.
+        """
         zones, solved = self.zones, self.zones.solved
         left, rest = zones.b[solved[:-1]], zones.rest[1, solved[:-1]]
         return left, rest, (zones.a[solved[1:]] - left) + (zones.rest[0, solved[1:]] - rest)
@@ -267,7 +275,7 @@ class IterativeSystem(System):
         return self.applied(y)[1].level
 
     def level_rounding(self, y: Array) -> Array | float:
-        """Round-off of the levels.
+        """Estimated round-off of the levels.
 
         If a condition on levels applies to each zone by itself, the round-off is that of the sum of
         all terms of a level. These are at most all totals times the logarithm of the farthest
@@ -288,13 +296,13 @@ class IterativeSystem(System):
                 (root_of_squares(self.g) * np.sqrt(zones.half / zones.half.sum()))[None]
             )[0]
         )
-        # The potentials of neighbours are separate sums up to the node of the tree that contains
-        # both, so their round-off is independent up to that node.
+        # The potentials of two neighbours are separate sums only below the tree node that contains
+        # both zones. So only this part of their round-off is independent.
         apart = np.maximum(slope * self._gaps[2], typical * self.sums.far.targets.tree.parted)
         steps = 2.2e-16 * apart + (
             self._across_gaps[1] if self.integrated and not self.rough else 0.0
         )
-        # The difference across the border of a period is minus the sum of all others.
+        # In a period, the difference across the border is minus the sum of all other differences.
         border = float(root_of_squares(steps[None])[0])
         felt_left, felt_right = felt(
             *(
@@ -318,7 +326,7 @@ class IterativeSystem(System):
 
 @record
 class Applied(Rows):
-    """The quantities that conditions are about, for one set of unknowns y.
+    """The quantities that conditions use, for one array of unknowns y.
 
     It implements `conditions.Rows`, with values for y as the single column of each matrix. edges:
     intensities K at the left and right ends of the solved zones (2, n), if they are not to be
@@ -371,7 +379,7 @@ class Applied(Rows):
         return (left[:, None], constant_left), (right[:, None], constant_right)
 
     def held(self) -> Linear:
-        """The intensity K at fixed ends where it is prescribed, left ends first."""
+        """The intensities K at the fixed ends where K is prescribed, left ends first."""
         pairs = list(zip(self.zones.fixed_bounded, self.intensities(), strict=True))
         matrix, constants = (
             np.concatenate([linear[part][chosen] for chosen, linear in pairs]) for part in (0, 1)

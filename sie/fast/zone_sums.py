@@ -33,7 +33,7 @@ from sie.trees.tree import TERMS, Pairs, Tree
 
 @record
 class NearRows:
-    """Sparse matrices of the fields of near zones.
+    """Sparse matrices from the unknowns to the fields of near zones.
 
     transform: at the inner Lobatto nodes of each solved zone; potential: at their middles.
     """
@@ -57,7 +57,8 @@ class NearRows:
         )
         gap = np.where(right, past, before_it)
         half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
-        # The decay at the node nearest to the source tells how many powers are above round-off.
+        # The decay rate at the node nearest to the source determines how many powers are above
+        # round-off.
         e = (
             gap
             + width
@@ -108,7 +109,8 @@ class NearRows:
         sparse = lazy.module("scipy.sparse")
         size = layout.size
         potential_pointer = np.concatenate(([0], np.cumsum(per_zone)))
-        # Pointers have the integer type of the columns if possible: else scipy copies the columns.
+        # The row pointers have the integer type of the column indices if possible. Otherwise scipy
+        # would copy the column indices.
         wide = np.int32 if pointer[-1] <= np.iinfo(np.int32).max else np.int64
         return cls(
             sparse.csr_array((data, column, pointer.astype(wide)), shape=(len(pointer) - 1, size)),
@@ -119,7 +121,7 @@ class NearRows:
 
 
 class PanelSums:
-    """Field on the solved zones of a smooth regular part of the kernel, by sums over panels."""
+    """Field of the kernel's smooth regular part on the solved zones, by sums over panels."""
 
     def __init__(self, panels: Panels | Skeleton, zones: Zones, layout: Layout) -> None:
         self.panels, self.zones = panels, zones
@@ -149,14 +151,16 @@ class PanelSums:
         )
 
     def moments(self, y: Array) -> Array:
-        """Moments of the density on the panels, from the unknowns."""
+        """Moments on the panels of the density with unknowns y."""
         weights = [
             (chebyshev.t_values(y[columns], q) * scale).ravel() for columns, scale, q in self.groups
         ]
         return self.panels.moments(self.sources, np.concatenate(weights))
 
     def at_targets(self, moments: Array) -> tuple[Array, Array]:
-        """(transform at the inner nodes of each solved zone, potential at the zones' middles)."""
+        """(transform at the inner nodes of each solved zone, potential at its middle), from
+        moments.
+        """
         transform = self.panels.at(self.targets, moments, False)
         if self.panels.kernel.regular_potential is None:  # then no condition asks for potentials
             return transform, np.zeros(len(self.zones.solved))
@@ -164,7 +168,7 @@ class PanelSums:
 
 
 class ZoneSums:
-    """Field of all zones and images on the solved zones, without a zone's action on itself.
+    """Field of all zones and their images on each solved zone, without the zone's own field.
 
     Calls return the coefficients of the transform in Chebyshev polynomials U, and the mean of the
     potential with weight 1 / sqrt(1 - t^2).
@@ -193,11 +197,11 @@ class ZoneSums:
 
     @property
     def size(self) -> int:
-        """Number of closed forms evaluated in one sum."""
+        """Number of closed forms that are evaluated in one sum."""
         return int(self.near.transform.nnz) + len(self.far.far) * TERMS
 
     def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
-        """(U coefficients k = 1 ... m, potential in the middle, rest of the mean) of solved zones.
+        """(U coefficients, potential in the middle, mean minus this potential) of each solved zone.
 
         The mean potential of each zone is the sum of the last two. rough: whether a far field with
         an error of 1e-7 of the whole field is accurate enough.
@@ -222,8 +226,8 @@ class ZoneSums:
             count = min(m, TERMS)
             u[:, :count] += far[group, :count]
             rows[place] = u
-            # The primitive T_k / k of U_{k-1} has the mean 0 and, in the middle, the value
-            # cos(k pi / 2) / k, which is subtracted.
+            # The potential of U_{k-1} rises like T_k / k, which has the mean 0 and the value cos(k
+            # pi / 2) / k in the middle. The mean relative to the middle is minus this value.
             k = np.arange(2, m + 1, 2)
             to_mean = -np.cos(0.5 * np.pi * k) / k
             mean[group] += zones.half[solved[group]] * (u[:, 1::2] @ to_mean)
