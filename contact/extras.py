@@ -38,7 +38,7 @@ def require(name: str) -> Any:
             return importlib.import_module(name)
     except ImportError as error:
         # Modules of this package always exist. If one of them cannot be imported, the missing
-        # package is one that it imports.
+        # package is one that this module imports.
         package = (error.name if name.startswith("contact.") and error.name else name).partition(
             "."
         )[0]

@@ -43,8 +43,8 @@ class SolverOptions:
 
     # For larger scenes, BLAS runs on one thread, as several threads would wait for each other.
     one_blas_thread: int = 2**6
-    # For larger scenes, freed memory is kept. Otherwise, the system would clear its pages again and
-    # again.
+    # For larger scenes, freed memory is kept. Otherwise, the system would clear the pages of this
+    # memory again and again.
     keep_memory: int = 2**17
 
 

@@ -152,7 +152,7 @@ class Lattice:
         return found[0][:count], found[1][:count]
 
     def cut(self, shifts: list[Site], rings: float) -> float:
-        """Radius, over the spacing, of the ring number `rings` of shifted lattices; inf for inf."""
+        """Radius, over the spacing, of ring number `rings` of shifted lattices; inf if that is inf."""
         return (
             rings
             if rings == 0 or isinf(rings)

@@ -289,7 +289,7 @@ def touch_pressures(
 
 @dataclass(frozen=True)
 class _Contact:
-    """Levels that begin to touch together; the nominal pressure over E* and the approach then."""
+    """Levels that begin to touch at once, with the nominal pressure over E* and the approach."""
 
     kinds: list[int]
     pressure: float

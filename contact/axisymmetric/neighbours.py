@@ -86,7 +86,7 @@ class NeighbourKernel:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """The neighbours of one kind around a spot: kernel (or None), circle A (or 0), and density."""
+    """Neighbours of one kind around a spot: kernel or None, circle's radius A or 0, and density."""
 
     kernel: NeighbourKernel | None = None
     circle: float = 0.0
@@ -156,7 +156,7 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
 
 @lru_cache(maxsize=1024)
 def epstein(lattice: Lattice, shift: Site, s: int) -> float:
-    """Lattice sum Z(s; shift) of |R + shift|^(-s), s odd, with lengths over the spacing."""
+    """Sum Z(s; shift) of |R + shift|^(-s) over lattice points R, in units of spacing; s odd."""
     basis, cell = lattice.unit_basis, lattice.unit_area
     # The sums reach so far, in units of sqrt(cell), that exp(-pi reach^2) is the square of
     # round-off.

@@ -159,7 +159,7 @@ class PowerFit:
 
 
 class Octaves:
-    """r f' and its derivative (r f')', from a function that gives r f' at r > 0."""
+    """The functions r f' and (r f')' of a shape f, from a function that gives r f' at r > 0."""
 
     def __init__(self, r_slope: Callable[[Array], Array]) -> None:
         self._r_slope = r_slope

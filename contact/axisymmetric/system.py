@@ -56,7 +56,7 @@ class Kind:
 
 @dataclass(frozen=True)
 class Source:
-    """The effect of one kind of spots on another: weighted values of w at nodes, and the kernel.
+    """Effect of one kind of spots on another: weighted values of its transform w, and a kernel.
 
     Here w is the transform of the source's own displacement (head of this module).
     """
@@ -150,7 +150,7 @@ class Linear:
         return nodes, -2.0 * weights * profile.line(nodes)
 
     def displaced(self, j: int, x: Array, e: Array) -> Array:
-        """Rows for w_j(x) + g_j(x), computed from the rows e for e_j(x) (head of this module)."""
+        """Rows for w_j + g_j, the transforms of displacement and profile, from the rows e of e_j."""
         rows = -e
         rows[:, self.at_delta] += 1.0
         rows[:, -1] -= self.kinds[j].depth
@@ -185,7 +185,8 @@ class Linear:
             e = self.e(j, x)
             matrix[at], right[at] = -e[:, :-1], e[:, -1]
             matrix[at, at] += np.eye(x.size)
-            # The last equation of kind j gives its load: P_j/E* is the integral of w_j.
+            # The last equation of kind j gives its load P_j: P_j/E* is the integral of the
+            # transform w_j.
             matrix[row, row] = 1.0
             matrix[row, at] = weights
             matrix[row, self.at_delta] = -2.0 * a
@@ -259,7 +260,7 @@ def force(kind: int, force_over_E: float) -> Condition:
 
 
 def closed_edge(kind: int) -> Condition:
-    """The condition that the edge of a kind at the given radius is closed: w_j(a_j) = 0.
+    """The condition that a kind's edge closes at the given radius: the transform w_j is 0 there.
 
     For radius 0 it says that the tip lies on the deformed surface and carries no load yet.
     """

@@ -189,7 +189,7 @@ class _Panels:
 
     @property
     def difference(self) -> Array:
-        """Difference of rise and integral on each panel; zero where one of them is not finite."""
+        """Difference of rise and integral on each panel; zero where it is not finite."""
         out = self.rise - self.integral
         return np.where(np.isfinite(out), out, 0.0)
 
@@ -204,8 +204,8 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     parts = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel())
     difference, size = (of.reshape(count, -1) for of in (parts.difference, parts.size))
     # An undeclared corner makes the quadrature fail on one or two parts of a panel. If the slope is
-    # false, the other parts still have much of the panel's difference. Leaving out two parts adds
-    # the noise of four heights.
+    # false, the other parts still show much of the panel's difference of rise and integral. Leaving
+    # out two parts adds the noise of four heights.
     rest = np.argsort(np.abs(difference), axis=0)[:-2]
     difference, size = (
         np.take_along_axis(of, rest, axis=0).sum(axis=0) for of in (difference, size)

@@ -92,7 +92,7 @@ class Control:
 
 @dataclass(frozen=True)
 class Load(Control):
-    """Control by the load, per period if there is one."""
+    """Control by the load, or on a periodic scene by the load per period."""
 
     name, counted_in = "load", "load"
     quantity = Quantity.LOAD

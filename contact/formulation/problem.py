@@ -185,7 +185,7 @@ class Problem(sie.Kept):
         return sie.AlgebraicPoints(at, exponents - 1.0, -factor * left, factor * right)
 
     def slope(self, x: Array) -> Array:
-        """Scaled slope of the profile, plus that of the additional term if its amplitude is given.
+        """Scaled slope of the profile, plus the slope of an additional term of given amplitude.
 
         A given column belongs to the right side, which may take as many modes as it needs near the
         border of a strip. Unknown columns are coupled to all zones and are truncated earlier.

@@ -71,7 +71,7 @@ def panels(cuts: Array, count: int = 1) -> tuple[Array, Array]:
 
 
 def over_period(profile: Profile, least: int = 8) -> tuple[Array, Array, Array]:
-    """Gauss rule over a period: places [m], their positions as fractions of it, and weights.
+    """Gauss rule over a period: places [m], places as fractions of the period, and weights.
 
     The weights have the sum 1. There are at least `least` panels, split at breakpoints and as short
     as the profile's resolution.

@@ -179,7 +179,7 @@ class ScaledRelief(sie.Kept):
         return np.asarray(self.relief.smooth(self.units.x(x)) / self.units.slope)
 
     def forcing(self, x: Array) -> Array:
-        """The scaled relief R without the inverse kernel's potential at the kinks.
+        """The scaled relief R without the potential of the inverse kernel that kinks cause.
 
         For a kink whose slope jumps by J, that potential is multiplied by J/pi.
         """

@@ -65,7 +65,7 @@ def smooth_root(
 
 
 def _inverse(points: dict[float, float]) -> float:
-    """The root of the inverse polynomial through the smallest values (Neville's scheme)."""
+    """The root of the inverse polynomial through the values of least modulus (Neville's scheme)."""
     chosen = sorted(points, key=lambda x: abs(points[x]))[: _OPTIONS.points]
     at, values = list(chosen), [points[x] for x in chosen]
     if len(set(values)) < len(values):

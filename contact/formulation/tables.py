@@ -39,7 +39,7 @@ def outward(before: Array, after: Array) -> Array:
 
 
 def located(table: Array, x: Array) -> tuple[Index, Mask]:
-    """For each place: the last interval that begins up to it; whether the place lies inside.
+    """For each place: the last interval that begins at or before it; whether that contains it.
 
     Places before all rows get row 0.
     """

@@ -264,7 +264,7 @@ class Solution(sie.Kept):
 
     @property
     def stiffness(self) -> float | None:
-        """Derivative of the load by the approach [N/m^2], at the given moment or else tilt.
+        """Derivative of the load by the approach [N/m^2], at the given moment or the given tilt.
 
         It is inf in full contact on a half-plane, None without an approach. The error of its
         inverse is about 4 error / E*, multiplied by the ratio of the width of zones to that of

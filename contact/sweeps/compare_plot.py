@@ -82,7 +82,7 @@ def _draw_pressures(axes: Any, solved: dict[str, Solution], colours: dict[str, s
 def _draw_differences(
     axes: Any, attempts: list[Attempt], exact: Solution, colours: dict[str, str]
 ) -> None:
-    """Draw the error of the pressure over the exact peak, at both solutions' sample points."""
+    """Draw the pressure error relative to the exact peak, at sample points of both solutions."""
     lo, hi = _stretch(exact)
     along, scale = _scale_positions(axes, lo, hi), top_pressure(exact)
     for attempt in attempts:

@@ -198,7 +198,7 @@ def solve_sent(given: bytes, chunk: Chunk, tol: float) -> Rows:
 
 
 def cannot_receive(given: bytes, here: str) -> str:
-    """Why this process cannot use a scene sent to it, as the end of a sentence; or "".
+    """Reason why this process cannot use a received scene, as a sentence's end; or "".
 
     here: the version of this package in the sending process.
     """
