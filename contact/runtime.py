@@ -19,7 +19,8 @@ from contact.extras import require
 class _Mallopt(IntEnum):
     """Parameters of the C function mallopt, numbered as in <malloc.h>."""
 
-    # Number of free bytes at the top of the heap above which they are returned to the system.
+    # Number of free bytes at the top of the heap above which these bytes are returned to the
+    # system.
     TRIM_THRESHOLD = -1
     MMAP_MAX = -4  # largest number of blocks that are mapped one by one
 

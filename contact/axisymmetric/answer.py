@@ -142,7 +142,7 @@ class Spot(sie.Kept):
 
     @property
     def circle(self) -> float:
-        """Radius A = (pi N)^(-1/2) [m] of the circle with a spot's area; inf for a spot alone."""
+        """Radius [m] of the circle whose area is the area per spot; inf for a spot alone."""
         return own_radius(self.density) if self.density > 0 else inf
 
     def pressure(self, r: ArrayLike) -> Array:

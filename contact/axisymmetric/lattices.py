@@ -152,7 +152,7 @@ class Lattice:
         return found[0][:count], found[1][:count]
 
     def cut(self, shifts: list[Site], rings: float) -> float:
-        """Radius, over the spacing, of ring number `rings` of shifted lattices; inf if that is inf."""
+        """Radius, over the spacing, of ring number `rings` of shifted lattices; or inf."""
         return (
             rings
             if rings == 0 or isinf(rings)
@@ -167,7 +167,7 @@ class Lattice:
 
 @dataclass(frozen=True)
 class Hexagonal(Lattice):
-    """A hexagonal lattice: equilateral triangles of side l, with 2/(sqrt(3) l^2) spots per area.
+    """A hexagonal lattice: triangles of side l, with 2/(sqrt(3) l^2) spots per unit area.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ class Square(Lattice):
 
 
 def own_radius(density: float) -> float:
-    """A = (pi N)^(-1/2), the radius of the circle with the area per spot.
+    """Radius A = (pi N)^(-1/2) of the circle with the area per spot, N spots per unit area.
 
     Parameters
     ----------

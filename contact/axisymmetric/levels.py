@@ -37,7 +37,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class Level:
-    """Asperities of one shape and one height.
+    """A level: all asperities that share a shape and the height of their tips.
 
     Parameters
     ----------

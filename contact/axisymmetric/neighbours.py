@@ -144,9 +144,9 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         if not radii.size:
             return Surroundings(None, circle, density)
         sums = np.sum(counts[~near] * radii[~near] ** powers[:, None], axis=1)
-        # The constant 2 pi N A is subtracted here. It belongs to the load of N spots per unit area,
-        # spread over the circle of radius A. Later, the difference of two large constants would
-        # lose digits.
+        # The constant 2 pi N A is subtracted here. This constant belongs to the load of N spots per
+        # unit area, spread over the circle of radius A. Later, the difference of two large
+        # constants would lose digits.
         sums[0] -= 2.0 * pi * density * circle * lattice.spacing
     kernel = NeighbourKernel(
         radii[near] * lattice.spacing, counts[near], binomial * sums, lattice.spacing

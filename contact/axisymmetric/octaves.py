@@ -87,7 +87,7 @@ class LogDerivative:
 
 @record
 class Octave:
-    """The Chebyshev series of r f' on the interval [half/2, half], with its errors.
+    """Chebyshev series of r f' on [half/2, half] for the shape f, with its errors.
 
     noise: error of its values; error: error of its derivative as far as it enters pressures.
     """
@@ -120,7 +120,7 @@ class Octave:
 
 @record
 class PowerFit:
-    """The power law r f' = value (r / radius)^exponent, continued to smaller r.
+    """A power law for r f' of the shape f: value (r / radius)^exponent, used at smaller r.
 
     relative_error: error of its derivative over the derivative.
     """
@@ -169,12 +169,12 @@ class Octaves:
         self._power: PowerFit | None = None
 
     def r_slope(self, r: Array) -> Array:
-        """Value of r f'(r); 0 at r = 0."""
+        """Value of r f'(r) for the shape f; 0 at r = 0."""
         value = self._evaluate(r, lambda octave: octave.series)
         return np.where(r > 0, value, 0.0)
 
     def derivative(self, r: Array) -> Array:
-        """Derivative (r f')' at r; at r = 0, its value on the lowest octave."""
+        """Derivative (r f')'(r) for the shape f; at r = 0, the value on the lowest octave."""
         return self._evaluate(r, lambda octave: octave.derivative)
 
     def error(self, a: float) -> float:

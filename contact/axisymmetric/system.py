@@ -150,7 +150,7 @@ class Linear:
         return nodes, -2.0 * weights * profile.line(nodes)
 
     def displaced(self, j: int, x: Array, e: Array) -> Array:
-        """Rows for w_j + g_j, the transforms of displacement and profile, from the rows e of e_j."""
+        """Rows for w_j + g_j, transforms of displacement and profile, from the rows e of e_j."""
         rows = -e
         rows[:, self.at_delta] += 1.0
         rows[:, -1] -= self.kinds[j].depth

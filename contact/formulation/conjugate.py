@@ -97,7 +97,7 @@ class Conjugate(sie.Kept):
 
     @property
     def error(self) -> float:
-        """Estimate of the largest error of H f', apart from the round-off of its sums.
+        """Estimate of the largest error of the transform H f', apart from round-off of its sums.
 
         It contains the noise of the slopes, the truncation of their series, and the difference of a
         user's closed form from the series.
@@ -106,7 +106,7 @@ class Conjugate(sie.Kept):
 
     @property
     def limit(self) -> str:
-        """Main cause of the error of H f', in words."""
+        """Main cause of the error of the transform H f', in words."""
         return self._transform.limit
 
     @cached_property
@@ -146,7 +146,7 @@ class Conjugate(sie.Kept):
         return Transform(smooth, sum(part.error for part in parts.values()), worst.limit)
 
     def _difference(self, closed: Callable[[Array], Array], series: "Transform") -> float:
-        """Largest difference between a user's closed form of H f' and the series of the slope.
+        """Largest difference between a user's closed form of the transform and the Fourier series.
 
         Raises SceneError if the difference is so large that the closed form must be wrong.
         """
@@ -416,7 +416,7 @@ def _noise(size: Array, scale: float) -> float:
 
 
 def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[[Array], Array]:
-    """The profile's closed form of H f' without the logarithms of kinks; linear next to kinks."""
+    """The profile's own closed form of H f', without logarithms of kinks; linear next to kinks."""
 
     def plain(x: Array) -> Array:
         return np.asarray(profile.slope_conjugate(x)) - logarithms(

@@ -31,7 +31,7 @@ NARROWEST = 1e-13
 
 
 class FullLimit(sie.Kept):
-    """The limit of full contact: `pressure` [Pa] is its least mean pressure; inf if none.
+    """The onset of full contact at the mean pressure `pressure` [Pa]; inf if it never occurs.
 
     approached: whether contact under growing loads tends to full contact; it does over concave
     kinks, but not between sharp corners. is_known: whether the model gives the pressure of full

@@ -254,7 +254,7 @@ def _record_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
 def _checked(
     tol: float, solution: Solution, free: sie.Free, of: str, positions: float = 0.0, cause: str = ""
 ) -> Solution:
-    """Return the solution; raise NotConverged, with it, if its error or its law forbids it.
+    """Return the solution; raise NotConverged, with it, if its error or the law forbids it.
 
     The error has to be at most the tolerance. cause: main cause of the error, in words, if the law
     or the profile adds most of it.
