@@ -52,8 +52,9 @@ class PathOptions:
     # tolerance of ends, relative to the width of their zone, while an event is located. An error of
     # an end changes pressure and gap away from the end only by the square of that error.
     same: float = 1e-7
-    # Overlaps of two zones and errors of ends that are relatively smaller do not change the number
-    # of zones. In a relative step of the load below this, no zone can be born and merge.
+    # Overlaps of two zones and errors of ends are assumed not to change the number of zones if they
+    # are relatively smaller than this. A smaller relative step of the load is assumed not to hide a
+    # zone that is born and merges.
     negligible: float = 1e-3
     # Above this ratio of two loads, the rates of the ends at these loads do not predict the motion
     # of the ends.

@@ -30,7 +30,7 @@ def solve_many(
     *,
     workers: int | None = 1,
 ) -> list[Solution]:
-    """Solve a scene at many values of a control; each solution starts from close ones.
+    """Solve a scene at many values of a control; each solution starts from earlier ones.
 
     Each answer is that of `contact.solve`, with its own stated error and certificate. Work that the
     solves share is done once. For the loads at which the number of zones changes, use
