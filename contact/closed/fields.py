@@ -27,7 +27,7 @@ from sie import Array, Index, nearest_image
 
 
 class ClosedFields(ZoneFields):
-    """Fields of one load on the zone from -half_width to half_width."""
+    """Fields of one load on one zone, which reaches from -half_width to half_width."""
 
     scene: Scene
     zone: ClosedZone
@@ -41,11 +41,11 @@ class ClosedFields(ZoneFields):
     def __getstate__(self) -> dict[str, Any]:
         return {"scene": self.scene, "zone": self.zone, "amplitude_rate": 0.0}
 
-    # Quantities that the engine computes.
+    # The following quantities are computed from a numerical solution of the equation.
 
     @cached_property
     def problem(self) -> Problem:  # type: ignore[override]
-        """The scene in scaled variables."""
+        """The scene as a problem in scaled variables."""
         scene, profile = self.scene, self.scene.profile
         width = self.zone.half_width if profile.period is None else profile.period
         length = 2.0 ** round(math.log2(width))
@@ -56,7 +56,7 @@ class ClosedFields(ZoneFields):
 
     @cached_property
     def state(self) -> sie.AnyState:  # type: ignore[override]
-        """The solution of the equation on the known zone, whose ends do not move."""
+        """The numerical solution of the equation on the known zone, whose ends do not move."""
         problem = self.problem
         zones = np.asarray(problem.units.scaled(self.zone_table))
         end = problem.end if self.zone.problem.corner is None else sie.SINGULAR
@@ -64,11 +64,11 @@ class ClosedFields(ZoneFields):
         on = sie.Zones.of(zones, end, end, symmetric=True)
         return sie.solve_zones(equation, on, TOLERANCES.rounding)
 
-    # Quantities that the series gives.
+    # The following quantities are computed from the Chebyshev series.
 
     @cached_property
     def zone_table(self) -> Array:
-        """Ends of the zone [m] (1, 2)."""
+        """The ends of the zone [m], as a (1, 2) array."""
         return np.array([[-self.zone.half_width, self.zone.half_width]])
 
     @property
@@ -78,7 +78,7 @@ class ClosedFields(ZoneFields):
 
     @property
     def _unit(self) -> float:
-        """E*/2 [Pa]."""
+        """The unit of pressure E*/2 [Pa]."""
         return 0.5 * self.scene.E_star
 
     @cached_property
@@ -96,7 +96,7 @@ class ClosedFields(ZoneFields):
         return float(self.zone.widths) / self.scene.period
 
     def _pressure(self, x: Array, from_left: Array, to_right: Array) -> Array:
-        """Pressure [Pa] at places x in the zone; from_left, to_right: distances from its ends."""
+        """Pressure [Pa] at positions x in the zone; from_left, to_right: distances from ends."""
         zone, way, kink = self.zone, self.zone.problem.map, self.zone.problem.kink
         y, weight, half = way.y(x), way.weight(x), zone.half
         root = way.rise(-zone.half_width, from_left) * way.rise(x, to_right)
@@ -111,7 +111,7 @@ class ClosedFields(ZoneFields):
         return np.asarray(self._unit * out)
 
     def _arcosh(self, tangent: Array, over: Array) -> Array:
-        """arcosh(tan A / tan u), the shape of the pressure under a kink (contact.closed.zone).
+        """arcosh(tan A / tan u), the pressure's shape under a kink (head of contact.closed.zone).
 
         over: sqrt(1 - (tan u / tan A)^2), which has more digits next to the ends.
         """
@@ -152,7 +152,7 @@ class ClosedFields(ZoneFields):
     def pressure_bound(self) -> float:  # type: ignore[override]
         return math.inf if self._is_singular else self._unit * float(self.zone.sums[1])
 
-    # Approach, stiffness and mean gap.
+    # The following quantities are the approach, the stiffness and the mean gap.
 
     @property
     def _even_level(self) -> float:
@@ -160,7 +160,9 @@ class ClosedFields(ZoneFields):
 
     @cached_property
     def approach(self) -> float | None:  # type: ignore[override]
-        """The mean height of the profile on the zone, plus the compliance times the load."""
+        """The mean height of the profile on the zone plus compliance times load; None if not
+        defined.
+        """
         if not self.scene.operator.has_approach:
             return None
         flat = self.zone.problem.corner is not None

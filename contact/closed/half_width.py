@@ -28,12 +28,12 @@ from sie import Array
 NODES = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # positive half of 16 Gauss-Chebyshev nodes
 
 
-# Of a half width at which a quantity is largest: the quantity is flat there.
+# Relative tolerance of the half width at which a quantity is largest: the quantity is flat there.
 MAXIMUM_TOLERANCE = math.sqrt(EPS)
 
 
 def guess_half_width(problem: Problem, control: Control) -> float:
-    """The scaled half width at which one zone roughly has the controlled load or approach.
+    """The scaled half width at which one zone has about the controlled load or approach.
 
     If no zone reaches it, this is the half width at the first maximum of that quantity.
     """
@@ -50,8 +50,9 @@ def guess_half_width(problem: Problem, control: Control) -> float:
     value = _carried(problem, control, a)
     above = np.flatnonzero(value >= control.value)
     if len(above) == 0:
-        # A maximum between two scanned half widths may still reach it.
-        # The widest of equal ones: a flat punch carries no load below its corners.
+        # The controlled value may still be reached at a maximum between two scanned half widths. Of
+        # equal maxima the widest is taken: a flat punch carries the same zero load at all half
+        # widths short of its corners.
         k = int(np.clip(np.flatnonzero(value == value.max())[-1], 1, len(a) - 2))
         top = require("scipy.optimize").minimize_scalar(
             lambda x: -float(_carried(problem, control, np.array([x]))[0]),
@@ -74,7 +75,7 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         carried = float(_carried(problem, control, np.array([math.exp(logarithm)]))[0])
         return math.log(carried / control.value) if carried > 0 else -math.inf
 
-    # A power law is a straight line in the logarithms.
+    # A power law between half width and controlled quantity is a straight line in the logarithms.
     known = {
         math.log(a): math.log(carried / control.value)
         for a, carried in ((low, at_low), (high, at_high))
@@ -83,13 +84,13 @@ def guess_half_width(problem: Problem, control: Control) -> float:
 
 
 def widest(problem: Problem) -> float:
-    """The scaled half width that no zone about the origin exceeds; inf if nothing limits it."""
+    """The largest scaled half width of a zone about the origin; inf if nothing limits it."""
     cell = 0.4999 * problem.cell if problem.cell is not None else math.inf
     return min(cell, problem.borders[1], problem.corners[1])
 
 
 def _carried(problem: Problem, control: Control, a: Array) -> Array:
-    """The controlled load or approach at half widths a; -inf beyond its first maximum."""
+    """The controlled load or approach at half widths a; -inf after its first maximum."""
     period, poles = problem.period, len(problem.kernel.poles)
     if period is not None and poles > 1:
         sine = np.sin(np.pi * a / period)
@@ -119,7 +120,7 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
 
 
 def carried_by(problem: Problem, control: Control, a: float) -> float:
-    """The load or approach of one zone of half width a with bounded ends, by one linear solve."""
+    """The exact load or approach of one zone of half width a with bounded ends."""
     zones = sie.Zones.of([[-a, a]], problem.held_end, problem.held_end, symmetric=True)
     state = sie.solve_fixed(problem.equation(HalfWidth(a)), zones, 1e-13)
     if control.load is not None:
@@ -132,7 +133,7 @@ def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
     limit = widest(problem)
     if not math.isfinite(limit):
         limit = 1e3 * guess_half_width(problem, control)
-    # Even steps where the period limits the width, geometric ones where nothing does.
+    # The half widths are evenly spaced if the period limits them, else spaced geometrically.
     steps = OPTIONS.decades * OPTIONS.points_per_decade
     a = limit * (
         np.linspace(0, 1, steps + 1)[1:]

@@ -22,28 +22,28 @@ import numpy as np
 
 from sie import Array, record
 
-# A number, or an array with one entry for each load.
+# Type of a quantity: a number for one load, or an array with one entry for each load.
 Value = Any
 
 
 def column(value: Value) -> Value:
-    """The value in a shape that broadcasts against places along a row."""
+    """The value reshaped so that it broadcasts against an array of positions along each row."""
     return value if isinstance(value, float) else value[:, None]
 
 
 def least(values: Array) -> Value:
-    """The minimum of each row; nan where the row has one."""
-    # For one row, argmin and item take half the time of min.
+    """The minimum of each row of an array; nan if the row contains nan."""
+    # For one row, `argmin` and `item` take half the time of `min`.
     return values.item(values.argmin()) if values.ndim == 1 else values.min(axis=-1)
 
 
 def largest(values: Array) -> Value:
-    """The maximum of each row; nan where the row has one."""
+    """The maximum of each row of an array; nan if the row contains nan."""
     return values.item(values.argmax()) if values.ndim == 1 else values.max(axis=-1)
 
 
 def choose(condition: Any, value: Value, other: Value) -> Value:
-    """The first value where the condition holds, else the other."""
+    """The argument `value` where the condition holds, and `other` elsewhere."""
     if isinstance(condition, np.ndarray):
         return np.where(condition, value, other)
     return value if condition else other
@@ -56,31 +56,31 @@ def everywhere(condition: Any) -> bool:
 
 @record
 class LineMap:
-    """The map from places x [m] to y; period [m] is None where nothing repeats."""
+    """The map from positions x [m] to the line y; period [m] is None without a period."""
 
     period: float | None
 
     @property
     def load_factor(self) -> float:
-        """Load divided by E*/2 [m], per unit of int Phi d eta; also dx/dy times the weight w."""
+        """Load / (E*/2) [m] for a unit of int Phi d eta; it is also dx/dy times the weight w."""
         return 1.0 if self.period is None else self.period / math.pi
 
     def y(self, x: Value) -> Value:
         return x if self.period is None else np.sin(x * (math.pi / self.period))
 
     def at(self, y: Value) -> tuple[Value, Value]:
-        """The place x at y, and the weight w there."""
+        """(position x that belongs to y, weight w at this position)."""
         if self.period is None:
             return y, 1.0
         turn = np.arcsin(y)
         return turn * (self.period / math.pi), np.cos(turn)
 
     def weight(self, x: Value) -> Value:
-        """The weight w at x."""
+        """The weight w at the position x."""
         return 1.0 if self.period is None else np.cos(x * (math.pi / self.period))
 
     def rise(self, start: Value, distance: Value) -> Value:
-        """y(start + distance) - y(start), without loss of digits for short distances."""
+        """The difference y(start + distance) - y(start), accurate even for short distances."""
         if self.period is None:
             return distance
         k = math.pi / self.period

@@ -16,13 +16,14 @@ from scipy import fft
 
 from sie import Array, Index, record
 
-# Samples of the polynomial q per degree: so many that second differences bound it in between.
+# Number of samples of the polynomial q per degree. With so many samples, second differences bound q
+# between the samples.
 SAMPLES_PER_DEGREE = 8
 
 
 @record
 class Table:
-    """The positive half t of the Chebyshev nodes, and weights of sums over values there.
+    """The Chebyshev nodes t > 0, and matrices that act on a function's values at these nodes.
 
     sums (nodes, 4): from values to g_1, q(1) and the last two coefficients. matrix: from values to
     coefficients. sines, cosines: of the angles at which q is sampled.
@@ -35,7 +36,7 @@ class Table:
     cosines: Array
 
     def samples(self, g: Array) -> Array:
-        """The polynomial q at the sampling angles, for coefficients g (..., orders)."""
+        """The polynomial q at the sampling angles, from its coefficients g (..., orders)."""
         padded = np.zeros((*g.shape[:-1], 2 * len(self.sines)))
         padded[..., : 2 * g.shape[-1] : 2] = g
         return np.asarray(0.5 * fft.dst(padded, type=3)[..., : len(self.sines)] / self.sines)
@@ -43,21 +44,22 @@ class Table:
 
 @lru_cache(maxsize=64)
 def orders(count: int) -> Index:
-    """The first odd orders k."""
+    """The first `count` odd orders k = 1, 3, 5, ... of the series."""
     return np.arange(1, 2 * count, 2)
 
 
 @lru_cache(maxsize=64)
 def powers(count: int) -> Array:
-    """1, k and k^2 of the first odd orders (orders, 3)."""
+    """The powers 1, k and k^2 of the first odd orders k, as an array (orders, 3)."""
     return np.vander(orders(count).astype(float), 3, increasing=True)
 
 
 @lru_cache(maxsize=32)
 def table(size: int) -> Table:
-    """The table of `size` positive nodes."""
+    """The table of the `size` positive Chebyshev nodes."""
     degree, k = 2 * size, orders(size)
-    # Whole turns are taken off in integers: the round-off of k * theta would grow with k.
+    # Multiples of a full turn are removed in integers, since the round-off of k * theta would grow
+    # with k.
     turns = (2 * np.arange(size)[:, None] + 1) * k % (4 * degree)
     matrix = np.cos(turns * (np.pi / (2 * degree))) * (4 / degree)
     sums = np.column_stack((matrix[:, 0], matrix @ k, matrix[:, -2:]))
@@ -68,8 +70,8 @@ def table(size: int) -> Table:
 
 
 def summed(g: Array, t: Array) -> Array:
-    """q(t) = sum g_k U_{k-1}(t) for |t| <= 1, by Clenshaw's recurrence in T_2(t)."""
-    # U_{k+1} = 2 T_2 U_{k-1} - U_{k-3}, and U_{-2} = -1.
+    """Polynomial q(t) = sum g_k U_{k-1}(t) for |t| <= 1, by Clenshaw's recurrence in T_2(t)."""
+    # The recurrence is U_{k+1} = 2 T_2 U_{k-1} - U_{k-3}, with U_{-2} = -1.
     twice = 2.0 * (2.0 * t * t - 1.0)
     last, before = np.zeros(np.shape(t)), np.zeros(np.shape(t))
     for c in g[::-1]:
@@ -78,7 +80,7 @@ def summed(g: Array, t: Array) -> Array:
 
 
 def off(g: Array, t: Array) -> Array:
-    """The transform sum g_k rho^k off the interval, at t >= 1 (..., points); g: (..., orders)."""
+    """The Hilbert transform sum g_k rho^k at t >= 1 (..., points), from g (..., orders)."""
     rho = 1.0 / (t + np.sqrt((t - 1.0) * (t + 1.0)))
     square = rho * rho
     if rho.ndim == 1 and len(g):
@@ -92,7 +94,7 @@ def off(g: Array, t: Array) -> Array:
 
 
 def off_integral(g: Array, t: Array) -> Array:
-    """The integral of `off` from 1 to t, for one load.
+    """The integral of the Hilbert transform `off` from 1 to t, for one load.
 
     int rho^k dt = [(1 - rho^(k-1))/(k-1) - (1 - rho^(k+1))/(k+1)]/2.
     """

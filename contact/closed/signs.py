@@ -31,7 +31,7 @@ from sie import Array
 
 
 def signs(zone: ClosedZone) -> tuple[Value, Value]:
-    """Whether both signs are right beyond doubt, and the least sampled gap [m].
+    """(whether the signs of pressure and gap are certainly right, least sampled gap [m]).
 
     The gap is inf where its slope is positive everywhere outside, so that it was not sampled.
     """
@@ -42,25 +42,25 @@ def signs(zone: ClosedZone) -> tuple[Value, Value]:
     return pushes & opens, gap
 
 
-# The pressure inside the zone.
+# The following functions check the pressure inside the zone.
 
 
 def _pushes(zone: ClosedZone) -> Value:
-    """Whether the polynomial q plus the least term of the kink is clearly above zero."""
+    """Whether the polynomial q plus the least term of the kink is clearly positive."""
     most, kinked, first = zone.sums[1], zone.problem.kink / math.pi, zone.first
     bounded = kinked + first + abs(first) - most > TOLERANCES.noise * (kinked + most)
     if everywhere(bounded):
         return bounded
     value = table(zone.nodes // 2).samples(zone.g) + kinked
-    # A parabola through three samples falls below them by at most bend/8; twice that is allowed
-    # for.
+    # The parabola through three samples is at most bend/8 lower than the samples. Twice this is
+    # allowed for.
     bend = np.abs(value[..., :-2] - 2.0 * value[..., 1:-1] + value[..., 2:])
     low = np.minimum(least(value), least(value[..., 1:-1] - 0.25 * bend))
     return bounded | (low > TOLERANCES.noise * largest(value))
 
 
 def least_inside(zone: ClosedZone) -> tuple[float, int]:
-    """(least p / sqrt(1 - t^2) at the samples, in units of E*/2; their number) for one load."""
+    """(least sample of p / sqrt(1 - t^2), in units of E*/2; number of samples), for one load."""
     if zone.problem.corner is not None:
         return float(zone.punch), 0
     looks = table(zone.nodes // 2)
@@ -69,18 +69,18 @@ def least_inside(zone: ClosedZone) -> tuple[float, int]:
     return float((value * weight).min()), SAMPLES_PER_DEGREE * zone.nodes // 2
 
 
-# The gap outside the zone.
+# The following functions check the gap outside the zone.
 
 
 def places(zone: ClosedZone) -> Array:
-    """Places t > 1 (..., places) at which the gap is sampled, closer together near the zone."""
+    """Positions t > 1 (..., places) at which the gap is sampled, closer together near the zone."""
     problem, half = zone.problem, column(zone.half)
     if not math.isfinite(problem.limit):
         return _to_far_away() + 0.0 * half
     feature, count = problem.profile.resolution, OPTIONS.outer_places
     if feature is not None:
         room = problem.limit - float(np.min(zone.half_width))
-        # Shapes that vary more closely than the series resolves have no closed form.
+        # A profile that varies on shorter lengths than the series resolves has no closed form here.
         most = SAMPLES_PER_DEGREE * OPTIONS.max_nodes
         count = int(min(max(SAMPLES_PER_DEGREE * room / feature, count), most))
     return 1.0 + (problem.top / half - 1.0) * _squares(count)
@@ -88,19 +88,19 @@ def places(zone: ClosedZone) -> Array:
 
 @lru_cache(maxsize=8)
 def _squares(count: int) -> Array:
-    """Places in (0, 1), closer together near 0."""
+    """Positions in (0, 1), closer together near 0."""
     return np.asarray(((np.arange(count) + 0.5) / count) ** 2)
 
 
 @lru_cache(maxsize=1)
 def _to_far_away() -> Array:
-    """Places from 1 to the farthest one, closer together near 1."""
+    """Positions from 1 to the farthest one, closer together near 1."""
     far = 4.0 * np.geomspace(1.0, 10.0**OPTIONS.decades, OPTIONS.decades * OPTIONS.outer_places + 1)
     return np.concatenate((1.0 + 3.0 * _squares(OPTIONS.outer_places), far))
 
 
 def _opens(zone: ClosedZone) -> tuple[Value, Value]:
-    """(whether the gap rises or stays clearly above zero outside; least sampled gap)."""
+    """(whether the gap rises, or stays clearly positive, outside the zone; least sampled gap)."""
     problem, t = zone.problem, places(zone)
     half = column(zone.half)
     x, weight = problem.map.at(half * t)
@@ -113,7 +113,7 @@ def _opens(zone: ClosedZone) -> tuple[Value, Value]:
     opens = least(rises) > 0.0
     if everywhere(opens):
         return opens, math.inf
-    # Heights far away may overflow; nothing touches there.
+    # Heights far away may overflow, but no contact is possible there.
     rises[np.isposinf(slope)] = math.inf
     if rises.ndim == 1:
         return _stays_open(zone, t, own, rises)
@@ -124,7 +124,7 @@ def _opens(zone: ClosedZone) -> tuple[Value, Value]:
 
 
 def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[bool, float]:
-    """(whether the gap stays above zero outside; least sampled gap) for one load.
+    """(whether the gap stays positive outside the zone; least sampled gap), for one load.
 
     Called where the slope of the gap is not positive everywhere.
     """
@@ -141,25 +141,28 @@ def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[b
     lowest = float(gap[top:].min())
     lost = TOLERANCES.rounding * float((np.abs(height) + np.abs(sunk)).max())
     rising = bool(np.all(np.diff(gap[: top + 1]) >= -lost))
-    # Past its maximum the gap falls less between two samples than it is above zero.
+    # After its maximum the gap must fall by less between two samples than its least value; then it
+    # is positive in between, too.
     steepest = float(-np.diff(gap[top:]).min(initial=0.0))
     return rising and lowest > max(steepest, TOLERANCES.noise * float(gap[top])), lowest
 
 
-# The stated error.
+# The following function states the error.
 
 
 def stated(zone: ClosedZone) -> Value:
-    """The stated error of ends and pressure, without the error that the profile claims."""
+    """The stated error of the ends and the pressure, without the stated error of the profile."""
     problem, way = zone.problem, zone.problem.map
     if problem.corner is not None:
         return TOLERANCES.singular_end * TOLERANCES.rounding + 0.0 * zone.half
     scale, _, follows = zone.sums
     scale = scale + abs(problem.kink)
-    # Coefficients fall as a geometric series from 1 to round-off: the sum of those left off.
+    # The coefficients decrease like a geometric series from 1 to round-off, which gives the sum of
+    # the truncated coefficients.
     left = 4.0 * (1.0 - zone.nodes / math.log(EPS)) * zone.tail
     weight = way.weight(zone.half_width)
-    # A relative error e of the half length changes the weight w by at most e h tan A, below e/w.
+    # A relative error e of the half length h changes the weight w by at most e h tan A, with A as
+    # in contact.closed.zone. This is below e/w.
     turns = 0.0 if way.period is None else 1.0 / weight
     pressure = zone.end_error * (follows + scale * turns) + left + ROUND_OFF * scale
     rise = way.load_factor / weight

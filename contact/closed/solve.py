@@ -35,14 +35,15 @@ from contact.solution.solution import Solution
 from contact.verify.certificate import Certificate
 from contact.verify.law_checks import has_checks, held_to_law
 
-# For a larger fraction of the period in contact the general search solves for the gap, which keeps
-# the digits of its width. Insensitive: 0.9 to 0.999 differ in those digits only.
+# If a larger fraction of the period is in contact, the general search is used. It solves for the
+# gap and so keeps the digits of the gap's width. Insensitive: 0.9 to 0.999 differ in those digits
+# only.
 WIDEST = 0.95
 _NOTE = "one interval: the signs of its series, inside and outside"
 
 
 def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
-    """The problem of one zone about the tip; None if the scene is no such problem."""
+    """The problem of one symmetric zone about the tip; None if the scene is not of this kind."""
     profile, law = scene.profile, scene.law
     tips = profile.summits
     if (
@@ -60,7 +61,7 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
     limit = math.inf if profile.period is None else 0.5 * profile.period
     corner = None
     if profile.support is not None:
-        # Zones that end at corners with a slope there are left to the general search.
+        # Zones that end at corners where the profile has a slope are left to the general search.
         if not scene.is_flat or scene.given_load is None:
             return None
         corner = profile.support[1]
@@ -77,7 +78,7 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
 
 
 def _asks_for_pressure_only(law: Law, E_star: float) -> bool:
-    """Whether all that a law asks for is a pressure that pushes, and vanishes at the ends."""
+    """Whether the law prescribes only a positive pressure that vanishes at the ends."""
     return (
         law.routes.module is None
         and law.equilibria.unique
@@ -88,7 +89,7 @@ def _asks_for_pressure_only(law: Law, E_star: float) -> bool:
 
 
 def _is_half_plane(scene: Scene) -> bool:
-    """Whether half-plane sources are all there is, of one body or of all periods."""
+    """Whether the body is a half-plane, alone or repeated periodically, without other terms."""
     kind, operator = type(scene.interaction), scene.operator
     conditions = (
         kind.side_conditions is Interaction.side_conditions
@@ -105,7 +106,7 @@ def _is_half_plane(scene: Scene) -> bool:
 
 
 def solve_closed(scene: Scene, tol: float) -> Solution | None:
-    """The solution of a scene with one symmetric zone; None where anything is in doubt."""
+    """The closed solution of a scene with one symmetric zone; None if anything is in doubt."""
     start = time.perf_counter()
     held = scene.control_object.held(scene)
     problem = None if held is None else one_zone_problem(scene)
@@ -127,7 +128,7 @@ def solve_closed(scene: Scene, tol: float) -> Solution | None:
 
 
 def solve_all_closed(scenes: Sequence[Scene], tol: float) -> list[Solution | None]:
-    """`solve_closed` for scenes that differ in their loads alone, all at once."""
+    """The closed solutions of scenes that differ only in their loads, computed all at once."""
     start = time.perf_counter()
     if not scenes or scenes[0].given_load is None:
         return [solve_closed(scene, tol) for scene in scenes]
@@ -180,7 +181,8 @@ def _certificate(scene: Scene, zone: ClosedZone, gap: float, fields: ClosedField
         points = inside if corner else inside + places(zone).size
     certificate = Certificate(
         smallest_pressure=unit * least,
-        # An infinite gap means that it rises everywhere: its least value is 0, at the ends.
+        # An infinite gap means that the gap rises everywhere outside. Its least value is then 0, at
+        # the ends.
         smallest_gap=None if corner else gap if math.isfinite(gap) else 0.0,
         gap_rounding=16 * ROUND_OFF * abs(float(scene.profile.height(zone.half_width))),
         load_balance=0.0 if load is None else abs(unit * float(zone.totals) / load - 1.0),

@@ -25,9 +25,9 @@ from contact.model.profiles.base import Profile
 from contact.model.profiles.noise import EPS
 from sie import Array, Mask, record
 
-# Round-off of a sum of a few terms.
+# Relative round-off of a sum of a few terms.
 ROUND_OFF = 4 * EPS
-# Smaller numbers lose digits.
+# Half lengths below this number lose digits, since they are close to the smallest normal number.
 SMALLEST = float(np.finfo(float).tiny) / EPS
 
 
@@ -35,19 +35,23 @@ SMALLEST = float(np.finfo(float).tiny) / EPS
 class OneZoneOptions:
     """Options of Newton's method on the half length of a zone, and of the samples around it."""
 
-    # Decades in which a half length, or a place outside, is looked for where nothing limits it.
-    # Loads of narrower zones are lost in round-off, and no gap closes farther away.
+    # Number of decades in which a half length, or a position outside the zone, is searched if
+    # nothing limits it. Loads of narrower zones are lost in round-off, and no gap closes farther
+    # away.
     decades: int = 12
-    # half lengths that are scanned in each decade; the controlled quantity is smooth in it
+    # Number of half lengths that are scanned in each decade; the controlled quantity varies
+    # smoothly.
     points_per_decade: int = 4
-    # places at which the gap is sampled next to the zone, and in each decade far from it
+    # Number of positions at which the gap is sampled next to the zone, and in each decade far from
+    # it.
     outer_places: int = 32
     gauss_points: int = 64  # of the mean height over an angle, in which heights are smooth
     first_nodes: int = 8  # a sinusoid or a parabola needs no more
     finer: int = 4  # factor to the next number of nodes if the series is not resolved
     max_nodes: int = 512  # contact over 0.95 of a period, the widest taken, needs some 250
     max_steps: int = 60  # five are usual; a load that no zone bears uses all of them
-    # step in ln h; after a smaller one the series is nearly that of the solution
+    # The number of nodes is raised only after a smaller step in ln h than this: then the series is
+    # nearly that of the solution.
     refine_below: float = 0.1
 
 
@@ -56,7 +60,7 @@ OPTIONS = OneZoneOptions()
 
 @record
 class OneZoneProblem:
-    """The data of one symmetric zone that are common to all loads.
+    """The data of one symmetric contact zone that are the same for all loads.
 
     kink: J at x = 0. corner: half width of a punch without slope, None where there are no corners.
     limit: half width [m] that no zone exceeds.
@@ -70,17 +74,19 @@ class OneZoneProblem:
 
     @cached_property
     def top(self) -> float:
-        """The limit of the half length h on the line."""
+        """The limit of the zone's half length h on the line y."""
         return float(self.map.y(self.limit)) if math.isfinite(self.limit) else math.inf
 
     def slopes(self, y: Array) -> Array:
-        """The right side G = f'/w at places y on the line, without the part of the kink."""
+        """The right side G = f'/w at positions y of the mapped line (`LineMap`), without the kink's
+        part.
+        """
         x, weight = self.map.at(y)
         slope = np.asarray(self.profile.slope(x), dtype=np.float64)
         return np.asarray((slope - 0.5 * self.kink) / weight)
 
     def kink_load(self, half: Value) -> tuple[Value, Value]:
-        """(load of the kink divided by E*/2, its rate with the half length)."""
+        """(load of the kink divided by E*/2, derivative of this load by the half length)."""
         if self.kink == 0.0:
             return 0.0, 0.0
         if self.map.period is None:
@@ -89,13 +95,13 @@ class OneZoneProblem:
         return factor * np.arctanh(half), factor / ((1.0 - half) * (1.0 + half))
 
     def mean_height(self, half: Value) -> Value:
-        """Mean of f - min f [m] over the zone, in the angle arccos t."""
+        """Mean over the zone of the height f - min f [m], with respect to the angle arccos t."""
         t, weights = _quarter_turn()
         height = np.asarray(self.profile.height(self.map.at(column(half) * t)[0]))
         return (height - lowest(self.profile)).dot(weights)
 
     def even_level(self, half: Value, datum: float | None) -> Value:
-        """Logarithmic potential of a unit load on the zone whose displacement there is uniform.
+        """Logarithmic potential on the zone of the unit load that displaces the zone uniformly.
 
         It is -pi E*/2 times the compliance of the fixed zone.
         """
@@ -107,7 +113,7 @@ class OneZoneProblem:
 
 @record
 class ClosedZone:
-    """One zone: for one load fields are numbers, for several they are arrays with one row each.
+    """One zone under one load (fields are numbers) or several loads (one row for each).
 
     half_width [m]. half: half length on the line. g: series coefficients (..., orders). tail: sum
     of the last ones and of those left off. end_error: error of ln half. punch: load of a flat punch
@@ -127,29 +133,29 @@ class ClosedZone:
     found: Value
 
     def rows(self, chosen: Mask | int) -> "ClosedZone":
-        """The zone for some of the loads, or for one."""
+        """The zone for the chosen loads, or for one chosen load."""
         names = ("half_width", "half", "g", "tail", "end_error", "punch", "found")
         return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
     @property
     def first(self) -> Value:
-        """The first coefficient g_1 of the series."""
+        """The first coefficient g_1 of the series, which gives the load."""
         return self.g[..., 0] if self.g.shape[-1] else 0.0
 
     @cached_property
     def sums(self) -> tuple[Value, Value, Value]:
-        """(sum of |g_k|, sum of k |g_k|, sum of k^2 |g_k|); the second bounds the polynomial q."""
+        """(sum of |g_k|, sum of k |g_k|, sum of k^2 |g_k|); the second bounds |q|."""
         plain, once, twice = np.abs(self.g).dot(powers(self.g.shape[-1])).T
         return plain, once, twice
 
     @property
     def widths(self) -> Value:
-        """Width of the zone [m]."""
+        """The width of the zone [m]."""
         return 2.0 * self.half_width
 
     @property
     def growth(self) -> Value:
-        """Outward motion of an end [m] as the load grows by a factor of e; 0 at corners."""
+        """Outward motion [m] of an end while the load grows by a factor e; 0 at corners."""
         problem, way = self.problem, self.problem.map
         if problem.corner is not None:
             return 0.0 * self.half
@@ -159,19 +165,19 @@ class ClosedZone:
 
     @cached_property
     def totals(self) -> Value:
-        """Load divided by E*/2 [m]."""
+        """The load divided by E*/2 [m]."""
         smooth = math.pi * self.half * (0.5 * self.first + self.punch)
         return self.problem.map.load_factor * smooth + self.problem.kink_load(self.half)[0]
 
 
-# Function of (half length, load divided by E*/2, rate of that with the half length). It returns,
-# for the controlled load or approach, (ln(wanted/present), d ln(present) / d ln(half), round-off of
-# ln(present)).
+# Function of (half length h, load divided by E*/2, derivative of this load by h). With X the
+# controlled load or approach, it returns (ln(wanted X / present X), d ln X / d ln h, round-off of
+# ln X).
 Residual = Callable[[Value, Value, Value], tuple[Value, Value, Value]]
 
 
 def zone_under(problem: OneZoneProblem, loads: Value) -> ClosedZone:
-    """The zone under one or several loads, each divided by E*/2 [m]."""
+    """The zone under one or several loads, which are divided by E*/2 [m]."""
     if problem.corner is not None:
         return _punch(problem, problem.corner, loads)
 
@@ -183,7 +189,7 @@ def zone_under(problem: OneZoneProblem, loads: Value) -> ClosedZone:
 
 
 def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | None) -> ClosedZone:
-    """The zone at an approach [m].
+    """The zone at a given approach [m].
 
     The rate of the approach is that of the load times the compliance of the fixed zone: pressure
     and gap vanish at the ends, so that their motion adds nothing.
@@ -199,7 +205,7 @@ def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | No
 
 
 def zone_of_width(problem: OneZoneProblem, half_width: float) -> ClosedZone:
-    """The zone of a given half width [m]."""
+    """The zone with a given half width [m]."""
 
     def residual(half: Value, total: Value, rate: Value) -> tuple[Value, Value, Value]:
         return 0.0, 1.0, ROUND_OFF
@@ -209,7 +215,7 @@ def zone_of_width(problem: OneZoneProblem, half_width: float) -> ClosedZone:
 
 
 def _punch(problem: OneZoneProblem, corner: float, loads: Value) -> ClosedZone:
-    """A flat punch from corner to corner."""
+    """The zone of a flat punch, which reaches from corner to corner."""
     zero = 0.0 * loads
     half = problem.map.y(zero + corner)
     punch = loads / (problem.map.load_factor * math.pi * half)
@@ -220,7 +226,7 @@ def _punch(problem: OneZoneProblem, corner: float, loads: Value) -> ClosedZone:
 def _newton(
     problem: OneZoneProblem, half: Value, residual: Residual, options: OneZoneOptions = OPTIONS
 ) -> ClosedZone:
-    """The zone by Newton's method for ln half, for all loads together.
+    """The zone by Newton's method for the logarithm of the half length, for all loads at once.
 
     In logarithms a power law between load and width is linear. The number of nodes is raised until
     the series is resolved.
@@ -242,7 +248,7 @@ def _newton(
         done = resolved & (settled | (abs(move) <= 4.0 * rounding))
         if everywhere(done | fails):
             break
-        # Newton's method converges quadratically: the next step is below round-off.
+        # Newton's method converges quadratically, so the step after this one is below round-off.
         settled = abs(move) <= math.sqrt(EPS)
         if not everywhere(fails | resolved | (abs(move) > options.refine_below)):
             size *= options.finer
@@ -253,7 +259,7 @@ def _newton(
         half = choose(fails, half, longer)
     g = values.dot(nodal.matrix)
     size_of = np.abs(g) / column(scale)
-    # The coefficients after the last one above round-off are dropped.
+    # All coefficients after the last one above round-off are dropped.
     count = size - int(
         ((size_of if size_of.ndim == 1 else size_of.max(axis=0))[::-1] > EPS).argmax()
     )
@@ -266,6 +272,6 @@ def _newton(
 
 @lru_cache(maxsize=1)
 def _quarter_turn() -> tuple[Array, Array]:
-    """(Gauss points t = cos(angle), weights) of the mean over angles from 0 to pi/2."""
+    """(Gauss points t = cos(angle), weights) for the mean over angles from 0 to pi/2."""
     s, weights = np.polynomial.legendre.leggauss(OPTIONS.gauss_points)
     return np.cos(0.25 * math.pi * (1.0 + s)), 0.5 * weights

@@ -29,14 +29,15 @@ from contact.search.topology.pressure_form import PressureForm
 from contact.verify.error import SolvedZones
 from sie import Array
 
-# Samples of one zone in which local minima are counted; a missed one costs a longer search.
+# Number of samples of a zone in which local minima are counted. If a minimum is missed, the search
+# only takes longer.
 LOOKS = 2**10
 
 
 def first_order(
     context: SolveContext, scaled: ScaledScene, found: SolvedZones | None = None
 ) -> SolvedZones:
-    """The zones of the strip; its nominal pressure is the isolated load divided by the period.
+    """The zones of the strip under the nominal pressure isolated load / period.
 
     The isolated load is that of the profile alone with the same total width.
 
@@ -72,7 +73,7 @@ def first_order(
             return outcome
         if isinstance(outcome.refusal, OutOfRange):
             raise outcome.refusal
-        # Further zones may come into contact, so the search for several zones follows.
+        # More zones may come into contact, so the search for several zones follows.
         context.record_failure("one zone by its width", outcome)
         return several.found(pressure, zones)
     with context.plan.timed("isolated reference"):
@@ -82,7 +83,7 @@ def first_order(
 
 
 def _is_asperity(problem: Problem, zones: Array) -> bool:
-    """Whether the contact is one zone with at most one local minimum of the profile in it."""
+    """Whether there is one contact zone in which the profile has at most one local minimum."""
     if len(zones) != 1:
         return False
     inside = np.linspace(float(zones[0, 0]), float(zones[0, 1]), LOOKS)
@@ -91,7 +92,7 @@ def _is_asperity(problem: Problem, zones: Array) -> bool:
 
 
 def _about_load(scaled: ScaledScene) -> float:
-    """The scaled load; if it is not given, that of the exact periodic contact on a grid."""
+    """The scaled load; if it is not given, about that of the exact periodic contact, on a grid."""
     problem, control = scaled.problem, scaled.control
     if control.load is not None:
         return control.load
@@ -102,7 +103,7 @@ def _about_load(scaled: ScaledScene) -> float:
 def _reference(
     context: SolveContext, problem: Problem, control: Control, start: Array | None
 ) -> SolvedZones:
-    """The profile alone on zones of a given width: a formal solution, whose signs may fail."""
+    """The contact of the profile alone with a given width; its signs are not checked."""
     if control.half_width is not None:
         start = np.array([[-control.half_width, control.half_width]])
     assert start is not None

@@ -21,9 +21,9 @@ from sie import Array, Mask, record
 
 @dataclass(frozen=True)
 class DerivativeOptions:
-    """Options of the derivatives, which steer Newton's method and scale small stated errors."""
+    """Options of the derivatives, which are used in Newton's method and in small stated errors."""
 
-    # of the densities: that of differences over 2 * shift stays below the error shift^2
+    # Tolerance of the densities: the error of a difference over 2 * shift stays below shift^2.
     tolerance: float = 1e-11
     shift: float = 1e-3  # of the centre in a central difference, relative to the gap at the border
 
@@ -33,7 +33,7 @@ OPTIONS = DerivativeOptions()
 
 @record
 class TwoContacts:
-    """The contact of the strip and the contact of its profile alone.
+    """The contact of the strip, and the contact of the strip's profile alone (without images).
 
     unknowns: scaled centre, nominal pressure and load of the strip (3,).
     """
@@ -44,20 +44,21 @@ class TwoContacts:
 
     @property
     def period(self) -> float:
-        """Scaled width of the strip."""
+        """The scaled width of the strip, which is the period."""
         assert self.strip.fields.problem.period is not None
         return self.strip.fields.problem.period
 
     @property
     def cut_off(self) -> Mask:
-        """Whether the profile alone touches the left and the right border of the strip (2,)."""
+        """Whether the profile alone is in contact at the strip's left and right border (2,)."""
         zones = self.alone.free.density.zones
         return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.cut)
 
 
 @record
 class ContactRates(sie.Kept):
-    """Derivatives of both contacts by centre, nominal pressure and load.
+    """Derivatives of the two contacts by the centre of the strip, the nominal pressure and the
+    load.
 
     Derivatives of ends are outward motions (2, Z); those of the approach are numbers.
     """
@@ -80,32 +81,32 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def by_centre(self) -> Array:
-        """Motion of the strip's ends per unit of its centre."""
+        """Motions of the ends of the strip's zones for a unit motion of the strip's centre."""
         return moves_by(self._shifted.density, self._density)
 
     @cached_property
     def by_pressure(self) -> Array:
-        """Motion of the strip's ends per unit of nominal pressure."""
+        """Motions of the ends of the strip's zones for a unit of nominal pressure."""
         return moves_by(self._pressed.density, self._density)
 
     @cached_property
     def by_load(self) -> Array:
-        """Motion of the strip's ends per unit of its load."""
+        """Motions of the ends of the strip's zones for a unit of the load of the strip."""
         return moved_ends(self.at.strip.fields.state, 0, tolerance=OPTIONS.tolerance)
 
     @cached_property
     def approach(self) -> Array:
-        """Derivatives of the approach by the three unknowns (3,)."""
+        """Derivatives of the approach by centre, nominal pressure and load (3,)."""
         state = self.at.strip.fields.state
         by_load = float(state.level_rates(state.values()).mean())
         return -np.array([self._shifted.levels.mean(), self._pressed.levels.mean(), by_load])
 
     def of_strip(self, step: Array) -> Array:
-        """Motions of the ends of the strip by a step of the unknowns."""
+        """Motions of the strip's ends for a step of (centre, nominal pressure, load)."""
         return step[0] * self.by_centre + step[1] * self.by_pressure + step[2] * self.by_load
 
     def of_ends(self, off: Array) -> Array:
-        """Bounds of the errors of ends (Z, 2), relative to the widths of their zones.
+        """Bounds of the errors of the ends (Z, 2), relative to the width of each end's zone.
 
         off: the errors of centre, nominal pressure and load (3,).
         """
@@ -115,14 +116,14 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def alone(self) -> Array:
-        """Motion of the ends of the profile alone per unit of nominal pressure."""
+        """Motions of the ends of the profile alone, for a unit of nominal pressure."""
         return self.at.period * moved_ends(
             self.at.alone.fields.state, 0, tolerance=OPTIONS.tolerance
         )
 
     @cached_property
     def alone_by_centre(self) -> Array:
-        """Motion of the ends of the profile alone per unit of the centre.
+        """Motions of the ends of the profile alone, for a unit motion of the strip's centre.
 
         An end at a border of the strip moves with it, and the others react.
         """
@@ -143,7 +144,7 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def matrix(self) -> Array:
-        """Jacobian (2, 2) by centre and nominal pressure of the two conditions.
+        """Jacobian (2, 2) of the two conditions by the centre and the nominal pressure.
 
         They are W - W0, the total width of the strip's zones less that of the profile alone, and
         the middle of the strip's zones less the centre.
@@ -158,7 +159,7 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def following(self) -> Array:
-        """Derivatives of centre, nominal pressure and load by the load (3,)."""
+        """Derivatives of (centre, nominal pressure, load) with respect to the load (3,)."""
         return np.append(
             -np.linalg.solve(self.matrix, (float(self.by_load.sum()), middle_motion(self.by_load))),
             1.0,
@@ -166,8 +167,8 @@ class ContactRates(sie.Kept):
 
 
 def _shifted(strip: SolvedZones) -> sie.AnyState:
-    """The change of the density per unit motion of the centre, by a central difference."""
-    # The strip may be symmetric; the difference of two shifted ones is not.
+    """Derivative of the solved strip by the position of its centre, from a central difference."""
+    # The strip may be symmetric, but the difference of two shifted strips is not.
     problem, zones = (
         strip.fields.problem,
         replace(strip.fields.state.density.zones, symmetric=False),
@@ -190,7 +191,7 @@ def _shifted(strip: SolvedZones) -> sie.AnyState:
 
 @dataclass(frozen=True)
 class _Difference:
-    """The function (ahead(x) - behind(x)) * factor."""
+    """The function x -> (ahead(x) - behind(x)) * factor."""
 
     ahead: Callable[[Array], Array]
     behind: Callable[[Array], Array]
@@ -201,22 +202,22 @@ class _Difference:
 
 
 def middle_motion(moved: Array) -> float:
-    """Motion of the middle of the outermost ends, from outward motions (2, Z) of all ends."""
+    """Motion of the middle between the two outermost ends, from outward motions (2, Z)."""
     return 0.5 * float(moved[1, -1] - moved[0, 0])
 
 
 def spread(table: Array, moved: Array) -> Array:
-    """Zones after outward motions (2, Z) of their ends, at most half of each zone and gap."""
+    """The zones after outward motions (2, Z) of the ends, each at most half of a zone or gap."""
     outward = np.clip(moved.T, -0.5 * np.diff(table), 0.5 * room_beside(table, None))
     return np.asarray(table + outward * [-1, 1])
 
 
 def width_of(found: SolvedZones) -> float:
-    """Total width of the zones, scaled."""
+    """Scaled total width of the zones."""
     zones = found.free.density.zones
     return float((zones.b - zones.a).sum())
 
 
 def table_of(found: SolvedZones) -> Array:
-    """Zones (Z, 2), scaled."""
+    """Table of the scaled ends of the zones (Z, 2)."""
     return found.free.density.zones.table

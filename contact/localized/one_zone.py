@@ -33,24 +33,29 @@ Search = Callable[[Problem, Control, Array | None], SolvedZones]
 
 @dataclass(frozen=True)
 class WidthOptions:
-    """Options of Newton's method for the width of one zone."""
+    """Options of Newton's method for the width of the contact with one zone."""
 
     widest: float = 0.9998  # fraction of the period; for wider zones the right side is not resolved
 
     @property
     def converged_step(self) -> float:
-        """Step relative to the width: the rates then correct the rest, to its square."""
+        """Step at which Newton's method stops, relative to the width.
+
+        The derivatives then correct the remaining error, to about the square of this step.
+        """
         return math.sqrt(EPS)
 
     @property
     def at_maximum(self) -> float:
-        """Relative bracket of the width at the maximum, where the load is flat."""
+        """Relative length of the bracket of the width at which a maximum of the load counts as
+        located.
+        """
         return math.sqrt(self.converged_step)
 
 
 @record
 class _AtWidth:
-    """The contact of the strip and that of its profile alone, at one width.
+    """The contact of the strip and the contact of its profile alone, both with the same width.
 
     present, wanted: the controlled quantity, and its given value. slope, by_load: rates of the
     controlled quantity with the width and with the load. following: rates of centre, nominal
@@ -71,12 +76,14 @@ class _AtWidth:
 
     @property
     def step(self) -> float:
-        """Newton's step of the width; inf beyond the maximum."""
+        """Newton's step of the width; inf where the controlled quantity does not grow with the
+        width.
+        """
         return -self.miss / self.slope if self.slope > 0.0 else math.inf
 
 
 class OneZoneClosure:
-    """The search for the width at which the controlled quantity has its given value.
+    """The search for the contact width at which the controlled quantity has its given value.
 
     strip: solves the strip under a given nominal pressure. alone: solves the profile alone.
     first: zones near the solution; None for a zone about the origin. tol: wanted error.
@@ -94,7 +101,7 @@ class OneZoneClosure:
         self.options = WidthOptions()
 
     def found(self, control: Control, guess: float) -> SolvedZones:
-        """The zone under the control, from a guess of its width."""
+        """The zones under the control, from a first guess of their width."""
         given = control.half_width is not None
         here = self._at_width(control, guess) if given else self._root(control, guess)
         condition = here.slope * here.width / abs(here.present)
@@ -118,7 +125,7 @@ class OneZoneClosure:
         return self.problem.period
 
     def _at_width(self, control: Control, width: float) -> _AtWidth:
-        """Both contacts at this width; the isolated load P0 of it sets the nominal pressure."""
+        """The strip and the profile alone at one width; the latter's load sets the pressure."""
         of_width = HalfWidth(0.5 * width) if self.first is None else Width(width)
         start = _widened(self.first if self.last is None else table_of(self.last), width)
         alone = self.alone(self.isolated, of_width, start)
@@ -146,7 +153,7 @@ class OneZoneClosure:
         )
 
     def _root(self, control: Control, guess: float) -> _AtWidth:
-        """The contacts under the control, by Newton's method in a bracket of the width.
+        """The contacts at the controlled value, by Newton's method with a bracket of the width.
 
         The lower end of the bracket carries too little and lies on the branch from zero load.
         """
@@ -194,7 +201,7 @@ class OneZoneClosure:
 
 
 def _widened(table: Array | None, width: float) -> Array | None:
-    """Zones widened in proportion to a new total width."""
+    """The zones with their widths scaled in proportion to a new total width."""
     if table is None:
         return None
     middle, half = table.mean(axis=1), 0.5 * np.diff(table, axis=1)[:, 0]

@@ -49,10 +49,11 @@ Strip = Callable[[Problem, Control, Array | None], SolvedZones]
 
 @dataclass(frozen=True)
 class ClosureOptions:
-    """Options of the root search for the nominal pressure."""
+    """Options of the search for the nominal pressure of a strip with several zones."""
 
     widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
-    # steps from both ends divided by the bracket; above it W - W0 jumps past zero
+    # Largest sum of the Newton steps from both ends of the bracket, over its length. Above it, the
+    # difference W - W0 of the total widths jumps past zero, and there is no root.
     jump: float = 3.0
     margin: float = 2.0  # stated error of the root over its last Newton step
 
@@ -71,7 +72,7 @@ class SeveralZones:
         self.period = scaled.problem.period
 
     def found(self, pressure: float, start: Array | None) -> SolvedZones:
-        """The zones at the root: Newton's method in a bracket of the nominal pressure.
+        """The zones at the root, by Newton's method with a bracket of the nominal pressure.
 
         `pressure`: a first nominal pressure; `start`: a first guess of the zones.
         """
@@ -84,7 +85,8 @@ class SeveralZones:
             miss = width_of(at.strip) - width_of(at.alone)
             step = self._step(rates, miss)
             error = np.abs(self._step(rates, self._width_error(at)))
-            # A step that the error of the widths explains comes no nearer to the root.
+            # A step that is no larger than the errors of the widths explain does not come nearer to
+            # the root.
             least = max(self.context.tolerance, float(rates.of_ends(error).max()))
             if float(rates.of_ends(step).max()) <= least:
                 off = np.abs(step) + error
@@ -94,7 +96,7 @@ class SeveralZones:
             if min(newton) > self.options.jump * (high - low):
                 raise no_centre(self.scaled.problem, self.scaled.control)
             bracketed, there = low > 0.0 and high < math.inf, pressure + float(step[1])
-            # The slope jumps where zones come or go: Newton's method may then cycle.
+            # The slope of W - W0 jumps where zones come or go, and Newton's method may then cycle.
             slow = abs(step[1]) > 0.5 * before
             before = abs(step[1])
             if bracketed and (slow or not low < there < high):
@@ -109,7 +111,7 @@ class SeveralZones:
         raise self.context.error(Failure(reason, at.strip.free), at.strip.fields.problem)
 
     def _step(self, rates: ContactRates, miss: float) -> Array:
-        """Newton's step of (centre, nominal pressure, load) by which the excess `miss` vanishes.
+        """Newton's step of (centre, nominal pressure, load) that removes the excess width `miss`.
 
         The excess is W - W0, the width of the zones of the strip less that of the profile alone.
         """
@@ -122,7 +124,7 @@ class SeveralZones:
         return np.asarray(np.linalg.solve(matrix, [-miss, 0.0, 0.0]))
 
     def _solved(self, at: TwoContacts, rates: ContactRates, ends: Array) -> SolvedZones:
-        """The zones of the strip, with the rate of the nominal pressure and the ends' error."""
+        """The strip's zones, with the rate of the nominal pressure and the errors of ends."""
         follows = rates.following
         fields = replace(
             at.strip.fields,
@@ -137,7 +139,7 @@ class SeveralZones:
         )
 
     def _width_error(self, at: TwoContacts) -> float:
-        """Bound of the error of the difference W - W0 of the two total widths."""
+        """Bound of the error of W - W0, the strip's total width less that of the profile alone."""
         missed = 0.0
         for found in (at.strip, at.alone):
             ends = found.free.end_error + found.fields.state.end_truncation
@@ -145,7 +147,7 @@ class SeveralZones:
         return missed
 
     def _at(self, pressure: float, start: Array | None, last: TwoContacts | None) -> TwoContacts:
-        """Both contacts under a nominal pressure."""
+        """The contacts of the strip and of the profile alone under a given nominal pressure."""
         strip = self.strip(self.scaled.problem.with_amplitude(pressure), self.scaled.control, start)
         centre = strip.fields.problem.centre
         with self.context.plan.timed("isolated reference"):
@@ -153,7 +155,7 @@ class SeveralZones:
         return TwoContacts(np.array([centre, pressure, strip.fields.density.total]), strip, alone)
 
     def _alone(self, centre: float, load: float, last: TwoContacts | None) -> SolvedZones:
-        """The contact of the profile alone, cut off at the borders of the strip."""
+        """The contact of the profile alone, which is cut off at the borders of the strip."""
         problem = replace(
             self.scaled.problem,
             interaction=Isolated(),
@@ -184,7 +186,7 @@ class SeveralZones:
 
 
 def no_isolated_load() -> OutOfRange:
-    """The error to raise where the isolated load hardly changes the width."""
+    """The error that is raised if the contact width hardly depends on the isolated load."""
     return OutOfRange(
         "under the first-order closure the zones reach from corner to corner, where every isolated "
         f"load has their width: none is told from others; {INSTEAD}"
@@ -192,7 +194,7 @@ def no_isolated_load() -> OutOfRange:
 
 
 def _from_grid(problem: Problem, load: float) -> Array:
-    """Zones of the profile alone on a grid between the borders of the strip."""
+    """Contact zones of the profile alone, from a grid between the borders of the strip."""
     profile, units = problem.profile, problem.units
     left, right = units.x(np.array(problem.cut))
     found = propose(
@@ -207,7 +209,7 @@ def _from_grid(problem: Problem, load: float) -> Array:
 
 
 def _moved(last: TwoContacts, problem: Problem) -> Array:
-    """Zones of the profile alone at the last pressure; ends at the strip's border move with it."""
+    """The last zones of the profile alone; ends at the strip's borders move with the strip."""
     table = table_of(last.alone).copy()
     table.flat[[0, -1]] = np.where(last.cut_off, np.array(problem.cut), table.flat[[0, -1]])
     return table

@@ -27,9 +27,9 @@ from sie import Array
 
 @dataclass(frozen=True)
 class CentringOptions:
-    """Options of the secant method for the centre of a strip."""
+    """Options of the secant method for the position of the centre of a strip."""
 
-    # bound of a secant step, relative to the last step and to the residual
+    # Largest secant step, relative to the larger of the last step and the residual.
     longest_step: float = 4.0
 
 
@@ -37,11 +37,12 @@ OPTIONS = CentringOptions()
 
 
 def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> SolvedZones:
-    """The zones of a strip that is centred on them. start: a first guess of the zones."""
+    """The contact zones of a strip whose centre is the middle of these zones."""
     problem, load = scaled.problem, scaled.control.load
     if load is not None and not context.single and not problem.interaction.follows_isolated:
-        # A known nominal pressure goes into the right side, which is resolved near the border of
-        # the strip by as many modes as needed. An unknown one would have the modes of the zones.
+        # A known nominal pressure is part of the right side, which is resolved near the border of
+        # the strip by as many modes as needed. A term of unknown amplitude would have only the
+        # modes of the zones.
         problem = problem.with_amplitude(load / problem.repeat_length)
     if start is not None:
         problem = about(problem, start)
@@ -55,7 +56,7 @@ def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> 
 
 
 def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> SolvedZones:
-    """The zones after the strip was moved until its centre is the middle of its zones."""
+    """The zones after the strip was moved until its centre is the middle of the zones."""
     before: tuple[float, float, Array] | None = None
     misses, stalled = [math.inf], math.inf
     for _ in range(SEARCH.max_steps):
@@ -75,10 +76,10 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
         if abs(miss) * follows <= close or stalled < abs(miss) < TOLERANCES.noise * width:
             left = abs(miss) * follows / width
             return replace(found, control_error=found.control_error + left)
-        # Only round-off keeps the residual from falling after a secant step.
+        # After a secant step, only round-off keeps the residual from decreasing.
         stalled = 0.25 * abs(miss) if is_secant else math.inf
         misses.append(abs(miss))
-        # In a few steps the residual halves, unless the middle of the zones jumps.
+        # Within a few steps the residual halves, unless the middle of the zones jumps.
         recent = misses[-SEARCH.max_attempts :]
         if len(misses) > len(recent) and min(recent) > 0.5 * min(misses[: -SEARCH.max_attempts]):
             break
@@ -90,7 +91,7 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
 def _moved(
     context: SolveContext, scaled: ScaledScene, found: SolvedZones, step: float, expected: Array
 ) -> SolvedZones:
-    """The zones after a step of the centre, which is halved until the zones are found."""
+    """The zones after a step of the strip's centre; the step is halved until zones are found."""
     problem, table = found.fields.problem, found.free.density.zones.table
     for _ in range(SEARCH.max_attempts):
         there = problem.about(problem.centre + step)
@@ -102,7 +103,7 @@ def _moved(
 
 
 def no_centre(problem: Problem, control: Control) -> ContactError:
-    """The error to raise where no strip is centred on its zones."""
+    """The error that is raised if there is no strip whose centre is the middle of its zones."""
     first = problem.interaction.follows_isolated
     closure, instead = ("first-order", INSTEAD) if first else ("self-consistent", EXACT)
     return OutOfRange(

@@ -25,7 +25,7 @@ from sie import Array, Index, Mask, record
 
 
 def _places(count: int) -> Array:
-    """Places in (0, 1), denser at the ends: there contact is likely."""
+    """Positions in (0, 1), closer together near both ends, where contact is more likely."""
     return np.asarray(np.sin(0.5 * np.pi * (np.arange(count) + 0.5) / count) ** 2)
 
 
@@ -34,7 +34,7 @@ _FEW_PLACES = _places(SAMPLING.min_points)
 
 @dataclass(frozen=True)
 class Certificate:
-    """The checks of a solution, with the values that were found.
+    """The results of all checks of a solution, with the values that were found.
 
     smallest_pressure: least value of p / sqrt(1 - t^2) on the zones [Pa]. smallest_gap: least gap
     between the zones [m]. points: number of samples. holds: whether all checks pass. gap_rounding:
@@ -103,7 +103,7 @@ NOT_CHECKED = Certificate(
 
 
 def _allowed_gap(fields: ZoneFields) -> float:
-    """Largest scaled gap on the zones that the density's error can cause, times a margin."""
+    """Bound of the scaled gap on the zones as caused by the density's error, with a margin."""
     state, zones = fields.state, fields.density.zones
     moved = state.density_error * state.size * float((zones.b - zones.a).sum())
     return (
@@ -113,7 +113,7 @@ def _allowed_gap(fields: ZoneFields) -> float:
 
 
 class Openings(NamedTuple):
-    """The scaled gap between the zones, as it was sampled.
+    """The scaled gap between the zones, from samples.
 
     least: smallest gap. overlaps: intervals where it is negative (n, 2). rounding: effect of
     rounding on it. points: number of samples. lowest: its minima. on_zones: size of the computed
@@ -129,13 +129,14 @@ class Openings(NamedTuple):
 
 
 def openings(fields: ZoneFields, unresolved_fraction: float = 0.0) -> Openings:
-    """The gap between the zones, sampled on the whole line.
+    """The gap between the zones, sampled on the whole line outside the zones.
 
     unresolved_fraction: fraction of the zones whose ends are not converged; they do not count for
     `on_zones`.
     """
     zones = fields.density.zones
-    # The gap is zero on the zones, so that its computed values there measure the error everywhere.
+    # The exact gap on the zones is zero, so the values computed there measure the error of all
+    # values.
     places = (zones.middle[:, None] + zones.half[:, None] * chebyshev_nodes(4)).ravel()
     on_zones = float(np.quantile(np.abs(fields.formal_gap(places)), 1.0 - unresolved_fraction))
     return Openings(*_gaps(fields, fields.gap_rounding + 2 * on_zones), on_zones)
@@ -147,7 +148,7 @@ def certify(
     control: Control | None = None,
     unresolved_fraction: float = 0.0,
 ) -> Certificate:
-    """Check a solution on the whole line.
+    """Check the signs of pressure and gap on the whole line, and the load and moment.
 
     Where signs fail, `negative` and `overlaps` of the certificate are not empty. control: the
     control under which the contact has to be stable if there are several equilibria; None: the
@@ -203,14 +204,14 @@ def certify(
 
 
 def _load_balance(fields: ZoneFields, load: float) -> float:
-    """Error of the load, divided by the larger of the load and the force on the zones."""
+    """Error of the load, divided by the larger of the load and the force that the zones bear."""
     law, density = fields.problem.law, fields.density
     size = fields.load_size if law.pressure_range.has_tension else fields.problem.borne(density)
     return float(abs(density.total - load) / max(abs(load), size))
 
 
 class _Equilibrium(NamedTuple):
-    """Result of the check of one of several equilibria: intensities at the ends, and stability.
+    """Result of the check of an equilibrium: error of the intensity at the ends, and stability.
 
     fault: the checks that fail, in words. note: those that hold.
     """
@@ -222,7 +223,7 @@ class _Equilibrium(NamedTuple):
 
 
 def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
-    """Whether the ends have the intensity of the law and the contact is locally stable."""
+    """Check of a contact with several equilibria: intensity at the ends, and local stability."""
     error, stability = _intensity_error(fields), None
     name = "load" if control is None else control.name
     if control is None or control.half_width is None:
@@ -250,7 +251,7 @@ def unresolved_gaps_note(gaps: int, over: str) -> str:
 
 
 def _intensity_error(fields: ZoneFields) -> float:
-    """Largest relative error of the intensity that the law asks for at the ends.
+    """Largest error of the intensity at the ends, relative to the one that the law prescribes.
 
     At a fixed end the intensity only has to reach at least the law's value.
     """
@@ -272,7 +273,7 @@ def least_eigenvalue(matrix: Array) -> float:
 
 
 def _moment_balance(fields: ZoneFields) -> float | None:
-    """Error of the moment divided by load times farthest end; None if no moment is given."""
+    """Error of the moment, over load times distance of the farthest end; None without a moment."""
     given = fields.problem.moment
     if given is None:
         return None
@@ -282,7 +283,7 @@ def _moment_balance(fields: ZoneFields) -> float | None:
 
 
 def _pressures(fields: ZoneFields) -> Signs:
-    """Signs of p / sqrt(1 - t^2) on the zones, scaled."""
+    """Signs of the scaled pressure divided by sqrt(1 - t^2), on all zones."""
     density, noise = fields.density, fields.state.noise
 
     def over_root(zone: Index, angle: Array) -> Array:
@@ -305,7 +306,7 @@ def _pressures(fields: ZoneFields) -> Signs:
 
 
 def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
-    """Intervals of negative pressure around concave kinks, and the number of unresolved ones.
+    """(intervals of negative pressure around concave kinks, number of unresolved gaps there).
 
     At a jump J < 0 of f' the pressure goes to -inf as (E* |J| / 2 pi) ln(distance): there is a gap,
     however narrow. It is unresolved if it is narrower than the nearest sample.
@@ -331,7 +332,7 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
 
 
 def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int, Array]:
-    """Signs of all gaps together, scaled.
+    """Check the sign of the scaled gap on all intervals outside the zones.
 
     Returns the least gap, the intervals of overlap, the rounding, the number of points, and the
     minima (see `lowest`). Only minima that may be below zero are located between samples. rounding:
@@ -377,7 +378,7 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
 
 
 def _closing(gap: Array, place: Index, rounding: float) -> Mask:
-    """Mask of samples between the end of a zone and the first sample with a gap above rounding.
+    """Mask of the samples between the end of a zone and the first sample with an open gap.
 
     Samples are sorted by interval and place. The gap closes as d^(3/2) there, and has the sign of
     the pressure's slope.
@@ -395,7 +396,7 @@ def _finite(gap: Array) -> Array:
 
 
 def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, float]]:
-    """Intervals around each run of failed samples in (lo, hi), up to the next good samples."""
+    """Intervals around the runs of failed samples in (lo, hi), up to the next good samples."""
     return [
         (
             float(x[max(s - 1, 0)]) if s else lo,
@@ -408,7 +409,7 @@ def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, 
 def _samples_in(
     fields: ZoneFields, intervals: list[tuple[float, float, bool, bool]]
 ) -> list[Array]:
-    """Places of samples in each interval.
+    """Positions of the samples in each of the given intervals.
 
     Narrow gaps between zones without convex kinks need only the smallest number of samples, and are
     computed together.
@@ -424,7 +425,7 @@ def _samples_in(
     x = np.clip(
         lo[plain, None] + (hi - lo)[plain, None] * _FEW_PLACES, lo[plain, None], hi[plain, None]
     )
-    # In gaps as narrow as rounding some samples coincide.
+    # In gaps that are as narrow as round-off, some samples coincide; they are used once.
     differ = np.diff(x, axis=1, prepend=-np.inf) > 0
     every = differ.all(axis=1)
     rows = iter(
@@ -439,7 +440,7 @@ def _samples_in(
 def _samples_between(
     lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool
 ) -> Array:
-    """Places of samples in (lo, hi): evenly spaced, with spacing decreasing towards zones.
+    """Positions of samples in (lo, hi): evenly spaced, but closer together towards zones.
 
     They include convex kinks and the limit of a half-line, as the body may touch exactly there.
     """
@@ -463,14 +464,14 @@ def _samples_between(
         s = np.append(0.0, 1 - (1 - s) ** 2)
     x = np.clip(lo + (hi - lo) * s, lo, hi)
     tips = fields.tips
-    # A kink at the end of a zone is in contact.
+    # A kink that is the end of a zone is in contact, so it is not added to the samples.
     first, last = np.searchsorted(tips, lo, side="right"), np.searchsorted(tips, hi, side="left")
     return np.unique(np.concatenate((x, tips[first:last]))) if last > first else x
 
 
 @record
 class Solved:
-    """Intervals that a search has found, with their certificate.
+    """The contact zones (or gaps) that a search has found, with their certificate.
 
     free: the result of Newton's method. fields: the fields under the load of these intervals.
     rounds: number of corrections of the intervals. tolerance: tolerance of the ends. control_error:
@@ -488,5 +489,5 @@ class Solved:
 
     @property
     def error(self) -> float:
-        """Bound of the errors of pressure and ends, see `Solution.error`."""
+        """Bound of the relative errors of pressure and ends; see `Solution.error`."""
         raise NotImplementedError

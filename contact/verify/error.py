@@ -29,7 +29,7 @@ from sie import Array, record, wrapped
 
 @record
 class SolvedZones(Solved):
-    """Zones that passed the certificate.
+    """Contact zones that passed the certificate, with their stated error.
 
     control_error: errors of the ends, divided by the width of their zones, that the error of the
     control may cause. rounded: whether rounding keeps them from being smaller.
@@ -40,7 +40,7 @@ class SolvedZones(Solved):
 
     @property
     def ends(self) -> Array:
-        """Errors of the ends divided by the widths of their zones (Z, 2)."""
+        """Errors of the ends (Z, 2), divided by the width of the zone of each end."""
         return np.asarray(self.free.end_error + self.free.end_truncation + self.control_error)
 
     @cached_property
@@ -63,7 +63,7 @@ class SolvedZones(Solved):
         ) + _error_of_body(self)
         if self.control.approach is None:
             return error
-        # In a stiff contact the rounding of the level causes a large error of the load.
+        # In a stiff contact the rounding error of the level causes a large error of the load.
         assert fields.stiffness is not None
         rounding = fields.gap_rounding / 16 + 2 * EPS * abs(density.total)
         return error + abs(
@@ -72,12 +72,12 @@ class SolvedZones(Solved):
 
     @property
     def main_cause(self) -> str:
-        """Main cause of the error, in words, if it comes from the law; empty otherwise, as here."""
+        """Main cause of the error as a message, if the law causes most of it; here always empty."""
         return ""
 
 
 def _error_of_body(found: SolvedZones) -> float:
-    """Error that a body other than a half-plane adds.
+    """Additional error of a body that is not a half-plane, such as a thin layer.
 
     The smooth part of a thin layer's kernel nearly cancels that of the half-plane. The sum is so
     small that rounding and neglected modes are large relative to it.
@@ -93,7 +93,7 @@ def _error_of_body(found: SolvedZones) -> float:
 
 
 def _kernel_rounding(problem: Problem, table: Array) -> float:
-    """Rounding of the half-plane's kernel, divided by the relative compliance of the body.
+    """Rounding error of the half-plane's kernel, divided by the body's relative compliance.
 
     The compliance is taken at the longest wave of the widest scaled zone (n, 2).
     """
@@ -104,7 +104,7 @@ def _kernel_rounding(problem: Problem, table: Array) -> float:
 
 
 def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
-    """Message that the body's kernel limits the error of scaled zones (n, 2).
+    """Message that the body's kernel limits the accuracy on the scaled zones `table` (n, 2).
 
     It is empty if the tolerance can be reached all the same.
     """
@@ -125,7 +125,7 @@ def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
 
 
 def too_thin(problem: Problem, table: Array) -> str:
-    """Message that scaled zones (n, 2) are too wide to be solved in seconds; empty if not."""
+    """Message that the scaled zones `table` (n, 2) would take too long to solve; else empty."""
     kernel, unit = problem.kernel, problem.units.length
     width = float((table[:, 1] - table[:, 0]).max(initial=0.0))
     if not width > TOLERANCES.max_kernel_lengths * kernel.length:
@@ -145,7 +145,7 @@ def too_thin(problem: Problem, table: Array) -> str:
 
 
 def position_rounding(found: SolvedZones) -> float:
-    """Rounding of the ends as positions x [m], divided by the width of their zone.
+    """Rounding error of the ends as positions x [m], over the width of the zone.
 
     Scaled ends of narrow zones far from x = 0 are more precise than x. The rounding is 0 where the
     digits that it cuts off are stated as well (`Solution.zone_remainders`).
@@ -158,7 +158,7 @@ def position_rounding(found: SolvedZones) -> float:
 
 
 def _kink_rounding(density: sie.AnyDensity) -> float:
-    """Rounding error of the pressure by the logarithms of kinks.
+    """Rounding error of the pressure, from the logarithms next to kinks.
 
     The logarithms may cancel to a pressure far below the height of the kinks. Next to an end they
     are small.
@@ -172,7 +172,7 @@ def _is_singular(density: sie.AnyDensity) -> bool:
 
 
 def reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None) -> float:
-    """The pressure by which errors are divided: its peak, or the mean contact pressure.
+    """The pressure by which errors are divided: the peak, or the mean contact pressure.
 
     The mean is taken where the peak is infinite. Where free ends have a singular tension, it is the
     largest p sqrt(1 - t^2), and at least the part of the ends in it. free: kind of the free ends.
@@ -201,7 +201,7 @@ def limit(
     end: sie.End = sie.FREE,
     error: float = 0.0,
 ) -> str:
-    """Message on the rounding that keeps the ends from reaching `tol`; else empty.
+    """Message that rounding keeps the ends from reaching the tolerance `tol`; else empty.
 
     of: "zone" or "gap". positions: see `position_rounding`. end: kind of the free ends. error:
     stated error of a contact whose unknowns are the gaps.
@@ -244,7 +244,7 @@ def limit(
 
 @record
 class SolvedGaps(Solved):
-    """Gaps that passed the certificate.
+    """Gaps between contact zones that passed the certificate, with their stated error.
 
     control_error: possible error of the mean pressure, if it was found from another control.
     """
@@ -253,16 +253,16 @@ class SolvedGaps(Solved):
 
     @cached_property
     def error(self) -> float:
-        """Relative error of the pressure or of the ends of zones, whichever is larger."""
+        """The larger of the relative errors of the pressure and of the ends of the zones."""
         return self._error(self.fields.relief.error)
 
     @property
     def main_cause(self) -> str:
-        """Cause of the error of the relief R, in words, if it is most of the error; else empty."""
+        """Cause of the error of the relief R, as a message, if this error prevails; else empty."""
         return self.fields.relief.relief.limit if self._error(0.0) < 0.5 * self.error else ""
 
     def _error(self, of_relief: float) -> float:
-        """The stated error for a given error of the relief R.
+        """The stated error of the solution, for a given error of the relief R.
 
         An error delta of an end of a gap has three effects. It shifts normalised positions in the
         zone next to the gap, by delta divided by the zone's width. It thereby changes the pressure
@@ -270,18 +270,20 @@ class SolvedGaps(Solved):
         divided by the distance. It changes the pressure close to the gap, which varies on the
         length of the gap's width, by delta divided by that width.
         """
-        # The integral of the unknown over every gap is given, so that `state` has no slits.
+        # The integral of the unknown over each gap is given. With such conditions no gap is treated
+        # as a slit, so `state` has no slits.
         fields, state, gaps = self.fields, self.fields.state.whole, self.fields.gap_slope.zones
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]
         moved = self.free.end_error + state.end_truncation
-        # An error of R moves the ends as a change of the mean pressure does. An uneven one moves
-        # the two ends of a gap in opposite ways, hence the factor 2.
+        # A uniform error of the relief R moves the ends like a change of the mean pressure. An
+        # error that is not uniform may move the two ends of a gap in opposite directions, hence the
+        # factor 2.
         mean_error = self.control_error + 2 * of_relief
         if mean_error:
             moved = moved + mean_error * self.widening / width
         shift = np.maximum(moved * width, self._place_error[:, None])
-        # The zone before the first gap is the last zone.
+        # In the period, the zone before the first gap is the last zone.
         zones = fields.zones[:, 1] - fields.zones[:, 0]
         ends = float((shift / np.column_stack((np.roll(zones, 1), zones))).max())
         varies = (profile.resolution or units.length * fields.period) / units.length / (2 * np.pi)
@@ -289,13 +291,15 @@ class SolvedGaps(Solved):
         if not unit > 0.0:
             return np.inf  # zones so narrow have no sample
         slope = min(fields.steepest / unit, 1 / varies)
-        # Away from a gap the effect decreases as the square of width / distance.
+        # The effect on the pressure decreases with the distance from a gap, as (width /
+        # distance)^2.
         seen = (
             np.minimum((gaps.b - gaps.a) / (TOLERANCES.unresolved_distance * fields.period), 1.0)
             ** 2
         )
         near_gaps = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
-        # Next to a kink the logarithms that cancel are several times the pressure.
+        # Next to a kink the pressure is a sum of logarithms that are several times larger than it
+        # and cancel.
         rounding = (3 if len(fields.relief.at) else 1) * TOLERANCES.rounding * (
             1 + abs(fields.mean) / unit
         ) + of_relief / unit
@@ -307,7 +311,7 @@ class SolvedGaps(Solved):
 
     @property
     def _place_error(self) -> Array:
-        """Possible error of the place of each narrow gap, scaled.
+        """Possible scaled error of the position of each narrow gap.
 
         At a smooth maximum of R with curvature k, a narrow gap may lie anywhere where R is within
         its rounding r of the maximum: up to sqrt(2 r / k) away. The error is 0 for wider gaps and
@@ -337,7 +341,7 @@ class SolvedGaps(Solved):
 
     @property
     def _steepest(self) -> Array:
-        """Slope of the pressure in each zone near its sharpest tip: J / pi divided by the distance.
+        """Bound of the pressure's slope in each zone near a tip: J / pi divided by the distance.
 
         The distance is the smallest one for which the stated error holds.
         """
@@ -356,5 +360,5 @@ class SolvedGaps(Solved):
 
     @property
     def widening(self) -> Array:
-        """Modulus of the motion of each end of the gaps (n, 2) per unit of mean pressure."""
+        """Absolute motion of each end of the gaps (n, 2) per unit of mean pressure."""
         return np.asarray(np.abs(moved_ends(self.fields.state)).T)

@@ -17,7 +17,7 @@ from sie import Array, Index, record
 
 
 def certify_gaps(fields: GapFields) -> Certificate:
-    """Check the signs of gap and pressure on the whole period."""
+    """Check the signs of the gap and of the pressure on the whole period."""
     openings, minima = _openings(fields)
     least, negative, dip, points = _pressures(fields)
     valleys, left_out = _valleys(fields)
@@ -43,7 +43,7 @@ def certify_gaps(fields: GapFields) -> Certificate:
 
 
 def _openings(fields: GapFields) -> tuple[Signs, Array]:
-    """Signs of the gap inside the gaps, and its minima (see `lowest`)."""
+    """(signs of the gap inside the gaps, minima of the gap as returned by `lowest`)."""
     density, gaps, sizes = fields.gap_slope, fields.gap_slope.zones, fields.gap_sizes
     minima: list[Array] = []
 
@@ -61,7 +61,7 @@ def _openings(fields: GapFields) -> tuple[Signs, Array]:
 
 
 def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:
-    """Signs of p / sin(angle) in the zones, which is positive up to the ends.
+    """Signs of p / sin(angle) in the zones, where p is the pressure; positive up to the ends.
 
     Returns the least value, the intervals where it is negative, the least minimum between samples,
     and the number of points. The minimum is relative to the largest value in its zone.
@@ -106,7 +106,7 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
 
 @record
 class _Samples:
-    """Samples of the pressure in all zones.
+    """Samples of the pressure in all zones, in several runs of neighbouring samples.
 
     run: index of the row of even samples. zone: index of the zone. left, right: distances from its
     ends divided by its half width. value: pressure divided by the sine of the angle. rough:
@@ -125,7 +125,7 @@ class _Samples:
 
 
 def _sampled(fields: GapFields) -> _Samples:
-    """Samples of the pressure at even angles; inside wide zones at even places instead.
+    """Samples of the pressure at even angles; inside wide zones at even positions instead.
 
     The even places are those of the samples that the fields compute anyway.
     """
@@ -133,15 +133,16 @@ def _sampled(fields: GapFields) -> _Samples:
     half = 0.5 * (zones[:, 1] - zones[:, 0])
     x, known = fields.samples
     step = x[1] - x[0]
-    # In the middle of a zone even angles are as dense as the even places.
+    # In the middle of a zone, samples at even angles are as dense as the evenly spaced positions.
     counts = np.clip(np.pi * half / step, 2 * SAMPLING.min_points, SAMPLING.max_points).astype(int)
-    # Near a gap the pressure varies more than the profile, up to one shortest length from the gap.
+    # Within one shortest length of the profile from a gap, the pressure varies more than the
+    # profile does.
     is_wide = half > 2 * near_end
     wide = np.flatnonzero(is_wide)
     inside = located(zones, x)[0]
     from_left, from_right = x - zones[inside, 0], zones[inside, 1] - x
     inner = np.flatnonzero(is_wide[inside] & (np.minimum(from_left, from_right) > near_end))
-    # Samples near the ends of wide zones overlap with the inner samples by some steps.
+    # The samples near the ends of wide zones overlap with the inner samples by a few steps.
     edge_angle = 2 * np.arcsin(np.sqrt(0.5 * (near_end + 3 * step) / half[wide]))
     few = np.minimum(np.ceil(edge_angle * counts[wide] / np.pi).astype(int) + 1, counts[wide])
     lengths = counts.copy()
@@ -155,7 +156,7 @@ def _sampled(fields: GapFields) -> _Samples:
     place = np.arange(len(run)) - np.repeat(np.cumsum(lengths) - lengths - first, lengths)
     zone = of_run[run]
     left, right = sides((place + 0.5) * np.pi / counts[zone])
-    # The places run from right to left, in the order of growing angles.
+    # These positions run from right to left, so that their angles increase.
     inner = inner[::-1]
     pressure, zone = (
         np.concatenate((fields.pressure_in(zone, left, right), known[inner])),
@@ -164,8 +165,8 @@ def _sampled(fields: GapFields) -> _Samples:
     left = np.concatenate((left, from_left[inner] / half[inside[inner]]))
     right = np.concatenate((right, from_right[inner] / half[inside[inner]]))
     run = np.concatenate((run, len(of_run) + inside[inner]))
-    # The pressure is a difference of numbers as large as the relief R. Next to an end it is small,
-    # and may consist of their rounding only.
+    # The pressure is a difference of numbers as large as the relief R. Next to an end the pressure
+    # is small, and may consist only of the rounding of these numbers.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
     over_sine = 1 / np.sqrt(left * right)
     return _Samples(
@@ -174,7 +175,7 @@ def _sampled(fields: GapFields) -> _Samples:
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
-    """Intervals where a concave kink lacks its gap, and the number of unresolved gaps."""
+    """(intervals where a gap is missing at a concave kink, number of unresolved gaps)."""
     relief = fields.relief
     kinks = np.flatnonzero((relief.heights < 0) & ~fields.gap_slope.locate(relief.at)[2])
     if len(kinks) == 0:
@@ -188,7 +189,7 @@ def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
 
 
 def valley_gaps(fields: GapFields, kinks: Index) -> Array:
-    """Scaled half widths of single gaps over kinks, see contact.formulation.gaps."""
+    """Scaled half widths of single gaps at concave kinks, see contact.formulation.gaps."""
     relief = fields.relief
     at, heights = relief.at[kinks], relief.heights[kinks]
     rest = fields.mean - relief.without_own(kinks) + fields.gap_slope.transform(at)

@@ -18,7 +18,7 @@ from contact.verify.tolerances import TOLERANCES
 def held_to_law(
     certificate: Certificate, law: Law, fields: Fields, given_load: float | None
 ) -> Certificate:
-    """The certificate itself, or a failed one with the reason if the fields violate the law.
+    """The certificate; if the fields violate the law, a failed certificate with the reason.
 
     given_load: the load [N/m] that the scene gives, or None.
     """
@@ -27,12 +27,12 @@ def held_to_law(
 
 
 def has_checks(law: Law) -> bool:
-    """Whether a law asks for more than the signs of pressure and gap."""
+    """Whether a law prescribes more than the signs of pressure and gap."""
     return bool(np.isfinite(law.pressure_range.highest)) or type(law).fault is not Law.fault
 
 
 def _fault(law: Law, fields: Fields, given_load: float | None) -> str:
-    """Message on a violation of the law, such as too high a pressure; empty if there is none."""
+    """Message about a violation of the law, such as too high a pressure; empty if none."""
     if not has_checks(law):
         return ""
     highest = law.pressure_range.highest

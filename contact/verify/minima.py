@@ -18,7 +18,7 @@ from sie import Array, Index, Mask, record
 
 @dataclass(frozen=True)
 class SamplingOptions:
-    """Samples by which the signs of pressure and gap are checked on the whole line."""
+    """Numbers of samples at which the signs of pressure and gap are checked."""
 
     min_points: int = 48  # in an interval: three of them in the first hundredth of a gap
     max_points: int = 2**17  # largest number if the profile states its resolution
@@ -30,7 +30,7 @@ SAMPLING = SamplingOptions()
 
 @record
 class Dips:
-    """Minima of a function that were located between samples.
+    """Minima of a function, located between its samples.
 
     negative: (zone, angle from, angle to) of every minimum below its rounding. least: smallest
     value above rounding. relative: smallest value divided by its zone's scale; inf if there is
@@ -44,7 +44,7 @@ class Dips:
 
 
 def may_be_negative(before: Array, here: Array, after: Array) -> Mask:
-    """Whether a minimum at three even samples may lie below zero between them.
+    """Whether a function with a minimum at three even samples may be negative between them.
 
     The parabola through the samples falls below the middle one by at most an eighth of their second
     difference.
@@ -62,7 +62,7 @@ def follow(
     scale: Array,
     rounding: Array,
 ) -> Dips:
-    """Locate the minimum of p / sqrt(1 - t^2), t = cos(angle), in each bracket (lo, hi).
+    """Locate the minimum of p / sqrt(1 - t^2), with t = cos(angle), in each bracket (lo, hi).
 
     over_root: returns the values at zones (n, 1) and angles (n, k). zone, scale, rounding: index of
     the zone, scale and rounding of the values for each bracket (n,).
@@ -88,7 +88,7 @@ def follow(
 def zoomed(
     at: Array, value: Array, rounding: Array, others: tuple[Any, ...]
 ) -> tuple[Array, Array, tuple[Any, ...]]:
-    """Brackets about the least of the samples in each row that need a closer look.
+    """Narrower brackets around the least sample of each row, for rows that need more samples.
 
     at, value: places and values of the samples (k, n). rounding: that of the values (k,). others:
     arrays (k,) to be reduced to the rows that remain. Returns the lower and upper ends of the
@@ -109,7 +109,7 @@ def zoomed(
 
 
 def lowest(x: Array, value: Array, at: Index) -> Array:
-    """Places, values and half second derivatives (n, 3) of minima at the samples `at`.
+    """Positions, values and half second derivatives (n, 3) of the minima near the samples `at`.
 
     They are taken from the parabolas through each sample and its neighbours.
     """
@@ -126,7 +126,7 @@ def lowest(x: Array, value: Array, at: Index) -> Array:
 
 @record
 class Signs:
-    """Signs of a function on intervals.
+    """Result of the check of a function's signs on several intervals.
 
     negative: intervals where it is negative, ascending (n, 2). least: the smallest value; a value
     within its rounding counts with its modulus. dip: least minimum between samples, divided by its
@@ -145,7 +145,7 @@ def signs_on(
     sampled: Callable[[Index, Array], tuple[Array, Array, Array]],
     over: Callable[[Index, Array], Array],
 ) -> Signs:
-    """Signs of a function on intervals.
+    """Check the signs of a function on several intervals, from samples at even angles.
 
     counts: number of samples of each interval, at even angles. sampled: a function of intervals
     (k,) and angles (n,) that returns the values (k, n), their rounding and their scale (k,). over:
@@ -155,22 +155,24 @@ def signs_on(
     least, points = np.inf, 0
 
     def within(i: int, first: float, last: float) -> tuple[float, float]:
-        """The part of an interval between two angles; 0 and pi are its ends."""
+        """The part of interval i between two angles; the angles 0 and pi are its right and left
+        end.
+        """
         hi, lo = intervals.middle[i] + intervals.half[i] * np.cos([first, last])
         return float(intervals.a[i] if last == np.pi else lo), float(
             intervals.b[i] if first == 0.0 else hi
         )
 
     counts = _rounded_up(counts)
-    # Minima of all intervals: zone, angles before and after, scale, rounding.
+    # Minima in all intervals: index of the interval, angles before and after, scale, rounding.
     followed: list[tuple[Index, Array, Array, Array, Array]] = []
     for n in np.unique(counts):
         group = np.flatnonzero(counts == n)
         theta = (np.arange(n) + 0.5) * np.pi / n
         value, rounding, scale = sampled(group, theta)
         points += value.size
-        # Close to ends and to other intervals the values tend to zero. There a negative value
-        # within rounding is no failure.
+        # Close to ends and to other intervals the values tend to zero. There a negative value no
+        # larger than its rounding is not a failure.
         least = min(
             least, float(np.where(np.abs(value) <= rounding[:, None], np.abs(value), value).min())
         )
@@ -193,5 +195,5 @@ def signs_on(
 
 
 def _rounded_up(counts: Index) -> Index:
-    """Counts rounded up to powers of two, so that many intervals are sampled together."""
+    """The counts rounded up to powers of two, so that many intervals have the same count."""
     return np.asarray(2 ** np.ceil(np.log2(counts)), dtype=np.intp)

@@ -5,25 +5,23 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Numbers of the certificate and of the stated error, all relative."""
+    """Relative tolerances of the certificate, and constants of the stated error."""
 
-    # Round-off.
-    # of a sum of some hundred terms, relative to the largest one: the smallest error stated, and
-    # the smallest pressure or gap whose sign is known
+    # Round-off of a sum of some hundred terms, relative to the largest term. It is the smallest
+    # error that is stated, and the smallest pressure or gap whose sign is known.
     rounding: float = 4e-14
-    # largest noise: a contradiction above it is a fault. It bounds the noise by which a pressure
-    # may be negative, and the difference between the slope and the height of a profile
+    # Largest noise of the data; a larger contradiction is a fault. It bounds the noise by which a
+    # pressure may be negative, and the difference between the slope and the height of a profile.
     noise: float = 1e-6
 
-    # Errors that the certificate allows.
-    # error of load and moment: far above rounding, far below that of a wrong solution
+    # Largest allowed error of load and moment: far above rounding, far below that of a wrong
+    # solution.
     balance: float = 1e-9
-    # error of the intensity at an end, or of the gap where a cohesive tension ends
+    # Largest allowed error of the intensity at an end, or of the gap where a cohesive tension ends.
     edge_condition: float = 1e-7
     gap_margin: float = 100.0  # factor on the gap that the density's error causes on the zones
 
-    # Contributions to the stated error.
-    # factor on estimates whose neglected terms have the same order, such as a truncated series
+    # Factor on error estimates that neglect terms of the same order, as for a truncated series.
     margin: float = 10.0
     singular_end: float = 8.0  # pressure at a singular end, divided by the mean pressure
     unresolved_distance: float = 1e-7  # of the period: no statement about pressures nearer to a gap
