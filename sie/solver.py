@@ -20,10 +20,11 @@ from sie.states.solve import SingularSystem
 
 @dataclass(frozen=True)
 class SolveOptions:
-    """Tolerances of the coefficients and of the ends, relative to that of the solution."""
+    """Tolerances of the coefficients and of the ends, relative to the solution's tolerance."""
 
-    # Tolerances divided by that of the solution. For the ends they are tried in turn until the
-    # stated error is small enough. The first one is also used for the coefficients.
+    # Tolerances divided by the tolerance of the solution. For the ends, these tolerances are tried
+    # in turn until the stated error is small enough. The first one is also used for the
+    # coefficients.
     parts: tuple[float, ...] = (0.1, 1e-3, 1e-5)
 
 

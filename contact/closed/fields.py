@@ -160,9 +160,7 @@ class ClosedFields(ZoneFields):
 
     @cached_property
     def approach(self) -> float | None:  # type: ignore[override]
-        """The mean height of the profile on the zone plus compliance times load; None if not
-        defined.
-        """
+        """The mean height of the profile on the zone plus compliance times load, if defined."""
         if not self.scene.operator.has_approach:
             return None
         flat = self.zone.problem.corner is not None

@@ -62,7 +62,7 @@ class LineMap:
 
     @property
     def load_factor(self) -> float:
-        """Load / (E*/2) [m] for a unit of int Phi d eta; it is also dx/dy times the weight w."""
+        """Factor from int Phi d eta to load / (E*/2) [m]; it equals dx/dy times the weight w."""
         return 1.0 if self.period is None else self.period / math.pi
 
     def y(self, x: Value) -> Value:

@@ -52,8 +52,8 @@ def _pushes(zone: ClosedZone) -> Value:
     if everywhere(bounded):
         return bounded
     value = table(zone.nodes // 2).samples(zone.g) + kinked
-    # The parabola through three samples is at most bend/8 lower than the samples. Twice this is
-    # allowed for.
+    # The parabola through three samples falls below the samples by at most bend/8. Twice this
+    # amount is subtracted.
     bend = np.abs(value[..., :-2] - 2.0 * value[..., 1:-1] + value[..., 2:])
     low = np.minimum(least(value), least(value[..., 1:-1] - 0.25 * bend))
     return bounded | (low > TOLERANCES.noise * largest(value))
@@ -141,8 +141,8 @@ def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[b
     lowest = float(gap[top:].min())
     lost = TOLERANCES.rounding * float((np.abs(height) + np.abs(sunk)).max())
     rising = bool(np.all(np.diff(gap[: top + 1]) >= -lost))
-    # After its maximum the gap must fall by less between two samples than its least value; then it
-    # is positive in between, too.
+    # After its maximum, the gap must fall by less between two samples than its least sampled value.
+    # Then the gap is positive between the samples, too.
     steepest = float(-np.diff(gap[top:]).min(initial=0.0))
     return rising and lowest > max(steepest, TOLERANCES.noise * float(gap[top])), lowest
 

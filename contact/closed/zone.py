@@ -50,7 +50,7 @@ class OneZoneOptions:
     finer: int = 4  # factor to the next number of nodes if the series is not resolved
     max_nodes: int = 512  # contact over 0.95 of a period, the widest taken, needs some 250
     max_steps: int = 60  # five are usual; a load that no zone bears uses all of them
-    # The number of nodes is raised only after a smaller step in ln h than this: then the series is
+    # The number of nodes is raised only after a step in ln h below this value. The series is then
     # nearly that of the solution.
     refine_below: float = 0.1
 
@@ -78,9 +78,7 @@ class OneZoneProblem:
         return float(self.map.y(self.limit)) if math.isfinite(self.limit) else math.inf
 
     def slopes(self, y: Array) -> Array:
-        """The right side G = f'/w at positions y of the mapped line (`LineMap`), without the kink's
-        part.
-        """
+        """The right side G = f'/w at y on the line of `LineMap`, without the kink's part."""
         x, weight = self.map.at(y)
         slope = np.asarray(self.profile.slope(x), dtype=np.float64)
         return np.asarray((slope - 0.5 * self.kink) / weight)

@@ -92,7 +92,7 @@ def _is_asperity(problem: Problem, zones: Array) -> bool:
 
 
 def _about_load(scaled: ScaledScene) -> float:
-    """The scaled load; if it is not given, about that of the exact periodic contact, on a grid."""
+    """The given load, scaled, or else the load of the exact periodic contact on a grid."""
     problem, control = scaled.problem, scaled.control
     if control.load is not None:
         return control.load

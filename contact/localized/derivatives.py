@@ -57,8 +57,7 @@ class TwoContacts:
 
 @record
 class ContactRates(sie.Kept):
-    """Derivatives of the two contacts by the centre of the strip, the nominal pressure and the
-    load.
+    """Derivatives of both contacts by the strip's centre, the nominal pressure and the load.
 
     Derivatives of ends are outward motions (2, Z); those of the approach are numbers.
     """
@@ -167,7 +166,7 @@ class ContactRates(sie.Kept):
 
 
 def _shifted(strip: SolvedZones) -> sie.AnyState:
-    """Derivative of the solved strip by the position of its centre, from a central difference."""
+    """Derivative of the strip's density by the position of the centre: a central difference."""
     # The strip may be symmetric, but the difference of two shifted strips is not.
     problem, zones = (
         strip.fields.problem,

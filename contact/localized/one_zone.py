@@ -47,9 +47,7 @@ class WidthOptions:
 
     @property
     def at_maximum(self) -> float:
-        """Relative length of the bracket of the width at which a maximum of the load counts as
-        located.
-        """
+        """Relative length of the bracket of the width that suffices at a maximum of the load."""
         return math.sqrt(self.converged_step)
 
 
@@ -76,9 +74,7 @@ class _AtWidth:
 
     @property
     def step(self) -> float:
-        """Newton's step of the width; inf where the controlled quantity does not grow with the
-        width.
-        """
+        """Newton's step of the width; inf where the controlled quantity does not increase."""
         return -self.miss / self.slope if self.slope > 0.0 else math.inf
 
 

@@ -52,8 +52,8 @@ class ClosureOptions:
     """Options of the search for the nominal pressure of a strip with several zones."""
 
     widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
-    # Largest sum of the Newton steps from both ends of the bracket, over its length. Above it, the
-    # difference W - W0 of the total widths jumps past zero, and there is no root.
+    # If Newton's steps from both ends of the bracket are longer than this many brackets, the
+    # difference W - W0 of the total widths jumps past zero and has no root.
     jump: float = 3.0
     margin: float = 2.0  # stated error of the root over its last Newton step
 

@@ -298,8 +298,8 @@ class SolvedGaps(Solved):
             ** 2
         )
         near_gaps = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
-        # Next to a kink the pressure is a sum of logarithms that are several times larger than it
-        # and cancel.
+        # Next to a kink the pressure is a sum of logarithms that cancel. They are several times
+        # larger than the pressure.
         rounding = (3 if len(fields.relief.at) else 1) * TOLERANCES.rounding * (
             1 + abs(fields.mean) / unit
         ) + of_relief / unit

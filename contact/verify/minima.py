@@ -155,9 +155,7 @@ def signs_on(
     least, points = np.inf, 0
 
     def within(i: int, first: float, last: float) -> tuple[float, float]:
-        """The part of interval i between two angles; the angles 0 and pi are its right and left
-        end.
-        """
+        """The part of interval i between two angles; 0 is its right and pi its left end."""
         hi, lo = intervals.middle[i] + intervals.half[i] * np.cos([first, last])
         return float(intervals.a[i] if last == np.pi else lo), float(
             intervals.b[i] if first == 0.0 else hi

@@ -37,9 +37,10 @@ class ModeOptions:
     # Largest number of nodes of a zone. A zone whose last coefficients have nearly decayed may have
     # more nodes, while the table of all zones has at most `memory_pairs` numbers.
     max_nodes: int = 8192
-    # Coefficients below this fraction of the largest one have nearly decayed. Only below it,
-    # coefficients that have stopped decreasing are taken for noise. Even those of a kernel as rough
-    # as |x - xi| decrease to less than half if there are 1.5 times as many modes.
+    # Coefficients below this fraction of the largest one have nearly decayed. Only below this
+    # fraction, coefficients that have stopped decreasing are taken for noise. Even the coefficients
+    # of a kernel as rough as |x - xi| decrease to less than half if there are 1.5 times as many
+    # modes.
     nearly_decayed: float = 1e-5
     # First number of nodes of a zone, and least number of coefficients that count as its leading
     # ones. If the right side is singular close to the zone, the first number is larger, so that the
@@ -155,7 +156,7 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
 
 
 def most_own(zones: Zones) -> int:
-    """Largest number of nodes of a zone, for this number of zones."""
+    """Largest number of nodes of a zone, which depends on the number of zones."""
     return int(
         OWN_SIZES[
             np.searchsorted(
@@ -374,7 +375,7 @@ def conformal_radius(left: Array, right: Array) -> Array:
 
 
 def felt(left: Array, right: Array) -> tuple[Array, Array]:
-    """Weights of the left and the right neighbour's level in the potential between these two.
+    """Weights of the levels of the left and right neighbour in the potential between them.
 
     They are harmonic measures (see the head of this file), and their sum is one.
     """

@@ -332,9 +332,7 @@ class System(Rows):
         return tails
 
     def projected(self, values: Array) -> Array:
-        """Coefficients k = 1 ... m in U_{k-1} of values at the targets, for each solved zone in
-        turn.
-        """
+        """Coefficients in U_{k-1}, k = 1 ... m, of values at the targets, zone by zone."""
         m = self.layout.m[self.zones.solved]
         first, out = np.cumsum(m) - m, np.empty((int(m.sum()), *values.shape[1:]))
         for count in set(m.tolist()):
@@ -553,9 +551,7 @@ class System(Rows):
         return self.means(primitive(self.targets.x))
 
     def means(self, values: Array) -> Array:
-        """Means over each solved zone, with respect to theta, of values at the zone's nodes (n,
-        ...).
-        """
+        """Means over each solved zone, in the angle theta, of values at its nodes (n, ...)."""
         return np.array(
             [
                 (values[s:e].sum(axis=0) - 0.5 * (values[s] + values[e - 1])) / (e - s - 1)

@@ -166,7 +166,7 @@ class IteratedMotions(FreeEnds):
 
     @cached_property
     def _local(self) -> Array:
-        """Inverses (Z, 2, 2) of the effect of a zone's end motions on its own two intensities."""
+        """Inverses (Z, 2, 2) of the effect of a zone's two end motions on its two intensities."""
         out = np.zeros((len(self.zones), 2, 2))
         for side in (0, 1):
             d = np.zeros((2, len(self.zones)))
@@ -179,14 +179,13 @@ class IteratedMotions(FreeEnds):
             out[held, side, side] = 1.0
         central = int(self.zones.solved[0]) if self.zones.central else -1
         if central >= 0:
-            # The two ends of the zone at the centre of symmetry move by the same amount: one
-            # unknown.
+            # The two ends of the zone at the centre of symmetry move by the same amount, so they
+            # are one unknown.
             out[central] = np.diag([1.0, out[central, 1].sum()])
         size = np.abs(out).max(axis=(1, 2), keepdims=True)
         weak = np.abs(np.linalg.det(out / size)) < 1e-3
-        # A single zone may shift or grow without a change of its intensities K. Then its nearly
-        # singular matrix is replaced by a multiple of the identity, as large as the matrix's
-        # largest entry.
+        # A single zone may shift or grow without a change of its intensities K. Then the zone's
+        # matrix is nearly singular and is replaced by its largest entry times the identity.
         out[weak] = np.eye(2) * size[weak]
         return np.asarray(np.linalg.inv(out))
 
@@ -377,8 +376,7 @@ def end_rates(state: State) -> EndRates:
 
 
 def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
-    """(derivatives `EndRates`, unknowns (unknowns, E) of the responses to unit motions of each
-    end).
+    """(`EndRates`, unknowns of the responses to a unit motion of each end (unknowns, E)).
 
     The responses are empty if they are found by iteration.
     """

@@ -267,8 +267,8 @@ class _Search:
         loose = decay > self.decay or (state.iterated and sizes.linear > progress.tightest)
         self.zones, is_released = released(self.zones, state.density, self.options)
         if is_released and self.zones.follow_ends:
-            # The released end is now free. The motions of the free ends are computed from the state,
-            # so the state must have the changed zones.
+            # The released end is now free. The motions of the free ends are computed from the
+            # state, so the state must have the changed zones.
             state = self._state(decay)
         return state, loose, is_released
 
@@ -378,8 +378,7 @@ class _Search:
     def _with_iterated_errors(
         self, state: State, motion: NewtonStep, rest: Convergence
     ) -> tuple[NewtonStep, Convergence] | None:
-        """(last step with growth rate, convergence with the errors of iteratively computed
-        motions).
+        """(last step with its growth rate, convergence with errors of the iterative motions).
 
         The result is None if the intensities do not determine the ends.
         """

@@ -63,7 +63,7 @@ class Progress:
     leaving: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
     def continue_with(self, zones: Zones, gaps: Array, kept: Index) -> None:
-        """Continue with the zones and gaps that remain; kept: indices of these zones before."""
+        """Continue with the zones and gaps that remain; kept: old indices of these zones."""
         self.first_width = np.maximum(self.first_width[kept], zones.b - zones.a)
         self.first_gap = np.maximum(self.first_gap[kept], gaps)
         self.closing, self.leaving = self.closing[kept], self.leaving[kept]
@@ -81,7 +81,7 @@ class Progress:
 
     @property
     def left_to_solve(self) -> float:
-        """Tolerance of the next solution: its error stays below that of two more steps."""
+        """Tolerance of the next solution; its error is below that of two more Newton steps."""
         last = self.trace[-1].move if self.trace else 1.0
         # If some ends may stay unconverged, those with the largest moves are ignored here: their
         # zones may vanish.

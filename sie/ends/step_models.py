@@ -46,9 +46,9 @@ from sie.basis.data import Array, Mask, record, wrapped
 from sie.basis.zones import Zones
 from sie.equation.forcing import Forcing
 
-# A jump of the right side farther from the end than this many plain steps is ignored. It changes
-# the plain step by less than 2 %, which the next step corrects. A root search would lose the digits
-# of small steps.
+# A jump of the right side farther from the end than this many plain steps is ignored. Such a jump
+# changes the plain step by less than 2 %, which the next step corrects. A root search would lose
+# the digits of small steps.
 _FARTHEST_JUMP = 20.0
 # Largest inward step of an end towards a logarithm with J < 0, as a fraction of the distance
 # between them. The end must not pass this logarithm.

@@ -148,7 +148,7 @@ def _safe_slopes(
     residual: Array,
     last: LastMoves | None,
 ) -> tuple[Array, Mask]:
-    """(edge slopes A (2, Z) by which Newton's step divides, mask of those that were replaced).
+    """(edge slopes A (2, Z) by which Newton's step divides, mask of the replaced slopes).
 
     At the solution A has the sign of the density. Far from the solution A may have the other sign
     or vanish. There the change of the residual in the last step gives a slope. If that has the
@@ -175,7 +175,7 @@ def _safe_slopes(
 def corners_of(state: AnyState) -> Array:
     """Distance (2, Z) of each end from the nearest kink of the profile; inf if there is none.
 
-    The density changes over this distance. It is infinite without a kink.
+    The density changes over this distance.
     """
     equation, zones = state.equation, state.density.zones
     if state.density.slit_count or len(equation.forcing.kinks[0]) == 0:

@@ -36,7 +36,7 @@ class CheckOptions:
     # fast for five values on the first one.
     steps: tuple[float, ...] = (1e-3, 2e-5)
     # Largest difference between the slope of a primitive and its function, relative to the
-    # function's largest value. It is above the round-off for both lengths of intervals.
+    # function's largest value. This tolerance is above the round-off for both lengths of intervals.
     max_slope_error: float = 1e-4
     # Number of coefficients above the declared number that are checked to be zero.
     extra_coefficients: int = 8

@@ -592,7 +592,7 @@ class EndCondition(Protocol):
     """A condition that contains only the ends of the zones, not the density."""
 
     def residual(self, zones: Zones) -> tuple[float, Array, Array]:
-        """(residual, its derivatives by motions of left ends (n,), of right ends (n,))."""
+        """(residual, derivatives by outward motions of left ends (n,) and right ends (n,))."""
 
 
 @dataclass(frozen=True)

@@ -290,8 +290,7 @@ class Forcing(Kept):
 
     @property
     def cornered(self) -> bool:
-        """Whether the right side g, or the wanted density, has jumps itself, not only in a
-        derivative.
+        """Whether the right side g, or the wanted density, itself has jumps.
 
         Then the distances of ends from the jumps matter.
         """

@@ -72,9 +72,7 @@ class CoarseOperator:
         return np.asarray(w * (out - self.lowered))
 
     def serves(self, system: IterativeSystem) -> bool:
-        """Whether the inverse may be reused for `system`, whose zones and springs are nearly the
-        same.
-        """
+        """Whether the inverse may be reused for `system`, whose zones may have moved slightly."""
         zones, move = system.zones, _OPTIONS.kept_move
         if len(zones) != len(self.zones) or zones.symmetric != self.zones.symmetric:
             return False

@@ -98,7 +98,7 @@ class TwoLevelPreconditioner:
             assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
-            # This leaves out the contribution of the constant, the first column of the basis;
+            # This value leaves out the contribution of the constant, the first column of the basis;
             # `__call__` adds it.
             out.append(self.coarse.lowered * total)
         return np.array(out)

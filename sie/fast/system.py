@@ -160,17 +160,13 @@ class IterativeSystem(System):
 
     @cached_property
     def of_zones(self) -> ByZone | None:
-        """The condition that has one row for each zone or pair of neighbours; None if there is
-        none.
-        """
+        """The condition with one row for each zone, or each pair of neighbours, if any."""
         found = (by_zone(c, self.zones) for c in self.equation.conditions)
         return next((one for one in found if one is not None), None)
 
     @cached_property
     def springs(self) -> Array:
-        """Factor of the coefficient c_0 in each zone's own condition on levels; 0 without such a
-        factor.
-        """
+        """Factor of the coefficient c_0 in each zone's own condition on levels, else 0."""
         own = self.of_zones
         none = np.zeros(len(self.zones.solved))
         return (
@@ -229,8 +225,7 @@ class IterativeSystem(System):
 
     @cached_property
     def _across_gaps(self) -> tuple[Array, Array]:
-        """(integral of the right side g over each gap, error of this integral by rounded
-        positions).
+        """(integral of the right side g over each gap, its error by rounded positions).
 
         Positions are rounded to half a unit in the last digit. The error is zero if the forcing
         takes exact positions.
@@ -264,9 +259,7 @@ class IterativeSystem(System):
 
     @property
     def _gaps(self) -> tuple[Array, Array, Array]:
-        """(left end, part of this end below its last digit, length) of the gaps between solved
-        zones.
-        """
+        """(left end, digits of this end below its last one, length) of each inner gap."""
         zones, solved = self.zones, self.zones.solved
         left, rest = zones.b[solved[:-1]], zones.rest[1, solved[:-1]]
         return left, rest, (zones.a[solved[1:]] - left) + (zones.rest[0, solved[1:]] - rest)

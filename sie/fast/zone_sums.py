@@ -158,9 +158,7 @@ class PanelSums:
         return self.panels.moments(self.sources, np.concatenate(weights))
 
     def at_targets(self, moments: Array) -> tuple[Array, Array]:
-        """(transform at the inner nodes of each solved zone, potential at its middle), from
-        moments.
-        """
+        """(transform at each solved zone's inner nodes, potential at its middle)."""
         transform = self.panels.at(self.targets, moments, False)
         if self.panels.kernel.regular_potential is None:  # then no condition asks for potentials
             return transform, np.zeros(len(self.zones.solved))

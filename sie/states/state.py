@@ -15,8 +15,7 @@ from sie.states.base import Solved, coefficient_sizes
 from sie.states.options import OPTIONS
 from sie.states.rounding import density_rounding, intensity_rounding, truncation_through_rows
 
-# Without its singular parts at the ends, |T_k / sqrt(1 - t^2)| is at most 0.73 k; it reaches this
-# near an end.
+# Without its singular parts at the ends, |T_k / sqrt(1 - t^2)| is at most 0.73 k, near an end.
 _AT_ENDS = 0.73
 # Factor of n^1.5 in the round-off of a sum of n coefficients close to a free end, relative to the
 # round-off of the largest coefficient. The round-off is 0.42 n^1.5 times the mean error of a
@@ -328,7 +327,7 @@ def separated_modes() -> tuple[Array, Array]:
 
 
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
-    """(whether the last coefficients hardly decrease, next coefficient over their largest).
+    """(whether the last coefficients hardly decrease, next one over the largest of them).
 
     row: last coefficients in descending order of the mode; fall: mean ratio of successive
     coefficients of the whole series. If the last ones decrease at less than half of this rate, they
@@ -396,9 +395,9 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
         return np.zeros(len(layout.m))
     last = _last_of_fields(system, y)
     top = coefficient_sizes(density)
-    # The field's last coefficient is the sum of the right side's and the unknown one. Within the
-    # round-off of this sum it is set to zero. This matters for a zone with a small share of a load
-    # that its neighbours bear.
+    # A last coefficient of the field is the sum of a coefficient of the right side and an unknown.
+    # Within the round-off of this sum, the coefficient is set to zero. This matters for a zone with
+    # a small share of a load that its neighbours bear.
     rounding = 8 * 2.2e-16 * row_sizes(g)
     if system.field_sizes is not None:
         rounding[system.zones.solved] += 8 * 2.2e-16 * (system.field_sizes @ np.abs(y))

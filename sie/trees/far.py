@@ -52,8 +52,7 @@ class Nested:
 
     @cached_property
     def _place(self) -> tuple[Array, Array]:
-        """(alpha, beta) for each node: it covers alpha + beta s, |s| <= 1, in its parent's
-        variable.
+        """(alpha, beta): each node is the interval alpha + beta s in its parent's variable.
 
         The variable s of a node runs from -1 to 1 on its hull.
         """
@@ -174,8 +173,7 @@ class FarSum:
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
-        """(matrix of the transform, row of the potential at the middle) of the kernel's regular
-        part.
+        """(matrix for the transform, row for the potential at the middle) of the regular part.
 
         They act from the moments of the source root to the target root. A regular part given by the
         user is treated by panels instead, and the result is None.
