@@ -34,19 +34,22 @@ class StateTolerances:
     Lengths are relative to the width of the interval of each end.
     """
 
-    # Accuracy of the density of a final state: the round-off of the engine.
+    # Accuracy of the density in a final state: the round-off of the engine `sie`.
     density: float = 1e-14
-    # Round-off times a condition of 1e3: a growth rate, a step, a width or a height below it is
-    # zero.
+    # Round-off times a condition number of 1e3. A growth rate, a step, a width or a height below
+    # this counts as zero.
     neutral: float = 1e-12
-    # Accuracy of states on the way to an equilibrium, and of signs that rounding may change.
+    # Accuracy of intermediate states in the search for an equilibrium, and of signs that round-off
+    # may change.
     rough: float = 1e-9
-    # Newton's step at an equilibrium on the way; smaller steps may be rounding.
+    # Length of Newton's step below which the ends are at rest at an intermediate equilibrium.
+    # Smaller steps may be round-off.
     resting_step: float = 1e-6
-    # Accuracy of what leads to such a state only: rates, drives, turning points, grids. Errors of
-    # rates make Newton's method slower, but its result no less accurate.
+    # Accuracy of auxiliary quantities: rates, residuals, turning points, solutions on grids. Errors
+    # of rates make Newton's method slower, but its result no less accurate.
     coarse: float = 1e-4
-    # A longer Newton step leads to another equilibrium, as do more steps than the next number.
+    # A Newton step longer than this may lead to another equilibrium. So may more Newton steps than
+    # `max_newton_steps`.
     other_equilibrium: float = 1e-2
     max_newton_steps: int = 8
 
@@ -64,7 +67,7 @@ class NoState(Exception):
 
 @record
 class Corners:
-    """Residuals of all ends of a profile with sharp corners, as if no end were pinned.
+    """Residuals of all ends at a profile with sharp corners, as if no end were pinned.
 
     pinned: which ends rest at a corner (2n,). residual, rates, by_value: as in `State`.
     """
@@ -77,7 +80,7 @@ class Corners:
 
 @record
 class State:
-    """A state: intervals under a value of the control, and the residuals at their ends.
+    """A state: intervals at a value of the control, and the residuals at their ends.
 
     table: the intervals (n, 2). residual: r/|K*| of the left and then the right ends (2n,).
     rates: dr/ds (2n, 2n). by_value: dr/d(value) (2n,). load, level: scaled. The residual of a
@@ -108,7 +111,7 @@ class State:
         return self.whole.pinned
 
     def with_pinned(self, pinned: Mask) -> Self:
-        """The state with these ends pinned, and no others."""
+        """This state with the given ends pinned, and no other ends."""
         whole, free = self.whole, ~pinned
         rates = np.where(free[:, None] & free, whole.rates, 0.0) - np.diag(pinned / self.widths)
         corners = replace(whole, pinned=pinned)
@@ -127,17 +130,17 @@ class State:
 
     @property
     def widths(self) -> Array:
-        """Width of the interval of each end (2n,)."""
+        """Width (2n,) of the interval to which each end belongs."""
         return np.tile(np.diff(self.table, axis=1)[:, 0], 2)
 
     @property
     def weight(self) -> Array:
-        """Scale of the rate of each end, so that wide and narrow zones compare (2n,)."""
+        """Scale (2n,) of the rate of each end, to compare rates of wide and narrow zones."""
         return np.maximum(np.abs(np.diag(self.rates)), 1.0 / self.widths)
 
     @property
     def gains(self) -> Array:
-        """The ratio K/K* of the edge intensity to that of the law, at each end (2n,).
+        """Ratio K/K* (2n,) of the edge intensity K at each end to the intensity K* of the law.
 
         The slope of the energy is proportional to K^2. So dr/ds times K/K* is proportional to a
         second derivative of the energy.
@@ -146,7 +149,7 @@ class State:
 
     @cached_property
     def growth(self) -> float:
-        """Largest eigenvalue of the rates dr/ds divided by the weights; negative if stable."""
+        """Largest eigenvalue of the rates dr/ds over the weights; negative for a stable state."""
         return self.growth_of(np.arange(len(self.residual)))
 
     def growth_of(self, ends: Index) -> float:
@@ -160,9 +163,9 @@ class State:
         return float(values.max(initial=-1.0))
 
     def motions(self, ends: Index) -> tuple[Array, Array]:
-        """(real parts of eigenvalues, eigenvectors as columns) of the rates divided by the weights.
+        """(real parts of the eigenvalues, eigenvectors as columns) of the rates over the weights.
 
-        Only the given ends move.
+        The rates dr/ds are divided by the scales `weight`. Only the given ends move.
         """
         second = self._second(ends)
         if second is None:
@@ -176,7 +179,7 @@ class State:
         return np.asarray(self.rates[np.ix_(ends, ends)] / self.weight[ends, None])
 
     def _second(self, ends: Index) -> tuple[Array, Array] | None:
-        """(symmetric matrix with the eigenvalues of `_driven`, scale of its eigenvectors).
+        """(symmetric matrix with the eigenvalues of `_driven`, factors for its eigenvectors).
 
         None where K/K* of an end is not positive, since the energy does not determine the rates, or
         where an interaction has no energy.
@@ -186,7 +189,8 @@ class State:
             return None
         scale = 1.0 / np.sqrt(gains * self.weight[ends])
         matrix = (gains * scale)[:, None] * self.rates[np.ix_(ends, ends)] * scale
-        # Second derivatives of an energy are symmetric up to the accuracy of the rates.
+        # The matrix of second derivatives of an energy is symmetric, up to the accuracy of the
+        # rates. A larger asymmetry means that the interaction derives from no energy.
         if np.abs(matrix - matrix.T).max(initial=0.0) > 10 * TOLERANCES.rough:
             return None
         return 0.5 * (matrix + matrix.T), scale
@@ -200,7 +204,7 @@ class State:
         return np.asarray(np.linalg.solve(damped - self.rates, self.residual), dtype=np.float64)
 
     def refuse_neutral(self) -> None:
-        """Raise NotConverged if some motion of the ends changes nothing.
+        """Raise NotConverged if some motion of the ends changes no residual.
 
         Then there is a continuous family of contacts instead of one.
         """
@@ -223,7 +227,7 @@ class State:
 
 @dataclass(frozen=True)
 class Curve:
-    """The states of a problem under one control, whose value varies.
+    """All states of a problem under one kind of control, such as a load, at any of its values.
 
     control: the control with the value that the scene asks for.
     """
@@ -238,7 +242,7 @@ class Curve:
         tolerance: float = TOLERANCES.density,
         pinned: Mask | None = None,
     ) -> State:
-        """The state on given zones: one linear solution and its rates.
+        """The state on given zones: the solution of one linear problem, and its rates.
 
         Zones are cut at sharp corners. pinned: mask of the pinned ends; None: those at a corner
         that are not driven inward.
@@ -256,8 +260,8 @@ class Curve:
         state = solved.whole
         follows, wanted = state, problem.end.intensity
         if state.iteration is not None:
-            # The rates need as many right sides as there are ends. A direct solution with one
-            # matrix serves them all, at the accuracy of rates.
+            # The rates need one linear solution for each end. A direct method factors one matrix
+            # for all these solutions, with the lower accuracy that rates need.
             follows = sie.solve_fixed(
                 equation,
                 state.density.zones,
@@ -269,8 +273,8 @@ class Curve:
         size = abs(wanted)
         values = np.zeros(len(follows.condition_scale))
         first = follows.condition_index[0]
-        # In the right side of the conditions a load stands in one row, for all zones together.
-        # Minus an approach stands in the row of every zone.
+        # In the right side of the side conditions, a given load stands in one row, that of the
+        # total load. A given approach stands, with a minus sign, in the row of every zone.
         by_load = control.load is not None
         values[first : first + (1 if by_load else len(table))] = 1.0 if by_load else -1.0
         unit = np.concatenate(follows.response(values).intensities)
@@ -298,11 +302,11 @@ class Curve:
         return Curve(self.problem, control)
 
     def again(self, here: State, value: float) -> State:
-        """The state at a value of this control, on the intervals of a state of another curve."""
+        """The state at a value of this curve's control, on the intervals of another curve's state."""
         return self.at(here.table, value)
 
     def unit(self, here: State) -> float:
-        """Change of the control that changes some residual r/|K*| by 1, and none by more."""
+        """Change of the control that changes some residual r/|K*| by 1, and no residual by more."""
         return 1.0 / float(np.abs(here.whole.by_value).max())
 
     def vanishes(self, here: State, motion: Array) -> float:
@@ -314,15 +318,18 @@ class Curve:
 
     @property
     def formally(self) -> "Curve":
-        """This curve; a curve of tension returns one that skips sign tests of the contact."""
+        """The curve without tests of the contact's signs: here the curve itself, as it makes none.
+
+        `CohesiveCurve` overrides this property.
+        """
         return self
 
     def has_right_zones(self, here: State) -> bool:
-        """Whether the contact passes the tests that the curve `formally` skips; here always."""
+        """Whether the contact passes the sign tests that the curve `formally` skips; here always."""
         return True
 
     def within(self, table: Array) -> Array:
-        """The zones cut at sharp corners; ends very near a corner are moved to it.
+        """The zones cut at sharp corners; ends very near a corner are moved to the corner.
 
         Zones of a periodic body are first moved to the period between its corners.
         """
@@ -339,13 +346,13 @@ class Curve:
         return np.asarray(table)
 
     def to_corners(self, table: Array) -> Array:
-        """Distance of the outermost ends from the sharp corners (2n,); infinite for other ends."""
+        """Distances (2n,) of the outermost ends from the sharp corners; infinite for other ends."""
         away, (lo, hi) = np.full(table.size, np.inf), self.problem.corners
         away[0], away[-1] = table[0, 0] - lo, hi - table[-1, 1]
         return away
 
     def settled(self, here: State) -> State:
-        """The equilibrium near this state, by Newton's method to full accuracy."""
+        """The equilibrium near a state, by Newton's method to full accuracy."""
         rough = (
             here.solved is not None
             and here.solved[1] > TOLERANCES.density
@@ -360,14 +367,14 @@ class Curve:
             size = float(np.abs(here.newton / here.widths).max())
             if size > TOLERANCES.other_equilibrium:
                 break
-            # The last step is taken, too: it squares the error.
+            # The last step is taken, too: after it, the error is about the square of this step.
             here = self.at(here.moved(here.newton), here.value)
             if size < TOLERANCES.neutral:
                 break
         return here
 
     def fields(self, here: State, tolerance: float = TOLERANCES.density) -> ZoneFields:
-        """Pressure and gap of a state."""
+        """The fields of a state, such as pressure and gap."""
         if here.solved is not None and here.solved[1] <= tolerance:
             return ZoneFields(self.problem, here.solved[0])
         zones = sie.Zones.of(here.table, self.problem.end, self.problem.end)
@@ -376,9 +383,9 @@ class Curve:
         )
 
     def gaps(self, table: Array) -> Array:
-        """Width of the gap right of each zone (n,); infinite right of the last without a period."""
+        """Widths (n,) of the gaps right of the zones; without a period, the last one is infinite."""
         return np.asarray(np.diff(gaps_between(table, self.problem.period))[:, 0])
 
     def room(self, table: Array) -> Array:
-        """Smaller one of the width of each end's zone and of the gap next to it (2n,)."""
+        """The smaller of two widths for each end (2n,): of its zone, and of the gap next to it."""
         return np.asarray(room_beside(table, self.problem.period).T.ravel())

@@ -24,7 +24,7 @@ from sie import Array, record
 
 @record
 class PathState:
-    """The state of the path at a value of the control.
+    """The state of a loading path at a value of the control.
 
     It is an equilibrium, or surfaces closed over the whole period, or surfaces apart.
     """
@@ -39,13 +39,13 @@ class PathState:
 
     @property
     def count(self) -> int:
-        """Number of zones."""
+        """Number of zones of contact."""
         return 0 if self.point is None else len(self.point.contact)
 
 
 @record
 class Jump:
-    """An event at which zones change.
+    """An event at which the zones change.
 
     kind: see contact.sweeps.adhesive. place: scaled place at which the change begins. smooth: true
     if no end jumps and no energy is lost.
@@ -59,10 +59,10 @@ class Jump:
 
 
 def moves_both_ways(curve: Curve) -> bool:
-    """Whether ends may drive each other back under this control.
+    """Whether an advancing end may make other ends recede under this control.
 
-    They do where an approach is held over a whole period or between sharp corners. Then every
-    change of the control is followed through all jumps.
+    It may under a fixed approach over a whole period or between sharp corners. Then every change of
+    the control is followed through all jumps.
     """
     return curve.control.load is None and (
         curve.problem.period is not None or curve.problem.profile.support is not None
@@ -81,12 +81,12 @@ class Events:
 
     @property
     def first(self) -> float:
-        """Value of the control at which separated surfaces come together."""
+        """Value of the control at which separated surfaces first come together."""
         return 0.0
 
     @property
     def by_load(self) -> bool:
-        """Whether the load is held."""
+        """Whether the load is the control."""
         return self.curve.control.load is not None
 
     def jump_in(self) -> Jump:
@@ -108,16 +108,17 @@ class Events:
         return None
 
     def off_curve(self, here: State, value: float) -> Iterator[Jump | PathState] | None:
-        """Events of a state without free ends, up to a jump or the value; None otherwise."""
+        """For a state without free ends, its events up to a jump or the value; otherwise None."""
         return None
 
     def grown(self, table: Array, value: float) -> PathState:
-        """The state in which the ends come to rest after they advance from these zones."""
+        """The path state reached after the ends advance from these zones and come to rest."""
         try:
             try:
                 return self._at_rest(grown(self.curve, table, value))
             except NotConverged:
-                # Under a fixed approach, an end that advances may stop or reverse another one.
+                # Under a fixed approach, an end that advances may stop another end or make it
+                # recede.
                 rest = None if self.by_load else relaxed(self.curve, table, value)
                 if rest is None:
                     raise
@@ -126,7 +127,7 @@ class Events:
             return PathState(value, closed=True)
 
     def shrunk(self, table: Array, value: float) -> PathState:
-        """The state in which the ends come to rest after they recede from these zones.
+        """The path state reached after the ends recede from these zones and come to rest.
 
         Under a fixed approach of a period, a lost zone lets the surface come closer elsewhere, so
         that zones may begin there.
@@ -153,7 +154,7 @@ class Events:
         return PathState(rest.value, rest)
 
     def kind(self, before: PathState, after: PathState, rises: bool) -> str:
-        """Kind of the jump past a turning point."""
+        """Name of the kind of a jump with these path states before and after it."""
         if after.apart:
             return "pull-off"
         if after.closed:
@@ -161,20 +162,20 @@ class Events:
         return ("merge" if rises else "death") if after.count < before.count else "jump"
 
     def jump(self, here: State, place: float, after: PathState, rises: bool) -> Jump:
-        """The jump from an equilibrium past a turning point."""
+        """The jump from an equilibrium to the path state `after`; it begins at a place."""
         before = PathState(here.value, here)
         return Jump(self.kind(before, after, rises), place, before, after)
 
     def vanishing(self, here: State, sense: float) -> Jump | None:
-        """The jump at the end of a curve that is no turning point; None if there is none."""
+        """The jump where the curve ends without a turning point; None if there is no such end."""
         return None
 
     def smooth_changes(self, step: Step, length: float, last: State) -> Iterator[Jump]:
-        """The events inside a step at which no end jumps."""
+        """The events inside a step at which zones change but no end jumps."""
         return iter(())
 
     def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:
-        """The jump at the first touch of surfaces inside a step; None if there is none."""
+        """The jump where surfaces first touch outside the zones in a step; None if none touch."""
         looks = sense > 0.0 or not self.by_load
         overlaps = (
             openings(self.curve.fields(last, TOLERANCES.rough)).overlaps
@@ -201,7 +202,7 @@ class Events:
         return Jump("full" if after.closed else "birth", place, PathState(here.value, here), after)
 
     def _with_new(self, here: State, place: float, half: float) -> Array:
-        """The zones and a narrow new one at a place, such that all ends are driven outward."""
+        """The zones and a narrow new zone at a place, so narrow that all ends move outward."""
         table = here.table
 
         while True:
@@ -223,11 +224,12 @@ def first_zero(
     least: Callable[[State, float, float], tuple[float, float]],
     others: Callable[[State], Array],
 ) -> tuple[float, float, float]:
-    """(length to the first zero of a condition inside a step, its place, width of what was seen).
+    """(length to the first zero of a condition in a step, place of the zero, width).
 
-    end: the state at the length. seen: intervals (n, 2) in which the condition is negative there.
-    least: its (place, value) in an interval. others: intervals in which it is negative at a
-    state.
+    The width is that of the interval in which the condition was found negative. end: the state at
+    the length. seen: intervals (n, 2) in which the condition is negative there. least: (place,
+    value) of the least value of the condition in an interval. others: intervals in which the
+    condition is negative at a state.
     """
     place, width = 0.0, 0.0
     while len(seen):
@@ -243,7 +245,7 @@ def first_zero(
         length = step.where(condition, first, last, length)
         end = step.at(length)
         place = least(end, lo, hi)[0]
-        # In other intervals the condition may have become negative earlier in the step.
+        # In other intervals, the condition may have become negative earlier in the step.
         seen = others(end)
         seen = seen[(seen[:, 0] > place) | (seen[:, 1] < place)]
     return length, place, width

@@ -8,63 +8,71 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class SearchLimits:
-    """Limits of loops that usually end long before: larger limits only delay a failure."""
+    """Limits of loops that usually end much earlier; larger limits only delay a failure."""
 
-    # Newton steps; halvings and doublings, which are more than a double has bits.
+    # Largest number of Newton steps, and of halvings or doublings of a number; a double has fewer
+    # bits than this.
     max_iterations: int = 80
-    # Steps of a flow, of a curve and of growth on a grid, and events in a row.
+    # Largest number of steps of a gradient flow, of a curve, or of the growth of intervals on a
+    # grid; and of events in a row.
     max_steps: int = 3000
-    # Tries of a fast way before a slower one is taken that is more certain.
+    # Number of attempts of a fast method before a slower and more reliable method is used.
     patience: int = 4
 
 
 @dataclass(frozen=True)
 class MoveOptions:
-    """Moves of ends, and the widths at which zones begin and vanish.
+    """Options for the motions of ends, and the widths at which zones begin and vanish.
 
     Lengths are relative to the interval or gap next to an end. A drive is the residual of an end
     in the direction of the flow.
     """
 
-    # Longest step: if both ends of a gap move by it, a fifth of the gap is left.
+    # Longest step of an end. If both ends of a gap move by this length, a fifth of the gap is left.
     max_move: float = 0.4
-    # A short step: of ends against the flow, of ends that are hardly driven, and away from an
-    # unstable equilibrium.
+    # Length of a short step: of ends that move against the direction of the flow, of ends with a
+    # small residual, and away from an unstable equilibrium.
     short_move: float = 0.02
-    # A failed step is shortened to this part, and a safeguarded length or residual keeps it.
+    # Factor by which a failed step is shortened, and smallest factor by which a safeguarded length
+    # or residual may change.
     least_part: float = 0.3
-    # Below this part of another length or growth rate, one is small.
+    # A length or growth rate is small if it is below this fraction of the one with which it is
+    # compared.
     small_part: float = 0.1
-    # Largest error of a drive: past an equilibrium, and of a prediction.
+    # Largest accepted error of a residual: of a predicted one, or of the wrong sign after an end
+    # has passed an equilibrium.
     small_drive: float = 0.05
-    # Ends that are driven by more than this do not come to rest in the gap or zone they shrink.
+    # If the residuals of both its ends exceed this, the ends of a gap or zone do not come to rest
+    # before the gap or zone vanishes.
     hard_drive: float = 0.5
-    # A gap below this part of its zones has closed, and a zone below this part of its former width
-    # is lost, if its ends are driven by more than `hard_drive`.
+    # A gap narrower than this fraction of its zones has closed, and a zone narrower than this
+    # fraction of its former width is lost, if the residuals of the ends exceed `hard_drive`.
     vanished: float = 0.01
-    # Width of a new zone relative to the overlap, the interval or the period it begins in.
+    # Width of a new zone, divided by the width of the overlap, interval or period in which the zone
+    # begins.
     new_width: float = 0.05
-    # Factor of intervals that are widened until their ends are driven inward.
+    # Factor by which an interval is widened, repeatedly, until its ends are driven inward.
     widening: float = 1.25
-    # With more zones than this, a prediction takes less time than the steps it replaces.
+    # With more zones than this, the prediction of the residuals takes less time than the steps that
+    # it replaces.
     few_zones: int = 8
-    # Relative changes of an adhesion or a control that lead to one side of an equilibrium. The
-    # least that exceeds the error of a guide is used.
+    # Relative changes of the adhesion or of the control, tried in ascending order. The change must
+    # exceed the error of an approximate solution, so that all ends are driven the same way.
     margins: tuple[float, ...] = (0.02, 0.06, 0.2)
 
 
 @dataclass(frozen=True)
 class SampleOptions:
-    """Numbers of samples; extremes between samples are refined."""
+    """Numbers of sample points; extremes between sample points are refined."""
 
     # Least number of samples between two ends.
     samples: int = 32
-    # Number of samples of a profile without a resolution, and of the sign of the pressure on a
-    # zone.
+    # Number of sample points of a profile without a resolution, and least number of sample points
+    # for the sign of the pressure on a zone.
     profile_samples: int = 2049
     sign_samples: int = 128
-    # Largest number of samples of the profile on a period, and of the gap between two ends; bounds
-    # the memory.
+    # Largest numbers of sample points of the profile on a period, and of the gap between two ends.
+    # They bound the memory.
     max_samples: int = 2**18
     max_gap_samples: int = 20000
 

@@ -24,7 +24,7 @@ def pull_off(
     recede: Recede = receded,
     past_cut: Callable[[State], float] = lambda at: -1.0,
 ) -> State:
-    """The last equilibrium as the control falls.
+    """The last equilibrium with contact as the control falls.
 
     recede: brings ends that are driven inward to rest. past_cut: positive for a state past the cut
     of one of its intervals.
@@ -33,8 +33,8 @@ def pull_off(
         for _ in range(LIMITS.patience):
             if len(here.contact) > 1:
                 break
-            # The curve of one zone is followed to its end, which is usually the pull-off. That
-            # takes fewer states than to bracket the value below which there is no equilibrium.
+            # With one zone, the curve is followed to its end, which is usually the pull-off. That
+            # takes fewer states than bisection for the value below which there is no equilibrium.
             end = _end(curve, here, past_cut)
             rest = recede(curve, end.table, end.about.value)
             if rest is None:
@@ -53,7 +53,7 @@ def pull_off(
 def lowered_by_load(
     curve: Curve, here: State, lead_to_load: Callable[[Curve, State], State]
 ) -> State:
-    """The equilibrium under a fixed approach near the least load, with few zones left.
+    """The equilibrium under a fixed approach near the least load, where few zones are left.
 
     Under a load the zones left do not depend on the path, and ends move one way. Under an approach
     each lost zone makes others advance. The state itself is returned for one zone, under a fixed
@@ -72,7 +72,7 @@ def lowered_by_load(
 
 @record
 class _End:
-    """The end of a curve: a state near it, the exact state, and the intervals after it."""
+    """The end of a curve: a state near it, the exact state there, and the intervals past it."""
 
     about: State
     table: Array
@@ -80,9 +80,14 @@ class _End:
 
 
 def _end(curve: Curve, here: State, past_cut: Callable[[State], float]) -> _End:
-    """The end of the curve as the control falls: a turn, a released corner, or a cut interval."""
+    """The end of the curve as the control falls.
+
+    It is a turning point, a place where an end leaves a sharp corner, or one where an interval is
+    cut.
+    """
     for step in steps(curve, curve.settled(here), -1.0, False):
-        # The ends before the last one need not be located exactly.
+        # If the curve turns, only the last end of the curve must be located exactly, not an end
+        # before it: `exactly` does so later.
         length = step.turning(False) if step.turns else step.length
         last = step.at(length, False) if step.turns else step.end.at
         if step.turns or step.lets_go or past_cut(step.start.at) < 0.0 < past_cut(last):
@@ -93,7 +98,7 @@ def _end(curve: Curve, here: State, past_cut: Callable[[State], float]) -> _End:
 def _end_in(
     curve: Curve, step: Step, length: float, last: State, past_cut: Callable[[State], float]
 ) -> _End:
-    """The end inside a step; last: the equilibrium at the length."""
+    """The end of the curve inside a step. `last`: the equilibrium at the given length."""
     if step.lets_go and not step.turns:
         return _End(last, let_go(step), lambda: last)
     first = past_cut(step.start.at)
@@ -108,12 +113,12 @@ def _end_in(
 
 
 def controls_above(least: float, value: float) -> tuple[float, ...]:
-    """Values a little above the least one, from the nearest to the farthest."""
+    """Values of the control a little above the least value, in ascending order."""
     return tuple(least + part * (value - least) for part in MOVES.margins)
 
 
 def near_the_last(curve: Curve, here: State, recede: Recede = receded) -> State:
-    """An equilibrium so near the last one that the curve has one turning point between them."""
+    """An equilibrium near the last one, with only one turning point of the curve between them."""
     here, high = _bracket(curve, here, recede)
     for _ in range(LIMITS.patience):
         middle = 0.5 * (here.value + high)
@@ -123,8 +128,8 @@ def near_the_last(curve: Curve, here: State, recede: Recede = receded) -> State:
 
 
 def _bracket(curve: Curve, here: State, recede: Recede) -> tuple[State, float]:
-    """(an equilibrium, a lower control without one)."""
-    # Under a load the zones left do not depend on the path, so that large steps are allowed.
+    """(an equilibrium, a lower value of the control at which there is no equilibrium)."""
+    # Under a fixed load, the remaining zones do not depend on the path. So large steps are allowed.
     step = (
         curve.unit(here)
         if curve.control.load is None
