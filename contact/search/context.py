@@ -41,13 +41,13 @@ from sie import Array, record
 
 
 class SceneCache(sie.Kept):
-    """Results shared by scenes that differ only in their control; each is computed once."""
+    """Results shared by scenes that differ only in their control; each result is computed once."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
 
     def of(self, scene: Scene) -> SceneCache:
-        """This cache if the other scene differs only in its control, else a new one."""
+        """This cache if `scene` has the cache's profile, model and E*, else a new cache."""
         own = self.scene
         same = (
             scene.profile is own.profile
@@ -60,25 +60,25 @@ class SceneCache(sie.Kept):
 
     @cached_property
     def operator(self) -> Operator:
-        """The elastic operator."""
+        """The elastic operator of the scenes: displacement from pressure."""
         return self.scene.operator
 
     @cached_property
     def full(self) -> FullLimit:
-        """The mean pressure at which full contact begins, see `FullLimit`."""
+        """The mean pressure at which full contact begins (see `FullLimit`)."""
         return FullLimit(self.scene.profile, self.scene.E_star, self.operator, self.scene.law)
 
     @cached_property
     def single(self) -> bool:
-        """Whether the first guess is one zone about x = 0."""
+        """Whether the first guess of the contact is one zone about x = 0."""
         return starts_from_one_zone(self.scene)
 
     def relief(self, problem: Problem) -> ScaledRelief:
-        """The relief R, see `Relief`, in the units of a problem; it is sampled once and shared."""
+        """The relief R (see `Relief`) in the units of `problem`; R is sampled once and shared."""
         return self.gap_guesses(problem).relief
 
     def gap_guesses(self, problem: Problem) -> GapGuesses:
-        """First guesses of the gaps in the units of a problem."""
+        """First guesses of the gaps between the contact zones, in the units of `problem`."""
         key = problem.units, problem.centre
         if key not in self._gap_guesses:
             self._gap_guesses[key] = GapGuesses(ScaledRelief.of(self.full.relief, problem))
@@ -89,16 +89,18 @@ class SceneCache(sie.Kept):
         return {}
 
 
-# Solves a scene: (scene, tol, progress, warm start, cache).
+# A solver takes a scene, its tolerance, a progress callback, a warm start and a cache. It returns
+# the scene's solution.
 Solver = Callable[[Scene, float, Progress | None, Solution | None, SceneCache], Solution]
 
-# Tolerance of ends and density, divided by the wanted error: several truncation errors add up.
+# Tolerance of the zone ends and of the density, divided by the wanted error of the solution. It is
+# below one, as several truncation errors add up.
 INNER = 0.1
 
 
 @record
 class SolveContext:
-    """Everything that one solve needs to know.
+    """The inputs of one solve: scene, tolerances, cache, plan and similar solutions.
 
     tol: the wanted error. tolerance: of the ends and of the density. cache: results shared with
     scenes of the same profile and model. solver: a function that solves intermediate scenes.
@@ -156,30 +158,30 @@ class SolveContext:
 
     @property
     def operator(self) -> Operator:
-        """The elastic operator."""
+        """The elastic operator of the scene: displacement from pressure."""
         return self.cache.operator
 
     @property
     def full(self) -> FullLimit:
-        """The mean pressure at which full contact begins, see `FullLimit`."""
+        """The mean pressure at which full contact begins (see `FullLimit`)."""
         return self.cache.full
 
     @property
     def single(self) -> bool:
-        """Whether the first guess is one zone about x = 0."""
+        """Whether the first guess of the contact is one zone about x = 0."""
         return self.cache.single
 
     @property
     def follows_branch(self) -> bool:
-        """Whether there are several equilibria, so that one branch is followed."""
+        """Whether the scene has several equilibria, so that one branch of solutions is followed."""
         return self.scene.law.equilibria.several and self.scene.held(Quantity.HALF_WIDTH) is None
 
     def with_warm_start(self, solution: Solution | None) -> SolveContext:
-        """The same context with another warm start."""
+        """A copy of this context with another warm start."""
         return replace(self, warm_start=solution)
 
     def control(self, problem: Problem) -> Control:
-        """The scaled control of the scene; it is a `Machine` where a spring is in series."""
+        """The scaled control of the scene; a `Machine` if a spring is in series with the body."""
         control, units = scaled_control(self.scene, problem.units), problem.units
         return (
             control
@@ -190,22 +192,22 @@ class SolveContext:
     def refine_topology(
         self, problem: Problem, control: Control, table: Array, **settings: Any
     ) -> SolvedZones | Failure:
-        """Zones that pass the certificate, found from proposed ones, or a Failure.
+        """Zones that pass the certificate, found from the proposed zones `table`, or a Failure.
 
         settings: those of `NewtonSettings`, except the tolerance.
         """
         newton = NewtonSettings(self.tolerance, **settings)
-        # With given ends there is no Newton iteration to time.
+        # If the ends of the zones are given, there is no Newton iteration to time.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
             form = PressureForm(problem)
             return refine_topology(form, control, form.begun(table), newton, self.observer)
 
     def record_failure(self, strategy: str, failure: Failure) -> None:
-        """Note in the plan that a strategy failed, and the reason."""
+        """Record in the plan that a strategy failed, and why."""
         self.plan.tried.append(f"{strategy}: {failure.reason}")
 
     def error(self, failure: Failure, problem: Problem) -> ContactError:
-        """The error to raise if no strategy is left; it contains the best state reached."""
+        """The error to raise if no strategy is left; the error contains the best state reached."""
         if failure.at_border:
             return OutOfRange(failure.reason)
         free = failure.free

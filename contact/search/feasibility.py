@@ -23,7 +23,7 @@ from contact.model.scene import Scene
 from contact.verify.tolerances import TOLERANCES
 from sie import Array, Mask
 
-# Distances [m] from x = 0, a decade apart, far beyond any contact.
+# Distances [m] from x = 0 that are far larger than any contact. Each is ten times the one before.
 _DISTANCES = 10.0 ** np.arange(5, 13)
 _REMEDY = (
     "no load finds a hold. Give a tilt below its slopes, a part that rises on both sides, "
@@ -60,7 +60,7 @@ def refuse_below_plateau(scene: Scene) -> None:
 
 
 def lowest_stretches(profile: Profile) -> Array:
-    """Intervals (n, 2) of a period [m] on which f is least and its slope is zero.
+    """Intervals (n, 2) of a period [m] on which the profile f is least and its slope is zero.
 
     Only intervals wider than two samples are found.
     """
@@ -77,7 +77,8 @@ def lowest_stretches(profile: Profile) -> Array:
     low = lies_low(x)
     if low.all():
         return np.array([[x[0], x[-1]]])
-    # The samples begin at a place that is not lowest, so that no stretch crosses their border.
+    # The samples are rotated to begin where f is not at its minimum, so that no stretch of the
+    # minimum crosses the border of the period.
     first = int(np.argmin(low))
     at = np.concatenate((x[first:-1], x[: first + 1] + (x[-1] - x[0])))
     runs = runs_of(np.roll(low[:-1], -first))
@@ -91,7 +92,7 @@ def lowest_stretches(profile: Profile) -> Array:
 
 
 def _edge(holds, inside: float, outside: float) -> float:  # type: ignore[no-untyped-def]
-    """The place between two others up to which a property holds, by bisection."""
+    """The place between `inside` and `outside` up to which a property holds, by bisection."""
     while (middle := 0.5 * (inside + outside)) not in (inside, outside):
         if bool(holds(np.array([middle]))[0]):
             inside = middle
@@ -109,7 +110,8 @@ def _level_from(profile: Profile, half_width: float) -> float:
     def is_level(x: Array) -> Mask:
         return np.asarray(np.asarray(profile.slope(x)) == 0)
 
-    # The slope at an edge may be that of either side, so that the last sample lies just inside.
+    # At the edge of the level part, the profile's slope may be that on the outer side. The last
+    # sample therefore lies just inside `half_width`.
     if not is_level(half_width * np.append(np.arange(1, 32) / 32, 1 - TOLERANCES.rounding)).all():
         return 0.0
     reach = half_width
@@ -131,7 +133,8 @@ def refuse_unbounded(scene: Scene) -> None:
     ):
         return
     with np.errstate(all="ignore"):
-        # Mean slopes over each decade, in the outward direction.
+        # Mean slopes of the profile over each decade of distance from x = 0, in the outward
+        # direction.
         right, left = (
             np.diff(np.asarray(profile.height(side * _DISTANCES), dtype=np.float64))
             / np.diff(_DISTANCES)
@@ -144,11 +147,12 @@ def refuse_unbounded(scene: Scene) -> None:
 
 
 def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
-    """Raise OutOfRange if the body falls on one side at its tilt."""
+    """Raise OutOfRange if the body, turned by its tilt, falls or stays level on one side."""
     for side, slope in (("right", right - tilt), ("left", left + tilt)):
         turned = f", turned by {tilt:.6g}," if tilt else ""
-        # The fall over each decade of distance must be at least twice that over the decade before
-        # it. On a straight line it is ten times as large.
+        # The body is taken to fall without bound if its fall over each decade of distance is at
+        # least twice the fall over the decade before. On a straight line the fall is ten times as
+        # large.
         if np.all(slope < 0) and np.all(10 * slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(f"the profile{turned} falls without bound on the {side}: {_REMEDY}")
         if tilt and np.all(np.abs(slope) <= TOLERANCES.rounding * abs(tilt)):
@@ -159,7 +163,7 @@ def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
 
 
 def _refuse_at_any_tilt(right: Array, left: Array) -> None:
-    """Raise OutOfRange if the body falls at any tilt."""
+    """Raise OutOfRange if no tilt makes the profile rise on both sides."""
     for side, slope in (("right", right), ("left", left)):
         if np.all(slope < 0) and np.all(slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(

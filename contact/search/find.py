@@ -26,13 +26,13 @@ from contact.search.strategies.guesses import Outcome, search
 from contact.search.strategies.load_controls import at_approach, at_level
 from contact.search.topology.failure import NOT_APPLICABLE, Failure, attempted
 
-# Imported only by the scenes that need it.
+# Modules that are imported only for the scenes that need them.
 _STRIPS = "contact.localized.strips"
 _CLOSURE = "contact.localized.closure"
 
 
 def found(context: SolveContext) -> Outcome:
-    """The contact of the context's scene, from the first strategy that finds one.
+    """The contact of the context's scene, from the first strategy that finds a contact.
 
     Raises OutOfRange where no contact exists, NotConverged where no strategy found it.
     """
@@ -53,19 +53,19 @@ def found(context: SolveContext) -> Outcome:
         ):
             refused = outcome
         if strategy is _from_previous_zones:
-            # The warm start has the same zones: Newton from them would fail once more.
+            # The warm start has the same zones, from which Newton's method would fail once more.
             context = context.with_warm_start(None)
     assert refused is not None and refused.refusal is not None
     raise refused.refusal
 
 
 def _says_more(later: Exception, first: Exception | None) -> bool:
-    """Whether a later error states that no contact exists, and the first one does not."""
+    """Whether a later error states that no contact exists, and the first error does not."""
     return isinstance(later, OutOfRange) and not isinstance(first, LevelOfFullGrid)
 
 
 def _full_contact(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """Full contact under the smallest load, where the contact fraction is 1."""
+    """Full contact under the smallest mean pressure, if the given contact fraction is 1."""
     if context.scene.given_fraction != 1.0:
         return NOT_APPLICABLE
     context.plan.decide("full contact", "full contact", "the contact fraction is 1")
@@ -95,7 +95,7 @@ def _at_known_tilt(context: SolveContext, refused: Failure | None) -> Outcome | 
 
 
 def _as_given(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """The contact from first guesses, solved under the scene's own control.
+    """The contact found from first guesses, solved under the scene's own control.
 
     For an upright body under an approach an error becomes a `Failure`, as the strategy of loads may
     still find the contact.
@@ -117,7 +117,7 @@ def _as_given(context: SolveContext, refused: Failure | None) -> Outcome | Failu
 
 
 def _by_loads(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """The contact under an approach, from one under a load that has nearly this approach."""
+    """The contact under an approach, from a contact under a load that has nearly this approach."""
     if _tilt_and_load_unknown(context):
         context.plan.decide("control", "loads", "neither tilt nor load is known")
         return _under_loads(context)
@@ -143,7 +143,7 @@ def _tilt_and_load_unknown(context: SolveContext) -> bool:
 
 
 def _loads_may_help(context: SolveContext, refusal: OutOfRange | NotConverged) -> bool:
-    """Whether loads may lead to an approach that the grid does not find.
+    """Whether a search over loads may reach an approach whose contact the grid does not find.
 
     On a lone body, the lowest point of a coarse grid may lie above the profile's lowest point by
     more than the approach. On a period the grid does find the lowest point, but may miss narrow
@@ -162,7 +162,8 @@ def _of_scaled(context: SolveContext, scaled: ScaledScene) -> Outcome:
     model, warm_start, table = context.scene.interaction, context.warm_start, None
     if model.follows_isolated:
         return require(_CLOSURE).first_order(context, scaled)
-    # The closed form of one zone is a better guess than a similar solution.
+    # A scene with one zone needs no similar solution, as the closed form of one zone is a better
+    # first guess.
     if warm_start is not None and len(warm_start.zones) and not context.single:
         table = placed(scaled.problem, warm_start.zones)
     if not model.strip:
@@ -174,8 +175,8 @@ def _under_loads(context: SolveContext) -> Outcome:
     """The contact under the scene's approach, from contacts under given loads."""
     if not context.scene.interaction.needs_period:
         return at_level(context)
-    # Grids of a period are solved under loads. The zones of the load that has nearly the approach
-    # are the first guess.
+    # For a periodic scene, grids are solved under given loads. The zones at the load that has
+    # nearly the wanted approach are the first guess.
     scaled = scaled_scene(context.scene, context.single)
     context = context.with_warm_start(at_approach(context, SEARCH.rough))
     outcome = attempted(lambda: _of_scaled(context, scaled))

@@ -5,33 +5,36 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class SearchOptions:
-    """Tolerances of solutions on the way, small parts, and limits of iterations."""
+    """Tolerances of intermediate solutions, fractions that count as small, iteration limits."""
 
     # Relative error of rough solutions: of coarse grids, of loads from which zones are guessed, and
-    # of the first rounds of very many zones. What is narrower than this part of its neighbours is
-    # lost in them.
+    # of the first rounds of very many zones. Zones or gaps narrower than this fraction of their
+    # neighbours are lost in rough solutions.
     rough: float = 1e-3
-    # relative error of the last grid, and of solutions under loads on the way to another control
+    # Relative error of the solution on the last grid, and of solutions under trial loads by which
+    # another control (an approach, say) is met.
     intermediate: float = 1e-6
-    # factor on a tolerance whose error is magnified: gaps beside wide zones, and differences
+    # Factor on a tolerance if the error is magnified: for gaps next to wide zones, and for
+    # differences of solutions.
     tight_factor: float = 1e-2
-    # error of a contact width, or of the centre of a load, from grids that just resolve it
+    # Error of a contact width, or of the centre of a load, on grids that just resolve the contact.
     grid_error: float = 0.02
-    # error of a contact width on the last grid, in units of the mean zone width
+    # Error of the contact width on the last grid, in units of the mean zone width.
     missing_zones: float = 0.3
     least_error: float = 1e-13  # the smallest stated error that may be asked for
-    # Width of an interval that may be absent, divided by that of the one it comes from. Newton's
-    # method decides whether it stays.
+    # An interval that may have vanished starts with at least this fraction of its width before the
+    # step. Newton's method then decides whether the interval stays.
     doubtful_part: float = 0.1
-    # a load, divided by E* and a length, whose contact is far narrower than that length
+    # A load, divided by E* and a length of the scene, at which the contact is far narrower than
+    # that length.
     light_load: float = 1e-3
-    # Limit of iterations that end by themselves: halving a bracket alone takes some 60, and
-    # shrinking a window from metres to atoms some 100.
+    # Limit of iterations that end by themselves. Halving a bracket alone takes some 60 iterations,
+    # and shrinking a window from metres to atoms some 100.
     max_steps: int = 300
     max_attempts: int = 4  # limit of attempts of which the first or second usually succeeds
 
 
 SEARCH = SearchOptions()
 
-# Smallest tolerance asked of the engine: ten times the round-off of one operation.
+# Smallest tolerance that is passed to the solver `sie`: ten times the round-off of one operation.
 LEAST = 2e-15

@@ -24,7 +24,7 @@ Search = Callable[[SolveContext], Outcome]
 
 
 def refined(context: SolveContext, found: Outcome, search: Search | None = None) -> Outcome:
-    """The contact with the wanted error, or else the one with the smallest error.
+    """The contact with the wanted error, or else the contact with the smallest error.
 
     search: the whole search, for a context with a smaller tolerance or without a warm start. None:
     only the contact that was followed is meant, and no other search finds it.
@@ -35,7 +35,8 @@ def refined(context: SolveContext, found: Outcome, search: Search | None = None)
         return outcome
     if not (context.previous or context.warm_start):
         return outcome
-    # A warm start may end at a state that rounding disturbs more than a search from nothing.
+    # The state found from a warm start may suffer more from rounding than the state found by a
+    # search without a warm start.
     afresh = replace(context, previous=(), warm_start=None)
     other: Outcome | Failure = attempted(lambda: _refined_once(afresh, search(afresh), search))
     if isinstance(other, Failure):
@@ -51,7 +52,7 @@ def _no_search(context: SolveContext) -> Outcome:
 
 
 def _refined_once(context: SolveContext, found: Outcome, search: Search) -> Outcome:
-    """The contact, solved to smaller tolerances as long as the error decreases."""
+    """The contact, solved to smaller tolerances as long as the stated error decreases."""
     if isinstance(found, Full):
         return found
     if isinstance(found, SolvedGaps) and found.error > context.tol:
@@ -65,7 +66,7 @@ def _refined_once(context: SolveContext, found: Outcome, search: Search) -> Outc
 
 
 def _from_near_origin(context: SolveContext, found: SolvedZones) -> SolvedZones:
-    """Zones of a lone body far from the origin, solved again with the origin at the zones.
+    """Zones of a lone body far from x = 0, solved again with the origin at the zones.
 
     Without this, rounding of positions is more than the smallest stated error.
     """
@@ -88,7 +89,7 @@ def _from_near_origin(context: SolveContext, found: SolvedZones) -> SolvedZones:
 
 
 def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedGaps:
-    """The same contact with the pressure as the unknown, if that has the smaller error.
+    """The same contact, solved for the pressure on the zones if this gives a smaller error.
 
     This is not tried where the error comes from the approach: near full contact the level of the
     zones is a difference of large numbers in both formulations.
@@ -111,7 +112,7 @@ def _tightened(
     def again(
         here: SolvedZones | SolvedGaps, tolerance: float
     ) -> SolvedZones | SolvedGaps | Failure:
-        """The contact to a smaller tolerance."""
+        """The contact of `here`, solved to a smaller tolerance."""
         finer = replace(context, tolerance=tolerance)
 
         def solved() -> Outcome:
@@ -158,13 +159,14 @@ def _holds_corner(context: SolveContext, found: SolvedZones) -> bool:
 
 
 def _is_rounding(context: SolveContext, found: SolvedZones) -> bool:
-    """Whether rounding alone exceeds the wanted error, and no iteration left an error."""
+    """Whether rounding alone exceeds the wanted error, and no linear iteration added an error."""
     problem = found.fields.problem
     if found.rounded or body_limit(problem, found.free.density.zones.table, context.tol):
         return True
     if found.free.state.iterated:
         return False
-    # `limit` compares with a quarter of the tolerance that it is given, hence the factors 4.
+    # The function `limit` compares errors with a quarter of its tolerance argument. Hence the
+    # factors 4.
     return bool(
         limit(found.free, 4 * context.tol, "zone", 4 * position_rounding(found), problem.end)
     )

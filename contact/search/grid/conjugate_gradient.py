@@ -52,16 +52,16 @@ Symbol = Callable[[Array], Array]
 class GridOptions:
     """Tolerances of the linear solves between changes of the contact set."""
 
-    # Iterations in which the error has not decreased by a tenth: the rounding of f is reached. So
-    # every linear solve ends.
+    # Largest number of iterations in which the error has not decreased by a tenth. The error has
+    # then reached the rounding of the heights f, so that every linear solve ends.
     max_stalled: int = 60
-    # Tolerance of the first linear solve, and factor to that of the next one: an error below the
-    # change of the contact set is small enough.
+    # Tolerance of the first linear solve, and ratio of the next solve's tolerance to the present
+    # one. An error well below the change of the contact set is small enough.
     first_tolerance: float = 1e-2
 
     @property
     def rate_tolerance(self) -> float:
-        """Tolerance of d level / d load and of d moment / d tilt, for Newton's steps."""
+        """Tolerance of the rates d level / d load and d moment / d tilt for Newton's steps."""
         return self.first_tolerance**2
 
 
@@ -95,14 +95,15 @@ class Influence:
     is_periodic: bool
     _compliance: Array = field(repr=False, compare=False)  # S in Fourier space on the padded grid
     stiffness: Array = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
-    # The datum adds _offset * sum p h to u. It is added separately, so that u keeps its digits.
+    # The datum in the logarithm adds `_offset` times the load to the displacement. This constant is
+    # added separately, so that the displacement keeps its digits.
     _offset: float = 0.0
 
     @classmethod
     def periodic(
         cls, n: int, h: float, E: float, symbol: Symbol | None = None, compression: float = 0.0
     ) -> Influence:
-        """Operator of a body on one period of n points."""
+        """The operator S of a body on one period of n points with spacing h."""
         stiffness = _wave_stiffness(n, h, E)
         if symbol is not None:
             stiffness[1:] /= symbol(
@@ -112,14 +113,14 @@ class Influence:
 
     @property
     def yields(self) -> float:
-        """Displacement under a uniform pressure of one on a period."""
+        """Displacement under a uniform pressure of one on a period; 0 for a single body."""
         return float(self._compliance[0]) if self.is_periodic else 0.0
 
     @classmethod
     def isolated(
         cls, n: int, h: float, E: float, datum: float = 1.0, rest: Rest | None = None
     ) -> Influence:
-        """Operator of a single body."""
+        """The operator S of a single body on a window of n points with spacing h."""
         lag = np.arange(n + 1.0)
         kernel = _log_cell(lag)
         if rest is not None:
@@ -132,11 +133,11 @@ class Influence:
 
     @property
     def size(self) -> int:
-        """Number of points of the padded grid."""
+        """Number of points of the grid, padded by zeros if the body is isolated."""
         return self.n if self.is_periodic else 2 * self.n
 
     def apply(self, p: ArrayLike) -> Array:
-        """Displacement u = S p at the grid points."""
+        """Displacement u = S p at the grid points under the pressure p."""
         pressure = np.asarray(p, dtype=np.float64)
         u = _multiplied(pressure, self._compliance, self.size)[: self.n]
         return u + self._offset * (float(pressure.sum()) * self.h) if self._offset else u
@@ -159,14 +160,14 @@ class Response:
     compression: float = 0.0
 
     def on(self, n: int, h: float) -> Influence:
-        """The operator on n cells of width h."""
+        """The operator on a grid of n cells of width h."""
         if self.periodic:
             return Influence.periodic(n, h, self.E, self.symbol, self.compression)
         return Influence.isolated(n, h, self.E, self.datum, self.rest)
 
 
 def _dot(a: Array, b: Array) -> float:
-    """The dot product, computed by one thread.
+    """The dot product of a and b, computed by one thread.
 
     The threads of BLAS may wait for each other a thousand times as long as the sum takes.
     """
@@ -174,24 +175,24 @@ def _dot(a: Array, b: Array) -> float:
 
 
 def _multiplied(values: Array, factors: Array, size: int) -> Array:
-    """Values on a grid, padded by zeros to a size, times factors in Fourier space."""
+    """Values on a grid, padded by zeros to `size`, times factors in Fourier space."""
     seen = scipy.fft.rfft(values, size)
     seen *= factors
     return np.asarray(scipy.fft.irfft(seen, size, overwrite_x=True))
 
 
 def _wave_stiffness(n: int, h: float, E: float) -> Array:
-    """Stiffness E |k| / 2 of the waves with wave number k in a period of n cells."""
+    """Stiffness E |k| / 2 of each wave with wave number k in a period of n cells."""
     return np.asarray(0.5 * E * (2.0 * np.pi / (n * h)) * np.arange(n // 2 + 1), dtype=np.float64)
 
 
 def _inverse(stiffness: Array, mean: float = 0.0) -> Array:
-    """Compliance of the waves from their stiffness; `mean` is that of the mean pressure."""
+    """Compliances of the waves from their stiffnesses. mean: compliance of the mean pressure."""
     return np.concatenate(([mean], 1.0 / stiffness[1:]))
 
 
 def _log_cell(m: Array) -> Array:
-    """int_{-1/2}^{1/2} ln|m - t| dt for integers m.
+    """The integral of ln|m - t| over one cell, -1/2 < t < 1/2, for integers m.
 
     For large m the antiderivative would cancel, so that log1p is used.
     """
@@ -207,7 +208,7 @@ def _log_cell(m: Array) -> Array:
 
 
 class _Extension:
-    """The map B of displacements on the contact set to the whole grid, linear across the gaps.
+    """The map B from displacements on the contact set to the whole grid, linear across gaps.
 
     Points are counted from the first one in contact. `along` is the position of a point between two
     successive points in contact, from 0 to 1.
@@ -222,7 +223,7 @@ class _Extension:
         )
 
     def precondition(self, residual: Array) -> Array:
-        """The preconditioner B' D B applied to values on the contact set; its sum is zero."""
+        """The preconditioner B' D B (head of this module) times `residual`, less the mean."""
         v = np.repeat(np.roll(residual, -1) - residual, self.lengths)
         v *= self.along
         v += np.repeat(residual, self.lengths)
@@ -250,7 +251,7 @@ class GridState:
 
     @property
     def contact(self) -> Mask:
-        """The points in contact."""
+        """Mask of the grid points in contact."""
         return np.asarray(self.pressure > 0.0)
 
     @property
@@ -275,7 +276,7 @@ def solve_grid(
     start: ArrayLike | None = None,
     tol: float = 1e-6,
 ) -> GridState:
-    """The grid contact under a given load or level.
+    """The contact of heights f on the grid, under a given load or level.
 
     f: heights, inf at points that never touch. start: a pressure to begin with. Its sum matters
     only under a given level, as the first guess of the load.
@@ -302,7 +303,7 @@ def solve_grid(
 
 
 def turning_rate(state: GridState, x: Array) -> float:
-    """d moment / d tilt of a contact on points x, with the load and the contact set fixed.
+    """The rate d moment / d tilt of a contact, with the load and the contact set fixed.
 
     It is the moment of the pressure under the shape -x. Motions of the ends have no effect at first
     order, as the pressure is zero there.
@@ -315,20 +316,21 @@ def turning_rate(state: GridState, x: Array) -> float:
 
 
 class _Run:
-    """One solve of a shape on a grid, with its tolerance and its count of iterations."""
+    """One solve with given heights f on a grid, with its tolerance and count of iterations."""
 
     def __init__(self, f: Array, influence: Influence, tol: float) -> None:
         self.f, self.influence, self.tol = f, influence, tol
         self.allowed: Mask = np.isfinite(f)
         self.lowest = float(np.min(f[self.allowed]))
-        # A constant in f only shifts the level. It is subtracted first, to lose no digits later.
+        # A constant in the heights f only shifts the level. The constant is subtracted first, so
+        # that no digits are lost later.
         self.shape = np.where(self.allowed, f - self.lowest, 0.0)
         self.iterations = 0
 
     def conjugate_gradient(
         self, load: float, mask: Mask, guess: Array | None, tol: float, shape: Array | None = None
     ) -> tuple[Array, Array, float, float, bool]:
-        """Pressure on `mask` with S p + shape constant there, under the given load.
+        """Pressure p on `mask` for which S p + shape is constant there, under the given load.
 
         Returns the pressure p, the displacement S p, the constant, the largest error of p as
         estimated by the preconditioner, and whether the tolerance was met.
@@ -353,8 +355,8 @@ class _Run:
         converged, steps = False, 0
         best, since = np.inf, 0
         while True:
-            # B' D B approximates the inverse of S, so that z approximates the error of the
-            # pressure.
+            # The preconditioner B' D B approximates the inverse of the operator S. The
+            # preconditioned residual z therefore approximates the error of the pressure.
             size = math.sqrt(_dot(z, z))
             converged = size <= tol * math.sqrt(_dot(p, p)) or rz <= 0.0
             best, since = (size, 0) if size < 0.9 * best else (best, since + 1)
@@ -386,7 +388,9 @@ class _Run:
         )
 
     def full_contact(self, load: float, shape: Array) -> tuple[Array, Array, float, float, bool]:
-        """Full contact on a period of length L: p = load / L - D shape, u = level - shape.
+        """Full contact on a period in closed form: the pressure flattens `shape`.
+
+        With the length L of the period, p = load / L - D shape and u = level - shape.
 
         It is in closed form: the sign of the smallest pressure decides whether there is a gap, so
         that the pressure must have all its digits. Returns the same as `conjugate_gradient`.
@@ -402,36 +406,39 @@ class _Run:
         return p, level - shape, level, roundoff, True
 
     def at_load(self, load: float, guess: Array | None) -> GridState:
-        """The contact under a load. guess: a pressure to begin with."""
-        # The contact set begins with the whole grid, or with the points in contact of the guess.
+        """The contact under a given load. guess: a pressure to begin with."""
+        # The first contact set is the whole grid, or the points with positive pressure in the
+        # guess.
         mask = self.allowed.copy() if guess is None else guess > 0.0
         p, tol = guess, max(self.tol, OPTIONS.first_tolerance)
         converged = False
         fewest = self.influence.n
-        # A wrong end moves by a fixed fraction of its error in each solve.
+        # A wrong end moves by a fixed fraction of its error in each solve, so about log2(n) solves
+        # suffice.
         for _ in range(OPTIONS.max_stalled + int(4 * np.log2(self.influence.n))):
             before = self.iterations
             p, u, level, error, solved = self.conjugate_gradient(load, mask, p, tol)
             finer = max(self.tol, OPTIONS.first_tolerance * tol)
             if self.iterations == before and tol > self.tol:
-                # The guess already meets this tolerance. Its errors come from another grid, so that
-                # the signs of its gap are not used until it is solved more precisely.
+                # The guess already meets this tolerance. Its errors come from another grid, so the
+                # signs of its gap are not used before the next, more precise solve.
                 tol = finer
                 continue
             gap = u + self.shape - level
-            # `error` is the largest one, at the steepest peaks. In a flat part next to them wrong
-            # pressures are smaller. If only points below -error were dropped, the end of that part
-            # would move by one cell in each solve.
+            # The bound `error` is that of the steepest peaks. In a flat region next to these peaks,
+            # wrong pressures are smaller. If only points with pressure below -error were dropped,
+            # the end of the flat region would move by only one cell in each solve.
             drop = mask & (p < 0.0)
             add = self.allowed & ~mask & (gap < -error * self.influence.h / self.influence.E)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))
-            # The contact set is right when no sign is wrong by more than the error.
+            # The contact set is right if no pressure or gap has the wrong sign by more than its
+            # error.
             if tol == self.tol and not np.any(add) and np.all(p >= -error):
                 converged = solved
                 break
-            # The next solve is more precise if few points change, as the set is then almost right.
-            # It is so too if the number of changes hardly decreases: the error of the solve causes
-            # them.
+            # The next solve is more precise if few points change, as the contact set is then almost
+            # right. It is also more precise if the number of changes hardly decreases, as errors of
+            # the solve then cause the changes.
             if changes <= 2 or changes > 0.7 * fewest:
                 tol = finer
             fewest = min(fewest, changes)
@@ -445,7 +452,10 @@ class _Run:
         )
 
     def compliance(self, state: GridState) -> float:
-        """d level / d load at a fixed contact set: the pressure is zero at the ends that move."""
+        """The rate d level / d load at a fixed contact set.
+
+        The motion of the ends has no effect at first order, as the pressure is zero there.
+        """
         mask = state.contact
         if state.full:
             return self.influence.yields / (self.influence.n * self.influence.h)
@@ -455,7 +465,7 @@ class _Run:
         return level
 
     def at_level(self, level: float, guess: Array | None) -> GridState:
-        """The contact under a level, by Newton's method on the load.
+        """The contact under a given level, by Newton's method on the load.
 
         The level is a concave function of the load, as contact grows with the load. So a step from
         too small a load never overshoots. A step that leaves the bracket is replaced by the
@@ -484,15 +494,16 @@ class _Run:
                 return state
             if slope > 0.0 and step > 0.0:
                 low = load
-            # the load is too large, or beyond that of the largest approach of an isolated contact
+            # The load is too large. Or, for an isolated contact, the load is above that of the
+            # largest approach.
             else:
                 high = load
             if high < np.inf and high - low <= TOLERANCES.balance * high:
                 if inf.is_periodic:
                     raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
                 if slope * load > OPTIONS.first_tolerance * depth:
-                    # The level still rises with the load. So this is not the largest approach:
-                    # the solutions were too inexact, as for a nearly incompressible layer.
+                    # The level still rises with the load, so this is not the largest approach. The
+                    # solutions were too inexact, as happens for a nearly incompressible layer.
                     return replace(state, converged=False)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
             guess = state.pressure

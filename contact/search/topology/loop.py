@@ -98,12 +98,12 @@ class NewtonSettings:
     tolerance: of the ends. load_guess: the load, or the mean pressure, where the control does not
     give it. max_steps: limit of Newton steps; 0 leaves it to the formulation. max_rounds: limit of
     rounds of the loop. abandon_if_far: give up as soon as the intervals turn out to be far from the
-    solution. Unless `allow_loss` is set, also give up if their number is wrong. initial_error: error of the given ends, divided by the
-    widths of their intervals; 1 if unknown. modes_like: a solution on about the same intervals,
-    whose numbers of modes are the first ones. unresolved_fraction: the fraction of all ends that
-    may stay unconverged, after `patience` steps. allow_loss: intervals may vanish or merge. decay:
-    the last coefficients of the series must be this small relative to the largest; None: chosen
-    from the tolerance.
+    solution. Unless `allow_loss` is set, also give up if the number of intervals is wrong.
+    initial_error: error of the given ends, divided by the widths of their intervals; 1 if unknown.
+    modes_like: a solution on about the same intervals, whose numbers of modes are the first ones.
+    unresolved_fraction: the fraction of all ends that may stay unconverged, after `patience` steps.
+    allow_loss: intervals may vanish or merge. decay: the last coefficients of the series must be
+    this small relative to the largest; None: chosen from the tolerance.
     """
 
     tolerance: float
