@@ -112,7 +112,7 @@ class _Worst:
         )
         sizes = whole.system.field_sizes
         if sizes is not None:
-            # Terms of sums over quadrature nodes may cancel; the largest sizes bound these terms.
+            # The terms of sums over quadrature nodes may cancel; this product bounds their size.
             terms += float(sizes.max() * np.abs(whole.unknowns).sum())
         return cls(
             whole,
@@ -134,7 +134,7 @@ def _causes(worst: _Worst) -> dict[str, float]:
     state, zone = worst.state, worst.zone
     zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
     fall = float(modes.decay(zones, equation.kernel)[zone])
-    # The round-off of places beyond a few units of `EPS`, which all numbers have.
+    # This is the round-off of places above 4 `EPS`, which every number has.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
     # The right side is a cause only if its coefficients no longer decay or their number is at its
     # limit. The fields of other zones are a cause only if the number of modes is at its limit or

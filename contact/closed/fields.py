@@ -111,7 +111,7 @@ class ClosedFields(ZoneFields):
         return np.asarray(self._unit * out)
 
     def _arcosh(self, tangent: Array, over: Array) -> Array:
-        """arcosh(tan A / tan u), the pressure's shape under a kink (head of contact.closed.zone).
+        """The pressure's shape arcosh(tan A / tan u) under a kink; A = pi a / L, u = pi x / L.
 
         over: sqrt(1 - (tan u / tan A)^2), which has more digits next to the ends.
         """

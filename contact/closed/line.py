@@ -56,27 +56,29 @@ def everywhere(condition: Any) -> bool:
 
 @record
 class LineMap:
-    """The map from positions x [m] to the line y; period [m] is None without a period."""
+    """The map from positions x [m] to y = sin(pi x / period), or to y = x without a period."""
 
     period: float | None
 
     @property
     def load_factor(self) -> float:
-        """Factor from int Phi d eta to load / (E*/2) [m]; it equals dx/dy times the weight w."""
+        """Factor from the integral of the solution Phi over y to load / (E*/2) [m].
+
+        It equals dx/dy times the weight w."""
         return 1.0 if self.period is None else self.period / math.pi
 
     def y(self, x: Value) -> Value:
         return x if self.period is None else np.sin(x * (math.pi / self.period))
 
     def at(self, y: Value) -> tuple[Value, Value]:
-        """(position x that belongs to y, weight w at this position)."""
+        """(position x that belongs to y, weight w = cos(pi x / period) at this position)."""
         if self.period is None:
             return y, 1.0
         turn = np.arcsin(y)
         return turn * (self.period / math.pi), np.cos(turn)
 
     def weight(self, x: Value) -> Value:
-        """The weight w at the position x."""
+        """The weight w = cos(pi x / period) at the position x; 1 without a period."""
         return 1.0 if self.period is None else np.cos(x * (math.pi / self.period))
 
     def rise(self, start: Value, distance: Value) -> Value:

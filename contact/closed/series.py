@@ -16,8 +16,8 @@ from scipy import fft
 
 from sie import Array, Index, record
 
-# Number of samples of the polynomial q per degree. With so many samples, second differences bound q
-# between the samples.
+# Number of samples of the polynomial q = sum g_k U_{k-1} for each degree. With so many samples,
+# second differences bound q between the samples.
 SAMPLES_PER_DEGREE = 8
 
 
@@ -36,7 +36,7 @@ class Table:
     cosines: Array
 
     def samples(self, g: Array) -> Array:
-        """The polynomial q at the sampling angles, from its coefficients g (..., orders)."""
+        """The polynomial q = sum g_k U_{k-1} at the sampling angles, from g (..., orders)."""
         padded = np.zeros((*g.shape[:-1], 2 * len(self.sines)))
         padded[..., : 2 * g.shape[-1] : 2] = g
         return np.asarray(0.5 * fft.dst(padded, type=3)[..., : len(self.sines)] / self.sines)
@@ -80,7 +80,7 @@ def summed(g: Array, t: Array) -> Array:
 
 
 def off(g: Array, t: Array) -> Array:
-    """The Hilbert transform sum g_k rho^k at t >= 1 (..., points), from g (..., orders)."""
+    """The Hilbert transform sum g_k rho^k, rho = t - sqrt(t^2 - 1), at t >= 1 (..., points)."""
     rho = 1.0 / (t + np.sqrt((t - 1.0) * (t + 1.0)))
     square = rho * rho
     if rho.ndim == 1 and len(g):

@@ -46,7 +46,7 @@ def signs(zone: ClosedZone) -> tuple[Value, Value]:
 
 
 def _pushes(zone: ClosedZone) -> Value:
-    """Whether the polynomial q plus the least term of the kink is clearly positive."""
+    """Whether q = sum g_k U_{k-1} plus the least term of the kink is clearly positive."""
     most, kinked, first = zone.sums[1], zone.problem.kink / math.pi, zone.first
     bounded = kinked + first + abs(first) - most > TOLERANCES.noise * (kinked + most)
     if everywhere(bounded):
@@ -161,8 +161,8 @@ def stated(zone: ClosedZone) -> Value:
     # the truncated coefficients.
     left = 4.0 * (1.0 - zone.nodes / math.log(EPS)) * zone.tail
     weight = way.weight(zone.half_width)
-    # A relative error e of the half length h changes the weight w by at most e h tan A, with A as
-    # in contact.closed.zone. This is below e/w.
+    # A relative error e of the half length h changes the weight w by at most e h tan A, where A is
+    # pi half width / period. This is below e/w.
     turns = 0.0 if way.period is None else 1.0 / weight
     pressure = zone.end_error * (follows + scale * turns) + left + ROUND_OFF * scale
     rise = way.load_factor / weight

@@ -74,11 +74,11 @@ class OneZoneProblem:
 
     @cached_property
     def top(self) -> float:
-        """The limit of the zone's half length h on the line y."""
+        """The largest possible half length h of the zone on the line y of `LineMap`."""
         return float(self.map.y(self.limit)) if math.isfinite(self.limit) else math.inf
 
     def slopes(self, y: Array) -> Array:
-        """The right side G = f'/w at y on the line of `LineMap`, without the kink's part."""
+        """The right side G = f'/w (slope f', weight w) at y, without the part of the kink."""
         x, weight = self.map.at(y)
         slope = np.asarray(self.profile.slope(x), dtype=np.float64)
         return np.asarray((slope - 0.5 * self.kink) / weight)
@@ -137,12 +137,12 @@ class ClosedZone:
 
     @property
     def first(self) -> Value:
-        """The first coefficient g_1 of the series, which gives the load."""
+        """The first coefficient g_1 of the Chebyshev series, which gives the load."""
         return self.g[..., 0] if self.g.shape[-1] else 0.0
 
     @cached_property
     def sums(self) -> tuple[Value, Value, Value]:
-        """(sum of |g_k|, sum of k |g_k|, sum of k^2 |g_k|); the second bounds |q|."""
+        """Sums over the coefficients g_k of the series: of |g_k|, of k |g_k|, and of k^2 |g_k|."""
         plain, once, twice = np.abs(self.g).dot(powers(self.g.shape[-1])).T
         return plain, once, twice
 

@@ -37,7 +37,7 @@ LOOKS = 2**10
 def first_order(
     context: SolveContext, scaled: ScaledScene, found: SolvedZones | None = None
 ) -> SolvedZones:
-    """The zones of the strip under the nominal pressure isolated load / period.
+    """The strip's zones; the nominal pressure is the isolated load divided by the period.
 
     The isolated load is that of the profile alone with the same total width.
 

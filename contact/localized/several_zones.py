@@ -85,7 +85,7 @@ class SeveralZones:
             miss = width_of(at.strip) - width_of(at.alone)
             step = self._step(rates, miss)
             error = np.abs(self._step(rates, self._width_error(at)))
-            # A step that is no larger than the errors of the widths explain does not come nearer to
+            # If a step is within the effect of the widths' errors, more steps do not come nearer to
             # the root.
             least = max(self.context.tolerance, float(rates.of_ends(error).max()))
             if float(rates.of_ends(step).max()) <= least:
@@ -96,7 +96,8 @@ class SeveralZones:
             if min(newton) > self.options.jump * (high - low):
                 raise no_centre(self.scaled.problem, self.scaled.control)
             bracketed, there = low > 0.0 and high < math.inf, pressure + float(step[1])
-            # The slope of W - W0 jumps where zones come or go, and Newton's method may then cycle.
+            # The slope of the difference W - W0 of the total widths jumps where zones come or go.
+            # Newton's method may then cycle.
             slow = abs(step[1]) > 0.5 * before
             before = abs(step[1])
             if bracketed and (slow or not low < there < high):

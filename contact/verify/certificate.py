@@ -273,7 +273,7 @@ def least_eigenvalue(matrix: Array) -> float:
 
 
 def _moment_balance(fields: ZoneFields) -> float | None:
-    """Error of the moment, over load times distance of the farthest end; None without a moment."""
+    """Error of the moment divided by load times farthest end; None if no moment is given."""
     given = fields.problem.moment
     if given is None:
         return None

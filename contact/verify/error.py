@@ -145,7 +145,7 @@ def too_thin(problem: Problem, table: Array) -> str:
 
 
 def position_rounding(found: SolvedZones) -> float:
-    """Rounding error of the ends as positions x [m], over the width of the zone.
+    """Rounding error of the ends as positions x [m], divided by the width of their zone.
 
     Scaled ends of narrow zones far from x = 0 are more precise than x. The rounding is 0 where the
     digits that it cuts off are stated as well (`Solution.zone_remainders`).
@@ -341,7 +341,7 @@ class SolvedGaps(Solved):
 
     @property
     def _steepest(self) -> Array:
-        """Bound of the pressure's slope in each zone near a tip: J / pi divided by the distance.
+        """Slope of the pressure in each zone near a tip of jump J: J / pi divided by the distance.
 
         The distance is the smallest one for which the stated error holds.
         """

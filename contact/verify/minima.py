@@ -62,7 +62,7 @@ def follow(
     scale: Array,
     rounding: Array,
 ) -> Dips:
-    """Locate the minimum of p / sqrt(1 - t^2), with t = cos(angle), in each bracket (lo, hi).
+    """Locate the minimum of the pressure p / sqrt(1 - t^2), t = cos(angle), in each bracket.
 
     over_root: returns the values at zones (n, 1) and angles (n, k). zone, scale, rounding: index of
     the zone, scale and rounding of the values for each bracket (n,).

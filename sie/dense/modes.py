@@ -200,7 +200,7 @@ def decay(zones: Zones, kernel: Kernel) -> Array:
 
 
 def least_distance() -> float:
-    """Least distance of a singularity from a zone, over the zone's width, that nodes resolve.
+    """Least distance of a singularity, as a fraction of the zone's width, that nodes resolve.
 
     With the largest number of nodes, the coefficients of the zone then nearly decay.
     """
@@ -277,10 +277,10 @@ def sample(
                 last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))
             ) & (n < largest)
             grow &= (n < OPTIONS.max_nodes) | (last <= OPTIONS.nearly_decayed * scale)
-            # If g jumps, the last of n coefficients decrease as 1/n; if they are round-off, as
-            # 1/sqrt(n). So coefficients that decrease more slowly than n^-0.75 are round-off. This
-            # is tested for the last two numbers of nodes, since next to knots one of them may agree
-            # by chance.
+            # If the right side g jumps, the last of n coefficients decrease as 1/n; if they are
+            # round-off, as 1/sqrt(n). So coefficients that decrease more slowly than n^-0.75 are
+            # round-off. This is tested for the last two numbers of nodes, since next to knots one
+            # of them may agree by chance.
             slow = (tails[group, 1] >= 0) & (
                 last[:, None] > tails[group] * (sizes[group] / n) ** 0.75
             ).all(axis=1)

@@ -51,7 +51,7 @@ from sie.trees.krylov import gmres
 
 @record
 class Moved:
-    """Direct effect of motions of ends, without the response by which the equation is kept.
+    """Direct effect of motions of ends on the density, before the response of the equation.
 
     coefficients: those that act on other zones like the singular densities (unknowns, ...);
     own_level: change of the level of the same zone (Z, ...); own: change of the intensities at both

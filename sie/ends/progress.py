@@ -126,7 +126,7 @@ class Progress:
         return Convergence(certain and (rests or growth > 0) and known, error, rounding)
 
     def _moves_by_rounding(self, delta: Array, width: Array, noise: Array) -> float:
-        """If round-off causes the recent moves, the largest of them over the last, else 0."""
+        """Ratio of the largest recent move to the last one if moves are round-off, else 0."""
         move = self.trace[-1].move
         quiet = delta < np.clip(100 * noise, HALF_DIGITS * width, 1e-2 * width)
         by_rounding = (self.stalled >= 2 and move < HALF_DIGITS) or (

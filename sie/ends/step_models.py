@@ -50,7 +50,7 @@ from sie.equation.forcing import Forcing
 # changes the plain step by less than 2 %, which the next step corrects. A root search would lose
 # the digits of small steps.
 _FARTHEST_JUMP = 20.0
-# Largest inward step of an end towards a logarithm with J < 0, as a fraction of the distance
+# Largest inward step of an end towards a logarithm of height J < 0, as a fraction of the distance
 # between them. The end must not pass this logarithm.
 _STOP_BEFORE = 0.9
 
@@ -93,8 +93,8 @@ def gap_steps(
     # This is 1 - sqrt(1 - less) without cancellation. If the gap closes, each of its ends moves by
     # half the gap.
     closing = np.where(less < 1, less / (1 + np.sqrt(np.maximum(1 - less, 0.0))), 1.0)
-    # `share` is the fraction of the slope S that comes from the kink. The new half gap is
-    # (1 - e) c. Its closing load (1 - e)^2 (1 - share) / 2 + (1 - e) share determines e.
+    # `share` is the fraction of the slope S that comes from the kink. If the half gap c becomes (1
+    # - e) c, the load (1 - e)^2 (1 - share) / 2 + (1 - e) share that closes the gap determines e.
     mean = np.where(holds, 0.5 * (straight + across), 1.0)
     share = np.clip(
         np.asarray(0.0 if tips is None else tips) / np.pi * np.sqrt(2 / c) / mean, 0.0, 1.0
@@ -166,7 +166,8 @@ class StepAtJumps:
         (c, here), (c_other, there), sign = (
             ((c_out, y), (c_in, r), -1.0) if of_density else ((c_in, r), (c_out, y), 1.0)
         )
-        # If the end is exactly on a jump, the edge slope A is infinite, and K has no linear part.
+        # If the end is exactly on a jump, the edge slope A is infinite, and the intensity K has no
+        # linear part.
         with np.errstate(invalid="ignore"):
             rest = np.maximum(slopes[side] - c / np.sqrt(here), 0.0)
         straight = np.where(np.isinf(slopes[side]), 0.0, rest)

@@ -257,7 +257,7 @@ def _coupled_step(
     options: NewtonOptions,
     value_response: AnyDensity | None,
 ) -> NewtonStep:
-    """Newton step for prescribed intensities, with the full Jacobian dK_i/d(end_j).
+    """Newton step for prescribed intensities, with the Jacobian of the intensities by the ends.
 
     The right end of a mirrored pair stands for both. If the state was found by iteration, the
     growth rate is not computed (nan), since it costs more than the step.

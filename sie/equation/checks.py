@@ -84,7 +84,7 @@ def check_functions(equation: Equation, zones: Zones) -> None:
 
 
 def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool]]:
-    """The cases for which a part was checked: (potentials are needed, zones are symmetric)."""
+    """Pairs (potentials are needed, zones are symmetric) for which the part was checked."""
     found: set[tuple[bool, bool]] = part.__dict__.setdefault("_checked", set())
     return found
 

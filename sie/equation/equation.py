@@ -142,7 +142,7 @@ class Equation(Kept):
 
     @property
     def grows(self) -> bool:
-        """Whether modes are added until the equation's general functions are resolved.
+        """Whether modes are added until the kernel and the terms of unknown amplitude are resolved.
 
         This is so for a column of unknown number of modes, and for a user's regular kernel.
         """
@@ -157,7 +157,7 @@ class Equation(Kept):
         return next((k for k, condition in enumerate(self.conditions) if condition.open), None)
 
     def check_count(self, zones: Zones) -> None:
-        """Raise CountError unless the number of side conditions equals the number still needed.
+        """Raise CountError if there are too few or too many side conditions for the zones.
 
         Raise ValueError if the zones reach over a period or more, up to the image of the first
         zone.

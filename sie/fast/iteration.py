@@ -86,7 +86,7 @@ class Iterative:
         tolerance: float | None = None,
         taken: Callable[[Array], Array] | None = None,
     ) -> Array:
-        """The kept unknowns ("folded": half of all if zones are symmetric) for a right side.
+        """Solve for the kept unknowns ("folded": half of all if the zones are symmetric).
 
         near: a first guess; tolerance: replaces the tolerance of the solver; taken: a linear map of
         the unknowns that is subtracted from the rows.

@@ -85,7 +85,7 @@ class TwoLevelPreconditioner:
         folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / scale
 
     def _scalars(self, folded: Array) -> Array:
-        """Values of conditions on several zones, and of the constant for absolute levels."""
+        """Values of conditions on several zones, and of the constant if levels are absolute."""
         system = self.system
         y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))

@@ -37,8 +37,8 @@ class QuadratureOptions:
     # Largest number of rows of conditions on several zones together. A small dense system is solved
     # for them.
     max_dense_conditions: int = 64
-    # Length of a quadrature panel in the integral of g over a gap, in units of g's resolution
-    # length.
+    # Length of a quadrature panel in the integral of the right side g over a gap, in units of g's
+    # resolution length.
     lengths_per_panel: int = 2
 
 
@@ -166,7 +166,7 @@ class IterativeSystem(System):
 
     @cached_property
     def springs(self) -> Array:
-        """Factor of the coefficient c_0 in each zone's own condition on levels, else 0."""
+        """Ratio of the factors of c_0 and of the level in each zone's own condition, else 0."""
         own = self.of_zones
         none = np.zeros(len(self.zones.solved))
         return (
@@ -268,7 +268,7 @@ class IterativeSystem(System):
         return self.applied(y)[1].level
 
     def level_rounding(self, y: Array) -> Array | float:
-        """Estimated round-off of the levels.
+        """Estimated round-off of the zones' levels.
 
         If a condition on levels applies to each zone by itself, the round-off is that of the sum of
         all terms of a level. These are at most all totals times the logarithm of the farthest

@@ -86,15 +86,15 @@ def _of_others(state: Solved) -> Array | float:
 
 
 def _of_levels(state: Solved) -> Array | float:
-    """Effect of the round-off of levels on the intensities K (Z,); 0 without levels."""
+    """Effect of the levels' round-off on the intensities K (Z,); 0 if levels are not used."""
     equation, zones = state.system.equation, state.density.zones
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
     w = zones.half
     # An error e of a zone's level changes its coefficient c_0 by e / (w log(w / 2R)), with the half
-    # width w and the conformal radius R. It changes K by `edge_scale` times the change of c_0. The
-    # radius R holds for neighbours that are grounded half-lines. Neighbours that are not wider than
-    # the zone keep less of their level.
+    # width w and the conformal radius R. The intensity K changes by `edge_scale` times the change
+    # of c_0. The radius R holds for neighbours that are grounded half-lines. Neighbours that are
+    # not wider than the zone keep less of their level.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
     logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
     return np.asarray(zones.edge_scale * 2 * _level_noise(state) / (logarithm * 2 * w))

@@ -15,7 +15,8 @@ from sie.states.base import Solved, coefficient_sizes
 from sie.states.options import OPTIONS
 from sie.states.rounding import density_rounding, intensity_rounding, truncation_through_rows
 
-# Without its singular parts at the ends, |T_k / sqrt(1 - t^2)| is at most 0.73 k, near an end.
+# Without its singular parts at the ends, |T_k / sqrt(1 - t^2)| is at most 0.73 k. It reaches this
+# value near an end.
 _AT_ENDS = 0.73
 # Factor of n^1.5 in the round-off of a sum of n coefficients close to a free end, relative to the
 # round-off of the largest coefficient. The round-off is 0.42 n^1.5 times the mean error of a
@@ -266,7 +267,7 @@ class State(Solved):
 
     @cached_property
     def neglected(self) -> Array:
-        """Sum of 0.73 k |c_k| over the neglected coefficients c_k, over the zone's largest one.
+        """Sum of 0.73 k |c_k| over neglected coefficients, divided by the zone's largest one.
 
         It is extrapolated from the decay of the last coefficients.
         """
@@ -327,7 +328,7 @@ def separated_modes() -> tuple[Array, Array]:
 
 
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
-    """(whether the last coefficients hardly decrease, next one over the largest of them).
+    """(whether the last coefficients hardly decrease, ratio of the next one to the largest).
 
     row: last coefficients in descending order of the mode; fall: mean ratio of successive
     coefficients of the whole series. If the last ones decrease at less than half of this rate, they
@@ -386,7 +387,7 @@ def residual_errors(
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Last coupled coefficients of the field on each zone (Z,), over the density's largest one.
+    """Last coupled field coefficients of each zone (Z,), divided by the density's largest one.
 
     The field is that of the other zones and of the columns.
     """

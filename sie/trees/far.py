@@ -24,7 +24,7 @@ _TWICE = np.sign(np.arange(TERMS)) + np.ones(TERMS)
 
 
 def antiderivatives(s: Array) -> Array:
-    """Integrals of T_k from 0 to s for s (n,) and k = 0 ... TERMS - 1, shape (n, TERMS).
+    """Integrals of the Chebyshev polynomials T_k, k < TERMS, from 0 to s (n,): (n, TERMS).
 
     For k >= 2 the antiderivative is T_(k+1) / (2 (k+1)) - T_(k-1) / (2 (k-1)).
     """
@@ -163,7 +163,7 @@ class FarSum:
         self._nodes: dict[int, tuple[Array, Array]] = {}
 
     def _at(self, terms: int, here: slice = slice(None)) -> tuple[Array, Array]:
-        """(rho, factor of the sum over powers of rho) for far pairs, at `terms` target nodes."""
+        """(rho = z - sgn(z) sqrt(z^2 - 1), factor of the sum of its powers) for far pairs."""
         nodes, half = chebyshev.gauss(terms)[:, None], self._half[here]
         away = self._gap[here] + self._width[here] * (
             1 + np.where(self._right[here], nodes, -nodes)

@@ -40,8 +40,8 @@ def uncollected() -> Iterator[None]:
     finally:
         if collects:
             if not gc.get_freeze_count():
-                # This moves all objects to the oldest generation, which is rarely searched for
-                # garbage.
+                # `freeze` and `unfreeze` move all objects to the oldest generation, which is rarely
+                # searched for garbage.
                 gc.freeze()
                 gc.unfreeze()
             gc.enable()

@@ -148,7 +148,7 @@ class Panels(Kept):
         return self._made(False, -min(1, self.farthest), min(1, self.farthest) + 1)
 
     def _made(self, potential: bool, low: int, high: int) -> Array:
-        """The matrices K^(d) of the lags low <= d < high (high - low, TERMS, TERMS)."""
+        """The matrices K^(d) between panels at distances low <= d < high, counted in panels."""
         nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
         out = np.empty((high - low, TERMS, TERMS))
         with np.errstate(all="ignore"):  # values may overflow while panels are too long
@@ -167,7 +167,7 @@ class Panels(Kept):
         return np.asarray(self.origin + (self.first + panel + 0.5) * self.step)
 
     def _coefficients(self, potential: bool, x: Array, xi: Array) -> Array:
-        """The matrices K^(d) of pairs of panels, from values of the kernel at nodes.
+        """The Chebyshev matrices K^(d) of pairs of panels, from the kernel's values at nodes.
 
         x: nodes (n, TERMS) of n target panels; xi: those of n source panels, or of one.
         """
@@ -192,7 +192,7 @@ class Panels(Kept):
         return self._tables[potential]
 
     def _all(self, potential: bool) -> Array:
-        """The matrices K^(d) of all tabulated lags d (2 farthest + 1, TERMS, TERMS)."""
+        """The matrices K^(d) between panels at all tabulated distances d, counted in panels."""
         return self._made(potential, -self.farthest, self.farthest + 1)
 
     def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:

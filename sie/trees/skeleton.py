@@ -46,7 +46,7 @@ MAX_STORED = 24
 
 @record
 class Skeleton(Kept):
-    """The source positions s_j, and the rows (positions x) that determine the functions P_j.
+    """Source positions s_j of the skeleton, and rows for the interpolating functions P_j.
 
     places: positions s_j (r,); of_row: function of each row (0: regular part, 1: potential);
     x_of_row: position x of each row; factors: LU factors of the functions in these rows at the
