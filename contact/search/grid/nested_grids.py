@@ -31,28 +31,29 @@ Height = Callable[[Array], ArrayLike]
 
 @dataclass(frozen=True)
 class NestedGridOptions:
-    """Numbers of points of the grids."""
+    """Options for the numbers of points of the nested grids."""
 
     coarsest: int = 64  # points of the first grid
-    # Cells per smallest length of a shape: the pressure has up to some 6 zeros in such a length.
+    # Number of cells for each smallest length of a shape. The pressure has up to some 6 zeros in
+    # such a length.
     per_feature: int = 16
-    # For a shape with more features than this the grid takes most of the time. Half as many cells
-    # per feature are then used. They miss one zone in a hundred, which the first check of signs
-    # adds.
+    # For a shape with more smallest lengths than this, the grid takes most of the time. Half as
+    # many cells for each length are then used. About one zone in a hundred is then missed; the
+    # first check of signs adds these zones.
     many_features: int = 2**15
 
     @property
     def window_points(self) -> int:
-        """Number of points of a window."""
+        """Number of grid points in the search interval (window) of an isolated contact."""
         return 2 * self.coarsest
 
 
 @dataclass(frozen=True)
 class WindowOptions:
-    """The search for a window that an isolated contact fills well."""
+    """The search for an interval of the line (window) that an isolated contact fills well."""
 
-    # Width of contact divided by that of the next window. A window is accepted if contact fills it
-    # by half to twice this.
+    # Width of the contact divided by the width of the next window. A window is accepted if this
+    # ratio in it is between half and twice this value.
     filled: float = 0.375
 
 
@@ -67,7 +68,7 @@ class NoWindow(OutOfRange):
 
 @record
 class Proposal:
-    """Zones to start Newton from, with the grid that they come from.
+    """Zones from which Newton's method starts, with the grid on which they were found.
 
     zones: (n, 2) [m]. points: number of points of the last grid. touches_border: whether contact
     touches the border of the known part of the profile. grid: the contact on the last grid.
@@ -81,7 +82,7 @@ class Proposal:
 
     @property
     def width(self) -> float:
-        """Total width of the zones [m], inf in full contact."""
+        """Total width of the zones [m]; inf in full contact."""
         return np.inf if self.full else float(np.sum(self.zones[:, 1] - self.zones[:, 0]))
 
     @property
@@ -91,13 +92,13 @@ class Proposal:
 
     @property
     def state(self) -> GridState:
-        """The contact on the grid, which must not be None."""
+        """The contact on the grid, if `grid` is not None."""
         assert self.grid is not None
         return self.grid
 
 
 def grid_height(profile: Profile, x: Array) -> Array:
-    """Heights f at evenly spaced, ascending points, up to a constant.
+    """Heights f of the profile at evenly spaced, ascending points, up to a constant.
 
     Where rounding hides the differences of f, its slope is integrated instead. Near a summit f
     varies with the square of the distance and f' with the distance, so that f' keeps more digits.
@@ -116,12 +117,12 @@ def grid_height(profile: Profile, x: Array) -> Array:
 
 
 def _midpoints(cell: tuple[float, float], n: int) -> Array:
-    """The middles of n equal cells."""
+    """The midpoints of n equal parts of the interval `cell`."""
     return np.asarray(cell[0] + (cell[1] - cell[0]) / n * (np.arange(n) + 0.5), dtype=np.float64)
 
 
 def narrowest(state: GridState) -> int:
-    """Width in cells of the narrowest zone or gap.
+    """Width of the narrowest zone or gap of a grid contact, in cells.
 
     It is n in full contact, and 0 without contact or if a gap may lie between two points.
     """
@@ -129,8 +130,8 @@ def narrowest(state: GridState) -> int:
     wraps = state.influence.is_periodic
     runs = np.array(runs_of(state.contact, wraps)).reshape(-1, 2)
     if state.full:
-        # Near its minimum p is about a parabola. If p is below its second difference there, a gap
-        # may lie between the points.
+        # Near its minimum the pressure p is about a parabola. If the smallest p is below the second
+        # difference there, a gap may lie between the points.
         p, i = state.pressure, int(np.argmin(state.pressure))
         return n if p[i] > p[i - 1] - 2.0 * p[i] + p[(i + 1) % n] else 0
     if not len(runs):  # there is no contact, but the lowest point of a finer grid may touch
@@ -142,7 +143,7 @@ def narrowest(state: GridState) -> int:
 
 
 def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Array:
-    """Zones (k, 2) of a grid contact; none in full contact.
+    """Zones (k, 2) of a contact on the grid points x; an empty array in full contact.
 
     On a period, left ends ascend within the cell, and the last right end may lie beyond it.
     between_points: gaps that contain no point are cut out; the grid must resolve the pressure.
@@ -163,7 +164,8 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
             a, b = x0 + h * centre - half, x0 + h * centre + half
         else:
             a, b = left - h * float(_to_end(p[0], p[1])), right + h * float(_to_end(p[-1], p[-2]))
-        # The first free point on either side is outside, so that zones neither overlap nor invert.
+        # The first points out of contact on the left and right of a zone lie outside it, so that
+        # zones neither overlap nor invert.
         zones[k] = max(a, left - 0.999 * h), min(b, right + 0.999 * h)
     if between_points:
         gaps = _gaps_between(points, state)
@@ -172,12 +174,12 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
 
 
 def _gaps_between(x: Array, state: GridState) -> Array:
-    """Gaps (k, 2) between two points of a grid x, where a parabola through p is negative.
+    """Gaps (k, 2) between two grid points, where a parabola through the pressure is negative.
 
     Their width is that of a single gap under a full-contact pressure of this parabola.
     """
     p, h = state.pressure, state.influence.h
-    # Outside a window there is no pressure.
+    # Outside the window of an isolated contact the pressure is zero.
     before, after = np.roll(p, 1), np.roll(p, -1)
     if not state.influence.is_periodic:
         before[0] = after[-1] = 0.0
@@ -192,7 +194,7 @@ def _gaps_between(x: Array, state: GridState) -> Array:
 
 
 def _to_end(p_end: Array, p_next: Array) -> Array:
-    """Distance in cells from the last point in contact to the zero of p^2.
+    """Distance in cells from the last point in contact to the extrapolated zero of p^2.
 
     It is half a cell where p does not decrease towards the end.
     """
@@ -243,7 +245,7 @@ class Request:
 def propose(
     height: Height, cell: tuple[float, float], response: Response, **request: Any
 ) -> Proposal:
-    """Zones of `height` on one period or window `cell`, from nested grids; see `Request`."""
+    """Zones on one period or window `cell` for heights `height`, from nested grids (`Request`)."""
     asked = Request(**request)
     width, tol = cell[1] - cell[0], asked.tol
     if asked.points is not None:
@@ -251,7 +253,7 @@ def propose(
     else:
         target, limit = points_for(width, asked.resolution, asked.max_points)
         if _features(width, asked.resolution) > OPTIONS.many_features:
-            # The first check of signs corrects this error as well.
+            # The first check of signs also corrects the error due to this larger tolerance.
             tol = max(tol, SEARCH.rough)
     n, start = target, None
     while n % 2 == 0 and n // 2 >= OPTIONS.coarsest and start is None:
@@ -278,7 +280,7 @@ def propose(
 
 
 def _features(width: float, resolution: float | None) -> float:
-    """Number of smallest lengths of a shape in a cell of this width."""
+    """Number of the shape's smallest lengths `resolution` that fit into a cell of this width."""
     return float(OPTIONS.per_feature) if resolution is None else width / resolution
 
 
@@ -289,13 +291,13 @@ def points_for(width: float, resolution: float | None, most: int) -> tuple[int, 
     if features > OPTIONS.many_features:
         per_feature //= 2
     target = 2 ** int(np.ceil(np.log2(max(4 * OPTIONS.coarsest, per_feature * features))))
-    # A shape of known resolution gets as many points as it needs.
+    # A shape whose smallest length is known gets as many points as it needs, even more than `most`.
     limit = most if resolution is None else max(most, min(target, MOST_POINTS))
     return min(target, limit), limit
 
 
 def _refine(p: Array, periodic: bool) -> Array:
-    """The pressure on a grid of twice as many points, by linear interpolation.
+    """The pressure p on a grid of twice as many points, by linear interpolation.
 
     The pressure is zero in cells beyond an end, where the extrapolation of p^2 is negative.
     """
@@ -305,7 +307,8 @@ def _refine(p: Array, periodic: bool) -> Array:
     out = np.stack((0.75 * p + 0.25 * left, 0.75 * p + 0.25 * right), axis=1)
     for side, outer, inner in ((-1, left, right), (1, right, left)):
         ends = np.flatnonzero((p > 0) & (outer == 0))
-        # Half cells next to a point in contact that lie beyond the extrapolated end.
+        # If the extrapolated end of a zone is less than 0.75 cells from the last point in contact,
+        # the pressure is zero in the nearer half of the next cell.
         beyond = (ends[_to_end(p[ends], inner[ends]) < 0.75] + side) % len(p)
         out[beyond, 0 if side > 0 else 1] = 0.0
     return np.asarray(out.ravel(), dtype=np.float64)
@@ -337,19 +340,19 @@ def find_window(
 
 @record
 class _Window:
-    """The search for a window of one isolated contact."""
+    """The search for a window of the line that contains one isolated contact."""
 
     height: Height
     response: Response
     limits: tuple[float, float] | None
 
     def _heights(self, x: Array) -> Array:
-        """Heights; far outside they may overflow to inf, and such points do not touch."""
+        """Heights at x; far outside, heights may overflow to inf, and such points do not touch."""
         with np.errstate(over="ignore"):
             return np.asarray(self.height(x), dtype=np.float64)
 
     def _with_body(self, window: tuple[float, float]) -> tuple[float, float]:
-        """The window, shrunk about its middle until some height in it does not overflow."""
+        """The window, shrunk about its middle until some height in the window does not overflow."""
         for _ in range(SEARCH.max_steps):
             if not np.isposinf(self._heights(_midpoints(window, OPTIONS.window_points))).all():
                 break
@@ -358,7 +361,7 @@ class _Window:
         return window
 
     def _solve(self, window: tuple[float, float], load: float) -> tuple[Array, GridState]:
-        """The contact on a window under a load, and its grid."""
+        """The grid points of a window, and the contact on them under a load."""
         x = _midpoints(window, OPTIONS.window_points)
         f = self._heights(x)
         lost = np.isnan(f) | np.isneginf(f)
@@ -370,14 +373,15 @@ class _Window:
             )
         width = window[1] - window[0]
         with np.errstate(over="ignore", invalid="ignore"):
-            # Points so high never touch; their heights would cancel the digits of others.
+            # Points above this height never touch. Their large heights would cancel digits of the
+            # heights of other points.
             too_high = TOLERANCES.noise * (f - f.min()) > width + load / self.response.E
             influence = self.response.on(OPTIONS.window_points, width / OPTIONS.window_points)
             f = np.where(too_high, np.inf, f)
             return x, solve_grid(f, influence, load=load, tol=SEARCH.rough)
 
     def _clip(self, window: tuple[float, float]) -> tuple[float, float]:
-        """The part of a window within the limits."""
+        """The part of a window that lies within the limits of the search."""
         if self.limits is None:
             return window
         return max(window[0], self.limits[0]), min(window[1], self.limits[1])
@@ -385,7 +389,7 @@ class _Window:
     def at_load(
         self, load: float, window: tuple[float, float]
     ) -> tuple[tuple[float, float], GridState]:
-        """A window that holds the contact under a load, and the contact on it."""
+        """A window that contains the contact under a load, and the contact on this window."""
         least_width, shrunk = 0.0, False
         window = self._with_body(window)
         for _ in range(SEARCH.max_steps):
@@ -401,15 +405,15 @@ class _Window:
                 if window == self.limits:
                     return window, state
                 if shrunk:
-                    # The points of the wider window missed asperities, so that the window may not
-                    # shrink further.
+                    # The points of the previous, wider window missed some asperities. The window
+                    # may therefore not shrink to the present width again.
                     least_width = 1.25 * width
                 shrunk = False
                 wanted_width = (8.0 if extent > 0.9 * width else 3.0) * width
                 centre = 0.5 * (window[0] + window[1])
             else:
-                # A contact of a few cells may be narrower than these cells: the window keeps some
-                # around it.
+                # A contact of a few cells may be narrower than these cells, so that the window
+                # stays at least twelve cells wide.
                 wanted_width = max(extent / WINDOW.filled, 12.0 * h, least_width)
                 centre = 0.5 * (left + right)
                 fits = extent <= 2 * WINDOW.filled * width
@@ -420,7 +424,8 @@ class _Window:
                 break
             wanted = self._clip((centre - 0.5 * wanted_width, centre + 0.5 * wanted_width))
             if wanted == window or centre + 0.5 * h == centre:
-                # The window has reached the limits, or the resolution of x by its digits.
+                # The window has reached the limits, or has become as narrow as the round-off of the
+                # coordinate x allows.
                 return window, state
             window = wanted
         raise NoWindow(
@@ -431,7 +436,7 @@ class _Window:
     def at_level(
         self, level: float, window: tuple[float, float], load: float
     ) -> tuple[float, float]:
-        """A window that holds the contact under a level, by Newton's method on the load.
+        """A window that contains the contact under a level, by Newton's method on the load.
 
         The level is concave in the load up to its maximum. A tenth of the load is close enough.
         """
@@ -439,7 +444,7 @@ class _Window:
         for _ in range(SEARCH.max_steps):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
-            # So light a load changes no digit of any level.
+            # A load as small as this does not change any digit of a level.
             if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
                     raise OutOfRange(
@@ -463,6 +468,6 @@ class _Window:
         return window
 
     def _compliance(self, state: GridState) -> float:
-        """d level / d load of the contact set, computed as for a flat punch."""
+        """The rate d level / d load with the contact set fixed, computed as for a flat punch."""
         flat = np.where(state.contact, 0.0, np.inf)
         return solve_grid(flat, state.influence, load=1.0, tol=SEARCH.rough).level

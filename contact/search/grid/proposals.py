@@ -28,7 +28,7 @@ def proposed(
     tol: float = SEARCH.intermediate,
     start: Proposal | None = None,
 ) -> Proposal:
-    """Zones from a grid.
+    """Zones of the contact on a grid, as a start for Newton's method.
 
     points: number of points; None: as many as the profile's resolution needs. start: a contact
     under another load, to begin with.
@@ -37,8 +37,8 @@ def proposed(
     units, profile, by_load = problem.units, problem.profile, control.load is not None
     detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
     if detail is not None:
-        # A step of Newton's method may move an end by about the length of the kernel: cells of up
-        # to twice this length are fine enough.
+        # A step of Newton's method may move an end by about the length of the kernel. Cells of up
+        # to twice this length are therefore fine enough.
         cells = 2 * nested_grids.OPTIONS.per_feature
         detail = min(detail, cells * problem.kernel.length * units.length)
     return propose(
@@ -56,7 +56,7 @@ def proposed(
 
 
 def whole_response(problem: Problem) -> Response:
-    """The surface's response on the whole line, or for a strip on the whole period."""
+    """The surface's response on the whole line, or on the whole period if there is a strip."""
     operator, interaction = problem.operator, problem.interaction
     whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
     return Response(
@@ -70,7 +70,7 @@ def whole_response(problem: Problem) -> Response:
 
 
 def of_width(scaled: ScaledScene, width: float) -> Proposal:
-    """Zones from a grid under a load at which their scaled total width is about `width`.
+    """Zones from a grid, under a load at which their scaled total width is about `width`.
 
     The load is first found on grids that just resolve the width. A few grids as fine as the profile
     needs then correct the remaining error. Without them a rough contact of more than 30
@@ -92,12 +92,13 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
             break
         before, start = (load, error), found
         load *= math.exp(min(max(-error / rate, -0.5), 0.5))
-    # Where the width jumps with the load, the last grid need not be the closest one.
+    # If the width jumps with the load, the width on the last grid need not be the closest to the
+    # wanted one.
     return min(fine, key=lambda tried: tried[0])[1]
 
 
 def _width_error(found: float, width: float, period: float) -> float:
-    """Error of a contact width, in the logarithm of contact divided by its complement.
+    """Error of a contact width, measured in the logarithm of contact width over gap width.
 
     As a function of the logarithm of the load it is about a straight line.
     """
@@ -128,10 +129,12 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
         contact = found.width / units.length
         error = _width_error(contact, width, period)
         tried.append((math.log(load), error))
-        # Where the width jumps with the load, a bracket of a tenth of the load is close enough.
+        # If the width jumps with the load, the search ends once the bracket is a tenth of the load
+        # wide.
         if abs(contact - width) < SEARCH.grid_error * smaller or high < 1.1 * low:
             break
-        # The value at an end of the bracket that stays a second time is halved (Illinois method).
+        # If the same end of the bracket stays for a second time, the function value at this end is
+        # halved (Illinois method).
         weight = 0.5 if error * last > 0 else 1.0
         if error < 0:
             low, at_low, at_high = load, error, weight * at_high
@@ -139,7 +142,7 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
             high, at_high, at_low = load, error, weight * at_low
         last = error
         if low == 0.0:
-            # The width grows at most with the square root of the load.
+            # The contact width grows at most with the square root of the load.
             factor = min(max((width / contact) ** 2, 1e-3), 0.3) if contact < period else 0.3
             load = high * factor
         elif high == math.inf:
@@ -167,13 +170,14 @@ def placed(problem: Problem, zones: Array) -> Array:
         return scaled
     bounded = np.isfinite(problem.corners).all()
     if problem.profile.symmetric or bounded:
-        # The period is centred on the origin, so that mirror images lie in it, or between the
-        # corners.
+        # The period is centred on the middle between the corners if the body has corners. Otherwise
+        # it is centred on the origin, so that it contains the mirror images of its zones.
         middle = 0.5 * sum(problem.corners) if bounded else 0.0
         scaled = ascending(centred_on(scaled, middle, period))
     if problem.interaction.strip and len(scaled) and not bounded:
         gaps = np.diff(gaps_between(scaled, period))[:, 0]
-        # Among equally wide gaps the last one, across the border, remains the cut.
+        # The period is now cut at the last gap, across its border. This cut stays if no other gap
+        # is wider.
         if gaps[-1] < (1 - 1e-6) * gaps.max():
             first = int(np.argmax(gaps)) + 1
             scaled = np.concatenate((scaled[first:], scaled[:first] + period))
@@ -181,7 +185,7 @@ def placed(problem: Problem, zones: Array) -> Array:
 
 
 def about(problem: Problem, table: Array) -> Problem:
-    """The problem with its strip centred on the scaled zones from which Newton starts."""
+    """The problem with its strip centred on the scaled zones from which Newton's method starts."""
     if not problem.interaction.strip:
         return problem
     middle = 0.5 * float(table[0, 0] + table[-1, 1])

@@ -40,7 +40,7 @@ from sie import Array, record
 
 @record
 class ScaledScene:
-    """The scaled problem and control, and the cell or window [m] that holds all contact."""
+    """The scaled problem and control, and the interval `cell` [m] that contains all contact."""
 
     problem: Problem
     control: Control
@@ -48,7 +48,7 @@ class ScaledScene:
 
 
 def scaled_scene(scene: Scene, single: bool, tilt: float = 0.0) -> ScaledScene:
-    """The scaled scene.
+    """The scaled problem and control of a scene. tilt: a first guess of an unknown tilt.
 
     single: whether the first guess is one zone about x = 0. tilt: a first guess of an unknown tilt.
     """
@@ -88,7 +88,7 @@ def _turned(scene: Scene, guess: float) -> ScaledScene:
 
 
 def _scaled_by(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
-    """The scaled scene, with origin and length from a window that holds the contact.
+    """The scaled scene, with origin and length from an interval that contains the contact.
 
     The approach is measured at x = 0 of the body before it is turned.
     """
@@ -108,7 +108,7 @@ def _scaled_by(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
 
 
 def _window(scene: Scene, profile: Tilted) -> Window:
-    """A window that holds the contact at the given tilt."""
+    """An interval [m] of x that contains the contact of the body at the given tilt."""
     load, fixed, find = scene.given_load, held_by(profile), _finder(scene, profile)
     try:
         if load is not None:
@@ -130,7 +130,7 @@ def _window(scene: Scene, profile: Tilted) -> Window:
 
 
 def _lowest_unturned(scene: Scene) -> float:
-    """Smallest height f of the body before it is turned."""
+    """Smallest height of the body before it is turned by the tilt."""
     profile = scene.profile
     cell = profile.support or profile.extent
     if cell is None and profile.period is None and profile.summits is None:
@@ -141,7 +141,7 @@ def _lowest_unturned(scene: Scene) -> float:
 
 
 def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
-    """The function `find_window` with the heights' response and limits of a single body."""
+    """The function `find_window` with the response and the limits of a single body filled in."""
     response = response_of(scene, scene.operator.datum or 1.0)
 
     def find(
@@ -150,7 +150,7 @@ def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
         level: float | None = None,
         start: Window | None = None,
     ) -> Window:
-        """A window of the contact of these heights."""
+        """An interval [m] that contains the contact of these heights under a load or level."""
         start = start or first_window(profile)
         return find_window(height, response, load, level, profile.extent, start)
 
@@ -158,14 +158,14 @@ def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
 
 
 def _light(scene: Scene) -> float:
-    """A load whose contact is narrow relative to the datum."""
+    """A load at which the contact is narrow relative to the datum of the logarithm."""
     return SEARCH.light_load * scene.E_star * (scene.operator.datum or 1.0)
 
 
 def _window_about_lowest(
     profile: Profile, find: Callable[..., Window], load: float, start: Window | None
 ) -> Window:
-    """A window of the contact under a load.
+    """A search interval that contains the whole contact under a load.
 
     Any contact contains the lowest point. The sample points of a wide window may miss it, or find a
     tip that is not the lowest one.
@@ -181,7 +181,7 @@ def _window_about_lowest(
 
 
 def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
-    """Origin, length and search window of a profile without a period."""
+    """Origin, length and search interval [m] of a profile without a period."""
     profile = scene.profile
     half_width, load = scene.held(Quantity.HALF_WIDTH), scene.given_load
     if half_width is not None:
@@ -205,7 +205,7 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
     if load is not None:
         window = _window_about_lowest(profile, find, load, _window_of_shape(profile))
     else:
-        # The lowest point is in contact under any load.
+        # The lowest point is in contact under any load. The contact under a light load contains it.
         dip, value = _window_of_shape(profile), scene.held(Quantity.APPROACH)
         assert value is not None
         light = _light(scene) if dip is None else value * scene.E_star * SEARCH.light_load
@@ -216,7 +216,7 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
 
 
 def _window_of_shape(profile: Profile) -> Window | None:
-    """A window about the lowest place of a shape that becomes level far away, else None.
+    """An interval about the lowest place of a shape that is level far away, else None.
 
     Such a shape states no resolution, and the points of a wide window may miss its lowest place.
     The window extends to where the shape has risen by half.
@@ -240,7 +240,7 @@ def _window_of_shape(profile: Profile) -> Window | None:
 
 
 def _deeper_place(profile: Profile, window: Window) -> float | None:
-    """A place outside a window where the profile is lower than inside; None if none was found.
+    """A sampled place outside `window` that is lower than all samples inside, else None.
 
     Declared tips are tested, and places at increasing distances.
     """
@@ -266,7 +266,7 @@ def _deeper_place(profile: Profile, window: Window) -> float | None:
 
 
 def _origin_of(profile: Profile, window: Window) -> float:
-    """The origin of x: the lowest sharp tip in a window, else its middle.
+    """The origin of x: the lowest sharp tip in a window; without tips, the window's middle.
 
     An end may come close to a tip, as for a wedge that touches with its flank. It is then precise
     as a distance from the tip.
@@ -279,7 +279,7 @@ def _origin_of(profile: Profile, window: Window) -> float:
 
 
 def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) -> float:
-    """The unit of slopes: the largest sampled slope, or one derived from the load or adhesion."""
+    """The unit of slopes: the largest sampled slope, or a slope from load or adhesion."""
     lo, hi = cell
     x = lo + (hi - lo) * (np.arange(32) + 0.4142) / 32
     with np.errstate(over="ignore", invalid="ignore"):
@@ -287,7 +287,7 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     slope = float(np.max(slopes[np.isfinite(slopes)], initial=0.0))
     if slope > 0.0 and not scene.is_flat:
         return slope
-    # A flat punch, turned or not, has its pressure from the load and not from its slope.
+    # The pressure of a flat punch, turned or not, is set by the load and not by the punch's slope.
     if scene.given_load is None:
         return max(slope, 1.0)
     work = scene.law.tension * scene.law.reach

@@ -30,17 +30,18 @@ Window = tuple[float, float]
 
 @dataclass(frozen=True)
 class TiltOptions:
-    """Limits of the search for a rough tilt."""
+    """Limits of the search for a rough tilt of the body."""
 
     max_tilts: int = 24  # largest number of tilts in one search
-    # If no tilt is found, the limits of the search are widened by this factor, up to three times.
+    # If no tilt is found, the limits of the search are widened by this factor, at most twice.
     farther: float = 1e3
-    # sampled on a side in search of the lowest place; the convex hull has four times as many
+    # Number of places sampled on each side in search of the lowest one. For the convex hull, four
+    # times as many places are sampled.
     places: int = 1024
 
     @property
     def farthest(self) -> float:
-        """Half widths of a window up to which the lowest place is looked for.
+        """Largest distance at which the lowest place is searched, in half widths of a window.
 
         For a shape that states no length and becomes level it is a length [m].
         """
@@ -59,7 +60,7 @@ def known_part(profile: Profile) -> Window | None:
 
 
 def held_by(profile: Tilted) -> Window | None:
-    """The window that holds any contact of a punch or of one cell; None where it must be found."""
+    """The interval that contains any contact of a punch or of one cell; None for other bodies."""
     return profile.support or (None if profile.profile.period is None else profile.extent)
 
 
@@ -70,7 +71,7 @@ def window_at_load(
     limits: Window | None = None,
     start: Window | None = None,
 ) -> Window:
-    """A window that holds the contact of the tilted profile under a load."""
+    """An interval [m] that contains the contact of the tilted profile under a load."""
     return held_by(profile) or find_window(
         partial(grid_height, profile),
         response_of(scene),
@@ -81,18 +82,18 @@ def window_at_load(
 
 
 def first_window(profile: Profile) -> Window | None:
-    """A window of the size of the profile's details about x = 0, on the whole line."""
+    """First search interval: as large as the details of a profile known on the whole line."""
     size = profile.resolution
     return None if size is None or profile.extent is not None else (-size, size)
 
 
 def response_of(scene: Scene, datum: float = 1.0) -> Response:
-    """The response of the surface of a single body."""
+    """The response of the surface of a single body to pressure."""
     return Response(scene.E_star, False, datum=datum, rest=scene.operator.rest)
 
 
 def tilt_search(scene: Scene, guess: float) -> AtTilt:
-    """A rough tilt at which the load has the given moment, with the window of its contact."""
+    """A rough tilt at which the load has the given moment, with the contact at this tilt."""
     load = scene.given_load
     assert scene.moment is not None and load is not None
     centre, known = scene.moment / load, known_part(scene.profile)
@@ -109,7 +110,7 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
     try:
         first: Window | None = window_at_load(scene, Tilted(scene.profile, guess), load)
     except OutOfRange:
-        # At this tilt the body has no lowest place.
+        # At the guessed tilt the body has no lowest place.
         first = None
     size = (
         max(abs(centre), *(abs(end) for end in first or (0.0, 0.0)))
@@ -128,12 +129,12 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
         missed = abs(best.centre - centre) > best.fineness
         lo, hi = _hull(search.windows.values() or [search.limits])
         if missed and known is None and best.window != search.limits and not lo <= centre <= hi:
-            # The centre of a load lies between places of contact, but all contacts found lie to one
-            # side.
+            # The centre of a load lies between places of contact. Here all contacts that were found
+            # lie on one side of the wanted centre, so that wider limits are of no use.
             break
         if missed and len(search.windows) > 1:
-            # A window about one asperity did not contain another one. The search is repeated with a
-            # window that holds both, however far apart they are.
+            # A search interval about one asperity did not contain another asperity. The search is
+            # repeated with an interval that contains both asperities, however far apart.
             search = replace(search, whole=(lo, hi))
             best = balanced(search, centre, (best.tilt, resting), 2 * OPTIONS.max_tilts)
         if known is not None or best.window != search.limits:
@@ -146,7 +147,7 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
 
 @dataclass
 class _Tilting:
-    """The function from a tilt to its contact, which remembers the windows of former tilts.
+    """The function from a tilt to its contact; it keeps the windows found at earlier tilts.
 
     At a tilt between two others, the contact lies between theirs. A window about both therefore
     also contains asperities that are far apart.
@@ -161,7 +162,7 @@ class _Tilting:
     windows: dict[float, Window] = field(default_factory=dict)
 
     def __call__(self, tilt: float) -> AtTilt:
-        """The contact at a tilt."""
+        """The contact on a grid at the given tilt."""
         scene, profile = self.scene, Tilted(self.scene.profile, tilt)
         window = self.whole or window_at_load(
             scene, profile, self.load, self.limits, self._about(tilt)
@@ -181,7 +182,7 @@ class _Tilting:
         return AtTilt.of(tilt, window, found.state, max(1.0, SEARCH.grid_error * extent))
 
     def _about(self, tilt: float) -> Window | None:
-        """A window about the contacts of the next smaller and the next larger tilt."""
+        """An interval that contains the contacts at the next smaller and the next larger tilt."""
         below = [t for t in self.windows if t <= tilt]
         above = [t for t in self.windows if t >= tilt]
         near = [
@@ -193,7 +194,7 @@ class _Tilting:
 
 
 def _hull(windows: Iterable[Window]) -> Window:
-    """The smallest window that holds all of these."""
+    """The smallest interval that contains all the given intervals."""
     lo, hi = zip(*windows, strict=True)
     return min(lo), max(hi)
 
@@ -201,7 +202,7 @@ def _hull(windows: Iterable[Window]) -> Window:
 def _resting(
     profile: Profile, centre: float, known: Window | None, about: Window
 ) -> tuple[float, Window | None]:
-    """Slope and ends of the edge of the lower convex hull of f that spans the centre.
+    """Slope and ends of the edge of f's lower convex hull that spans the load's `centre`.
 
     The ends are None if one of them is the first or the last sample.
     """
@@ -211,7 +212,8 @@ def _resting(
         )
         x = np.linspace(*known, int(np.clip(count, 4 * OPTIONS.places + 1, SAMPLING.max_points)))
     else:
-        # Dense where the body touches, and wide enough for any profile that outgrows a line.
+        # The samples are dense where the body touches. They reach far enough for any profile that
+        # rises faster than a straight line.
         middle, half = 0.5 * (about[0] + about[1]), 0.5 * (about[1] - about[0])
         reach = math.asinh(OPTIONS.farther**2)
         x = middle + half * np.sinh(np.linspace(-reach, reach, 4 * OPTIONS.places + 1))
@@ -224,12 +226,12 @@ def _resting(
 
 
 def hull_edge(x: Array, f: Array, at: float) -> tuple[int, int]:
-    """The two points that span x = at with an edge of the lower convex hull of all."""
+    """Indices of the two points whose edge of the lower convex hull spans x = `at`."""
     i, j = 0, len(x) - 1
     while True:
         rest = f - (f[j] - f[i]) / (x[j] - x[i]) * x
         k = int(np.argmin(rest))
-        # Each step moves one end of the edge to a corner of the hull that is closer to x = at.
+        # Each step moves one end of the edge to a corner of the hull that is closer to x = `at`.
         nearer = (k > i and x[k] <= at) or (k < j and x[k] > at)
         if not nearer or rest[k] >= min(rest[i], rest[j]):
             return i, j

@@ -36,11 +36,11 @@ class AtTilt:
     def of(
         cls, tilt: float, window: tuple[float, float], state: GridState, fineness: float
     ) -> "AtTilt":
-        """The contact at a tilt, from its solution on a grid. fineness: here in cells."""
+        """The contact at a tilt, from its solution `state` on a grid. fineness: here in cells."""
         h = state.influence.h
         x = np.asarray(window[0] + h * (np.arange(state.influence.n) + 0.5), dtype=np.float64)
         centre = float(state.pressure @ x) * h / state.load
-        # One cell in contact resists as a flat punch of its width.
+        # A single cell in contact resists rotation like a flat punch as wide as the cell.
         least = math.pi / 16 * state.influence.E * h**2
         return cls(
             tilt, centre, max(turning_rate(state, x), least) / state.load, fineness * h, window
@@ -86,8 +86,9 @@ def balanced(
             return lean
         low, high = (max(low, tilt), high) if lean.centre < centre else (low, min(high, tilt))
         if miss <= before:
-            # Newton's step is tried next if the error was halved, or the bracket is still infinite.
-            # It is also tried if the rate has doubled, because more places came into contact.
+            # Newton's step is tried next if the error was halved, or if the bracket is still
+            # infinite. It is also tried if the rate has doubled because more places came into
+            # contact.
             newton = (
                 miss <= 0.5 * before
                 or high - low == math.inf
