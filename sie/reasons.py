@@ -19,9 +19,9 @@ from sie.states.state import LOOKS, THETA, State
 class ReasonOptions:
     """Limit above which a measured cause is named as the reason for an error."""
 
-    # If the effect of the rows' errors on the density is more than this factor times the errors of
-    # the rows, the side conditions nearly depend on each other. A residual below this factor times
-    # the round-off of its terms is explained by round-off.
+    # Errors of the rows cause errors of the density. If these are larger by more than this factor,
+    # the side conditions nearly depend on each other. A residual below this factor times the
+    # round-off of its terms is explained by round-off.
     max_ratio: float = 1e4
 
 

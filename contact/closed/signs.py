@@ -161,8 +161,8 @@ def stated(zone: ClosedZone) -> Value:
     # the truncated coefficients.
     left = 4.0 * (1.0 - zone.nodes / math.log(EPS)) * zone.tail
     weight = way.weight(zone.half_width)
-    # A relative error e of the half length h changes the weight w by at most e h tan A, where A is
-    # pi half width / period. This is below e/w.
+    # A relative error e of the half length h changes the weight w by at most e h tan A. Here A is
+    # pi half width / period. The change is below e/w.
     turns = 0.0 if way.period is None else 1.0 / weight
     pressure = zone.end_error * (follows + scale * turns) + left + ROUND_OFF * scale
     rise = way.load_factor / weight

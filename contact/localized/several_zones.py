@@ -52,8 +52,8 @@ class ClosureOptions:
     """Options of the search for the nominal pressure of a strip with several zones."""
 
     widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
-    # If Newton's steps from both ends of the bracket are longer than this many brackets, the
-    # difference W - W0 of the total widths jumps past zero and has no root.
+    # Longest Newton step, divided by the bracket. If the steps from both ends are longer, the
+    # difference W - W0 of the total widths jumps past zero.
     jump: float = 3.0
     margin: float = 2.0  # stated error of the root over its last Newton step
 

@@ -40,9 +40,9 @@ def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> 
     """The contact zones of a strip whose centre is the middle of these zones."""
     problem, load = scaled.problem, scaled.control.load
     if load is not None and not context.single and not problem.interaction.follows_isolated:
-        # A known nominal pressure is part of the right side, which is resolved near the border of
-        # the strip by as many modes as needed. A term of unknown amplitude would have only the
-        # modes of the zones.
+        # A known nominal pressure is part of the right side. Near the border of the strip, the
+        # right side is resolved by as many modes as needed. A term of unknown amplitude would have
+        # only the modes of the zones.
         problem = problem.with_amplitude(load / problem.repeat_length)
     if start is not None:
         problem = about(problem, start)

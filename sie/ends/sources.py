@@ -164,7 +164,7 @@ def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
     """
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(m)):
-        # Where |rho rho'|, with rho of a source and rho' of a position, is below this bound, all
+        # Bound of |rho rho'|, with rho of a source and rho' of a position. Below this bound, all
         # powers in the sum are below round-off.
         least = np.exp(-DIGITS / (int(m[i]) + 1))
         for q in range(seen.shape[2]):

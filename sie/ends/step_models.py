@@ -224,8 +224,8 @@ def _nearest(
     The distance is infinite where there is none.
     """
     if period is not None:
-        # The positions are shifted by periods exactly as in `ForcingJumps.located`, because a
-        # distance from an end can be below the last digit of a position.
+        # The positions are shifted by periods exactly as in `ForcingJumps.located`. A distance from
+        # an end can be below the last digit of a position.
         turns = np.ceil((zones.a[0] - at) / period)
         at, heights = (
             np.concatenate([at + (turns + k) * period for k in (-1, 0, 1)]),

@@ -200,8 +200,8 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     # If an end is at a corner up to round-off, its exact distance from the corner determines it.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
     cornered, g = state.whole.density.jumps.kinked, state.whole.system.g
-    # The sum of k |g_k|, with the coefficients g_k of the smooth part of the right side, is an
-    # upper bound of the slope of this part. It is at most a few times this slope.
+    # The smooth part of the right side has the coefficients g_k. The sum of k |g_k| is an upper
+    # bound of its slope, and at most a few times its slope.
     smooth = 4 * (np.abs(g) @ np.arange(g.shape[1])) * zones.slope_scale + 1e-300
     part = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
     rounding[:, cornered] *= part[:, cornered]

@@ -17,8 +17,8 @@ class CoarseOptions:
     # Relative accuracy of the hierarchical inverse of the coarse matrix. The error of the coarse
     # problem is larger, since it neglects how the field of one zone varies over another one.
     tolerance: float = 1e-4
-    # The inverse is reused for moved zones as long as ends have moved by less than this number of
-    # widths in the mean, and no end by more than one width.
+    # The inverse is reused for moved zones if ends have moved by less than this number of widths in
+    # the mean. No end may have moved by more than one width.
     kept_move: float = 0.1
 
 
@@ -59,7 +59,7 @@ class CoarseOperator:
     def _of(self, i: Index, j: Index) -> Array:
         zones, kernel = self.zones, self.kernel
         x, xi, w = zones.middle[i], zones.middle[j], zones.half[j]
-        # The density 1 / sqrt(w^2 - x^2) of a punch of half width w has the potential log((d +
+        # A punch of half width w has the density 1 / sqrt(w^2 - x^2). Its potential is log((d +
         # sqrt(d^2 - w^2)) / 2) at distance d, and log(w / 2) on the punch. One logarithm of a
         # product serves all poles of the kernel.
         product, away = np.ones(np.broadcast(i, j).shape), x - xi

@@ -224,7 +224,7 @@ class ZoneSums:
             count = min(m, TERMS)
             u[:, :count] += far[group, :count]
             rows[place] = u
-            # The potential of U_{k-1} rises like T_k / k, which has the mean 0 and the value cos(k
+            # The potential of U_{k-1} rises like T_k / k. This has the mean 0, and the value cos(k
             # pi / 2) / k in the middle. The mean relative to the middle is minus this value.
             k = np.arange(2, m + 1, 2)
             to_mean = -np.cos(0.5 * np.pi * k) / k

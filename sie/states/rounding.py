@@ -91,10 +91,10 @@ def _of_levels(state: Solved) -> Array | float:
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
     w = zones.half
-    # An error e of a zone's level changes its coefficient c_0 by e / (w log(w / 2R)), with the half
-    # width w and the conformal radius R. The intensity K changes by `edge_scale` times the change
-    # of c_0. The radius R holds for neighbours that are grounded half-lines. Neighbours that are
-    # not wider than the zone keep less of their level.
+    # An error e of a zone's level changes the zone's coefficient c_0 by e / (w log(w / 2R)). Here w
+    # is the half width and R the conformal radius. The intensity K changes by `edge_scale` times
+    # the change of c_0. The radius R holds for neighbours that are grounded half-lines. Neighbours
+    # that are not wider than the zone keep less of their level.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
     logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
     return np.asarray(zones.edge_scale * 2 * _level_noise(state) / (logarithm * 2 * w))

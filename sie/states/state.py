@@ -18,8 +18,8 @@ from sie.states.rounding import density_rounding, intensity_rounding, truncation
 # Without its singular parts at the ends, |T_k / sqrt(1 - t^2)| is at most 0.73 k. It reaches this
 # value near an end.
 _AT_ENDS = 0.73
-# Factor of n^1.5 in the round-off of a sum of n coefficients close to a free end, relative to the
-# round-off of the largest coefficient. The round-off is 0.42 n^1.5 times the mean error of a
+# Factor of n^1.5 in the round-off of a sum of n coefficients close to a free end. It is relative to
+# the largest error of a coefficient. The round-off is 0.42 n^1.5 times the mean error of a
 # coefficient, which is a third of the largest error. Of this 0.14 n^1.5 only about half is taken
 # here, because `State.made_of` doubles the sum.
 _OF_ROUNDING = 0.08

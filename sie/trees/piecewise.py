@@ -31,7 +31,7 @@ from sie.trees.tree import SEPARATION, TERMS, Tree
 class CellOptions:
     """Options of the cells into which the line is divided for a piecewise function."""
 
-    # A cell is halved if more than `max_jumps` jumps are near it, or if two near jumps are closer
+    # A cell is halved if more than `max_jumps` jumps are near it, or if two of these are closer
     # together than `min_distance` of its length. On a longer cell the terms of these jumps would be
     # much larger than the function f.
     max_jumps: int = 12

@@ -33,7 +33,7 @@ class SkeletonOptions:
     # relative to the kernel's largest value.
     max_error: float = 1e-12
     # Sizes that are tried in turn. They are numbers of nodes on each zone, to find how many modes
-    # the kernel has there, and numbers of positions among which the skeleton is chosen.
+    # the kernel has there. They are also numbers of positions among which the skeleton is chosen.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
     # Number of the skeleton's positions for which the number of modes on each zone is computed.
     sampled_places: int = 8
