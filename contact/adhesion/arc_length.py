@@ -28,10 +28,12 @@ from sie import Array, record
 class ArcOptions:
     """Options of the steps along the curve; arc lengths are in units of zone widths."""
 
-    # Longest step, and largest angle between the tangents at its ends and between predictor and
-    # tangent [rad]: a curve as curved as a zone is wide turns by the length of the step.
+    # Largest length of a step, in zone widths, and largest angle [rad] between the tangents at the
+    # two ends of a step. The predictor's deviation from the tangent, divided by the length, has the
+    # same bound.
     longest_step: float = 0.5
-    # Nodes of the interpolation inside a step, and halvings of the way to one more of them.
+    # Largest number of known equilibria used to interpolate inside a step, and of halvings of the
+    # distance to a known equilibrium.
     interpolation_nodes: int = 3
 
 
@@ -53,7 +55,7 @@ class CurvePoint:
     curvature: Array
 
     def ahead(self, length: float) -> Array:
-        """Predictor: where the curve is after a length, in the units of the tangent."""
+        """Predicted displacement (2n + 1,) along the curve after a length, divided by the scales."""
         deviation = length**2 * self.curvature[0] + length**3 * self.curvature[1]
         return np.asarray(
             length * self.tangent
@@ -66,21 +68,21 @@ class CurvePoint:
 
     @property
     def rises(self) -> float:
-        """Derivative of the control along the arc."""
+        """Derivative of the control by the arc length, in units of the scales."""
         return float(self.tangent[-1])
 
     def moved(self, to: State) -> Array:
-        """Difference of another equilibrium from this one, divided by the scales (2n + 1,)."""
+        """Displacement (2n + 1,) from this equilibrium to the state `to`, divided by the scales."""
         return np.append(outward(self.at.table, to.table), to.value - self.at.value) / self.scales
 
     def length(self, to: State) -> float:
-        """Distance of another equilibrium along the tangent."""
+        """Distance of the equilibrium `to` from this curve point, along the tangent."""
         return float(self.tangent @ self.moved(to))
 
 
 @record
 class Step:
-    """A step along the arc from one equilibrium to another.
+    """A step along the curve of equilibria, from one equilibrium to another equilibrium.
 
     after: the equilibrium at its end with other ends pinned, from which the next step begins;
     None if the same ends are pinned. known: the equilibria inside the step by their length, and
@@ -119,7 +121,7 @@ class Step:
         return found
 
     def _about(self, length: float) -> Array:
-        """Predictor inside the step: the cubic through both ends, corrected at known equilibria."""
+        """The predictor inside the step: a cubic through both ends, corrected at known equilibria."""
         nodes: list[float] = []
         for node in sorted(self.known, key=lambda k: abs(k - length)):
             if len(nodes) < ARC_OPTIONS.interpolation_nodes and min(
@@ -161,7 +163,7 @@ class Step:
 
     @property
     def turned(self) -> float:
-        """Angle between the tangents at both ends."""
+        """Angle [rad] between the tangents at the two ends of the step."""
         return float(np.arccos(np.clip(_alike(self.start, self.end), -1.0, 1.0)))
 
     @property
@@ -171,7 +173,7 @@ class Step:
 
     @property
     def turns_once(self) -> bool:
-        """Whether stability is lost where the control has its extreme.
+        """Whether the control has a single extreme in the step: there the growth rate is zero.
 
         If not, there are several extremes and the step is too long.
         """
@@ -184,14 +186,14 @@ class Step:
         )
 
     def turning(self, tight: bool = True) -> float:
-        """Length at which the control has its extreme."""
+        """Length inside the step at which the control has its extreme."""
         accuracy = TOLERANCES.neutral if tight else TOLERANCES.coarse
         return self.where(
             self._rising, self.start.rises, self._rising(self.end.at), None, accuracy, tight
         )
 
     def _rising(self, at: State) -> float:
-        """Derivative of the control by the length along the tangent."""
+        """Derivative of the control at a state by the length along the tangent at the start."""
         tangent = _tangent(at, self.start.scales)
         return float(tangent[-1] / (tangent @ self.start.tangent))
 
@@ -204,7 +206,7 @@ class Step:
         accuracy: float = TOLERANCES.neutral,
         tight: bool = True,
     ) -> float:
-        """Length at which a function of the equilibrium is zero.
+        """Length inside the step at which a function of the equilibrium is zero.
 
         first, last: its values of opposite signs at the start and at the end (or at a length).
         accuracy: relative accuracy.
@@ -219,7 +221,7 @@ class Step:
         return float(smooth_root(lambda part: function(self.at(part, tight)), values, accuracy))
 
     def arriving(self, value: float) -> State | None:
-        """The equilibrium inside the step at a value of the control.
+        """The equilibrium inside the step at which the control has a given value.
 
         None if Newton's method does not reach it at once.
         """
@@ -246,7 +248,7 @@ class Step:
 
 
 def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterator[Step]:
-    """Steps along the curve from an equilibrium.
+    """Generate the steps along the curve of equilibria that starts from an equilibrium.
 
     The control first rises (sense 1) or falls (-1). tight: whether the states at their ends are
     solved to full accuracy.
@@ -294,13 +296,13 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
         if step.lets_go:
             why = "an end that was held at a sharp corner has let go"
             break
-        # Steps of zero length could alternate forever between an end that is pinned and free.
+        # An end could forever be pinned and freed again in turn, in steps of zero length.
         stands = stands + 1 if step.length < TOLERANCES.rough else 0
         if stands > ARC_OPTIONS.interpolation_nodes:
             why = "ends at sharp corners are neither held nor free"
             break
         place = step.end if step.after is None else _stood_by(curve, step.after, step.end.rises)
-        # The next step is to turn by half of the largest angle.
+        # The next step is made so long that its tangent turns by about half of the largest angle.
         aimed = 0.5 * ARC_OPTIONS.longest_step
         growth = aimed / max(step.turned, aimed * MOVES.least_part)
         length = min(growth * length, ARC_OPTIONS.longest_step)
@@ -316,7 +318,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
 
 
 class SymmetryLost(NotConverged):
-    """A curve goes on, unstable, without a turning point: a symmetry breaks.
+    """The curve becomes unstable without a turning point, because a symmetry breaks.
 
     at: the last stable equilibrium, set by `located` only.
     """
@@ -332,7 +334,7 @@ class SymmetryLost(NotConverged):
         self.within = curve, place, length
 
     def located(self) -> "SymmetryLost":
-        """This error, with the load and the approach of the loss of symmetry in its message."""
+        """This error, with the load and the approach at the loss of symmetry in its message."""
         curve, place, length = self.within
         low, high, at = 0.0, length, place.at
         for _ in range(LIMITS.max_iterations):
@@ -355,14 +357,14 @@ class SymmetryLost(NotConverged):
 
 
 def pushed_off(here: State) -> Array:
-    """The intervals of an equilibrium, displaced along its fastest growing motion."""
+    """The intervals of an equilibrium, moved along the motion of the ends that grows fastest."""
     growth, motions = here.motions(np.arange(len(here.residual)))
     motion = motions[:, int(np.argmax(growth))].real
     return here.moved(np.asarray(MOVES.short_move * motion / np.abs(motion / here.widths).max()))
 
 
 def _corner_within(curve: Curve, here: CurvePoint, length: float) -> int | None:
-    """Index of the end that reaches a sharp corner first within a step; None if none does."""
+    """Index of the end that first reaches a sharp corner in a step; None if no end does."""
     if here.at.corners is None:
         return None
     moves = (here.tangent * here.scales)[:-1]
@@ -373,7 +375,7 @@ def _corner_within(curve: Curve, here: CurvePoint, length: float) -> int | None:
 
 
 def _to_corner(curve: Curve, here: CurvePoint, end: int) -> State | None:
-    """The equilibrium at which an end is at its corner."""
+    """The equilibrium on the curve at which a given end has reached its sharp corner."""
     distance = curve.to_corners(here.at.table)[end] / here.scales[end]
     return _corrected(
         curve,
@@ -385,7 +387,7 @@ def _to_corner(curve: Curve, here: CurvePoint, end: int) -> State | None:
 
 
 def _to_change(step: Step) -> Step:
-    """The step, cut where a pinned end is first driven inward; `after` has the new pins."""
+    """The step, cut where an end is freed; `after` is set if an end is pinned or freed."""
     at = step.end.at
     if at.corners is None:
         return step
@@ -416,7 +418,7 @@ def _least_pinned_drive(at: State) -> float:
 
 
 def let_go(step: Step) -> Array:
-    """Start intervals of the jump in which ends leave sharp corners at the end of a step."""
+    """The intervals from which ends jump off sharp corners at the end of a step."""
     assert step.after is not None
     return step.after.moved(
         -MOVES.short_move * step.after.widths * (step.end.at.pinned & ~step.after.pinned)
@@ -424,7 +426,7 @@ def let_go(step: Step) -> Array:
 
 
 def beyond(curve: Curve, turned: State, sense: float) -> Array:
-    """The intervals at a turning point, displaced along the curve; inward if the control falls."""
+    """The intervals at a turning point, moved along the curve: inward if the control falls."""
     move = _begun(curve, turned, sense).tangent[:-1] * turned.widths
     return turned.moved(
         np.asarray(
@@ -440,13 +442,16 @@ def beyond(curve: Curve, turned: State, sense: float) -> Array:
 
 
 def _stood_by(curve: Curve, here: State, sense: float) -> CurvePoint:
-    """The curve point of an equilibrium from which a curve begins."""
+    """The curve point at the equilibrium where a curve begins."""
     here.refuse_neutral()
     return _begun(curve, here, sense)
 
 
 def _begun(curve: Curve, here: State, sense: float) -> CurvePoint:
-    """The curve point of an equilibrium; along its tangent the control changes by `sense`."""
+    """The curve point at an equilibrium; along its tangent the control rises for sense 1.
+
+    The control falls for sense -1.
+    """
     scales = np.append(here.widths, _unit(curve, here))
     tangent = _tangent(here, scales)
     return CurvePoint(
@@ -458,15 +463,17 @@ def _begun(curve: Curve, here: State, sense: float) -> CurvePoint:
 
 
 def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
-    """The curve point of the next equilibrium, with its tangent in the same direction."""
-    # At a turning point motions per change of the control are unbounded, so that its unit falls to
-    # 0. The fall is limited, or the tangent would turn too sharply.
+    """The curve point at the next equilibrium, with its tangent in the same direction."""
+    # At a turning point, a change of the control moves the ends infinitely far, so that the unit of
+    # the control would be 0. The fall of the unit is limited, as the tangent would otherwise turn
+    # too sharply.
     scales = np.append(ahead.widths, max(_unit(curve, ahead), MOVES.least_part * before.scales[-1]))
     tangent, carried = _tangent(ahead, scales), scales / before.scales
     tangent = tangent if before.tangent @ (tangent * carried) >= 0.0 else -tangent
     here = CurvePoint(ahead, scales, tangent, np.zeros((2, len(tangent))))
     moved = here.moved(before.at)
-    # The curvature is that of the cubic through the previous point.
+    # The curvature is that of the cubic through this point and the previous point, with their
+    # tangents.
     return (
         replace(here, curvature=_leaving(tangent, moved, before.tangent / carried))
         if moved.any()
@@ -475,7 +482,7 @@ def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
 
 
 def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
-    """Coefficients of the square and the cube of the length (2, 2n + 1).
+    """Coefficients (2, 2n + 1) of the squared and the cubed length in a cubic curve.
 
     They belong to the cubic through another point, displaced by `moved`, with tangent `there`.
     """
@@ -490,13 +497,13 @@ def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
 
 
 def _alike(before: CurvePoint, ahead: CurvePoint) -> float:
-    """Cosine of the angle between the tangents of two curve points."""
+    """Cosine of the angle between the tangents at two points of the curve."""
     carried = ahead.tangent * (ahead.scales / before.scales)
     return float(before.tangent @ carried) / float(np.linalg.norm(carried))
 
 
 def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
-    """Whether a step has kept to the curve.
+    """Whether a step has stayed on the same curve of equilibria.
 
     It has if its tangents have a small angle, and stability was lost at a turning point only.
     """
@@ -505,7 +512,7 @@ def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
 
 
 def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
-    """Whether a zone of contact was lost in the step and nothing else has changed.
+    """Whether a step has lost zones of contact, but neither turned nor changed stability.
 
     Its width vanishes like a square root, so that the curve bends sharply there.
     """
@@ -514,7 +521,7 @@ def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
 
 
 def _unit(curve: Curve, at: State) -> float:
-    """Unit of the control: the change that moves some end by the width of its zone.
+    """Unit of the control: the change that moves the fastest end by the width of its zone.
 
     It is at least the change of the control that changes some residual by 1 (`Curve.unit`).
     """
@@ -524,9 +531,10 @@ def _unit(curve: Curve, at: State) -> float:
         rank < len(moves)
         and np.abs(at.rates @ moves - at.by_value).max() * least > TOLERANCES.resting_step
     ):
-        # At a turning point the ends move while the control does not change.
+        # At a turning point, the ends move while the control does not change. So the least unit is
+        # used.
         return least
-    # The unit may also double the residual of a pinned end.
+    # One unit of the control may change the residual r of a pinned end by no more than max(1, |r|).
     driven = np.where(
         whole.pinned,
         (whole.by_value - whole.rates @ moves) / np.maximum(1.0, np.abs(whole.residual)),
@@ -537,12 +545,12 @@ def _unit(curve: Curve, at: State) -> float:
 
 
 def _tangent(at: State, scales: Array) -> Array:
-    """Unit vector along the curve, in units of the scales."""
+    """Unit vector (2n + 1,) along the curve, in units of the scales."""
     return np.asarray(np.linalg.svd(np.column_stack((at.rates, at.by_value)) * scales)[2][-1])
 
 
 def along(curve: Curve, here: CurvePoint, length: float, tight: bool = True) -> State | None:
-    """The equilibrium in the plane perpendicular to the tangent at this length.
+    """The equilibrium where the curve meets the plane normal to the tangent at this length.
 
     None if Newton's method does not reach it.
     """
@@ -552,13 +560,14 @@ def along(curve: Curve, here: CurvePoint, length: float, tight: bool = True) -> 
 def _corrected(
     curve: Curve, here: CurvePoint, start: Array, normal: Array, tight: bool
 ) -> State | None:
-    """Corrector: the equilibrium in the plane through a start with this normal.
+    """The equilibrium in a plane, which is given by its normal and the point `start` in it.
 
     None if Newton's method does not reach it.
     """
     if curve.formally is curve:
         return _newton(curve, here, start, normal, tight)[0]
-    # Usually the number of zones of contact does not change: signs are tested at the end only.
+    # Usually the number of zones of contact does not change. So the contact's signs are tested only
+    # at the equilibrium that was found.
     found, reached = _newton(curve.formally, here, start, normal, tight, True)
     if found is not None and curve.has_right_zones(found):
         return found
@@ -599,10 +608,11 @@ def _newton(
             matrix = np.vstack((np.column_stack((at.rates, at.by_value)) * here.scales, normal))
             step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
         except np.linalg.LinAlgError:
-            # The matrix is singular if zones lie on a level stretch.
+            # The matrix is singular if zones can move freely along a level stretch of the profile.
             return None, None
         size = float(np.abs(step).max())
-        # The first step must be short; the lower bound allows for a roughly solved start.
+        # The first Newton step must be short compared with the step along the curve. The lower
+        # bound of this limit allows for a start of low accuracy.
         if size > (MOVES.least_part if k == 0 else 1.0) * max(
             abs(length), 10 * TOLERANCES.resting_step
         ):
@@ -616,8 +626,8 @@ def _newton(
         ):
             return at, start
         start = start + step
-        # The residual falls at least as fast as the steps. If zones have very different widths,
-        # round-off may stop the fall earlier.
+        # The residual falls at least in proportion to the Newton steps. If zones have very
+        # different widths, round-off may stop this fall earlier.
         if size * min(size / before if k else 1.0, 1.0) < TOLERANCES.neutral or rounded:
             how_solved.pop("tolerance", None)
             return curve.at(

@@ -52,15 +52,17 @@ from sie import Array, Mask, record
 class CohesiveOptions:
     """Options of the states on a curve of equilibria."""
 
-    # A strip of tension below this part of a zone acts like an edge intensity. States are then
-    # solved to round-off, since the error of rates is that of the ends times (zone width/strip
-    # width)^2. The ends first move by a part of the Newton step of that intensity.
+    # If a strip of tension is narrower than this fraction of its zone, the strip acts like an edge
+    # intensity. States are then solved to round-off, since the error of the rates is the error of
+    # the ends times (zone width/strip width)^2. The first move of an end is then a fraction of the
+    # Newton step for this intensity.
     narrow_strip: float = 1e-3
-    # Narrower strips than this part of a zone are refused: the pressure varies too fast there.
+    # Strips of tension narrower than this fraction of a zone are refused, since the pressure next
+    # to the strips varies too fast.
     narrowest_strip: float = 5e-7
-    # Number of states remembered for warm starts.
+    # Largest number of earlier states that are kept for warm starts.
     max_known: int = 256
-    # Largest number of zones: each step solves a dense matrix of all unknowns.
+    # Largest number of zones. Each step of the ends factors a dense matrix of all unknowns.
     max_zones: int = 400
 
 
@@ -94,7 +96,7 @@ class CohesiveState(State):
         q: ZoneFields | None,
         seen: tuple[Array, Array],
     ) -> "CohesiveState":
-        """A state under tension on the whole period, which has no ends."""
+        """A state under tension on the whole period, where the tension has no ends."""
         none, still = np.zeros(0), np.zeros((2 * len(zones), 1))
         return cls(
             np.zeros((0, 2)),
@@ -114,7 +116,7 @@ class CohesiveState(State):
 
     @cached_property
     def gap_samples(self) -> tuple[Array, Array]:
-        """(sample points without contact, ascending; the gap there)."""
+        """(ascending sample points outside the contact, gap at these points)."""
         if self.seen is not None:
             return self.seen
         assert self.q is not None
@@ -122,7 +124,7 @@ class CohesiveState(State):
 
     @property
     def rate(self) -> float:
-        """d load/d approach along the curve of equilibria, for a state under load control."""
+        """Derivative of the load by the approach along the curve, for a state under a fixed load."""
         ends = np.linalg.solve(-self.rates, self.by_value)
         return float(-1.0 / (self.level_rates[-1] + self.level_rates[:-1] @ ends))
 
@@ -132,7 +134,7 @@ class CohesiveState(State):
 
     @property
     def gains(self) -> Array:
-        """Ones (2n,): the slope of the energy is proportional to the residual itself."""
+        """Ones (2n,), since the energy's derivative by an end is proportional to the residual."""
         return np.ones(len(self.residual))
 
 
@@ -168,7 +170,7 @@ class StateOutline(State):
 
 @dataclass(frozen=True)
 class CohesiveCurve(Curve):
-    """The curve of equilibria of a cohesive law; tension and reach are scaled.
+    """The curve of equilibria of a cohesive law, whose tension and reach are scaled.
 
     known: earlier states for warm starts; recent: the last state with its curve and tolerance;
     may_separate: whether states without contact are allowed (if the load is not controlled);
@@ -194,16 +196,14 @@ class CohesiveCurve(Curve):
 
     @cached_property
     def strip(self) -> float:
-        """Approximate width of the tension next to a much wider zone."""
+        """Approximate width of the strip of tension next to a much wider zone."""
         law, units = self.problem.law, self.problem.units
         return 0.25 * math.pi * units.E_star * law.reach / law.tension / units.length
 
     @property
     def everywhere(self) -> TractionLoaded:
-        """The problem under tension on the whole period."""
+        """The frictionless problem of the profile deformed by tension on the whole period."""
         return TractionLoaded.of(self.problem, self.stress, np.zeros((0, 2)), everywhere=True)
-
-    # Computation of one state.
 
     def at(
         self,
@@ -213,7 +213,7 @@ class CohesiveCurve(Curve):
         pinned: Mask | None = None,
         same_rates: CohesiveState | None = None,
     ) -> CohesiveState:
-        """The state with tension on given intervals, cut at sharp corners.
+        """The state with tension on given intervals, which are cut at sharp corners.
 
         The zones start from those of the nearest known state. pinned: ends pinned at corners; None:
         all ends at corners that are not driven inward. same_rates: a state whose rates may be
@@ -227,8 +227,8 @@ class CohesiveCurve(Curve):
         try:
             here = self.from_zones(table, value, zones, tolerance, same_rates)
         except EndsCovered:
-            # The nearest state may have lost zones, so that the others grew too far. The known
-            # state with the most zones is tried instead.
+            # The known state with the nearest ends may have lost zones, so that its other zones
+            # grew too far. The known state with the most zones is tried instead.
             more = max(
                 (one for one in self.known if one.table.shape == table.shape),
                 key=lambda one: len(one.zones),
@@ -250,11 +250,11 @@ class CohesiveCurve(Curve):
         return self.from_zones(here.table, value, here.contact)
 
     def fitted(self, zones: Array, table: Array) -> Array:
-        """Zones cut to lie within intervals."""
+        """The zones, cut so that they lie within the intervals."""
         return fitted(zones, table, self.problem.round, corners=self.problem.corners)
 
     def _followed(self, before: PastState, table: Array, value: float) -> Array:
-        """The zones of a known state, extrapolated to other intervals and another value."""
+        """The zones of a known state, extrapolated to other intervals and another control value."""
         zones = before.zones
         if len(before.table) != len(table):
             return self.fitted(zones, table)
@@ -265,7 +265,8 @@ class CohesiveCurve(Curve):
         left = np.clip(move[:count], -0.4 * width, None)
         right = np.clip(move[count:], -0.4 * width, None)
         new = zones + np.column_stack((-left, right))
-        # A zone keeps at least a fifth of its distance to the end of the interval.
+        # The distance from the end of a zone to the end of its interval is reduced to a fifth at
+        # most.
         room = np.array([zones[:, 0] - before.table[i, 0], before.table[i, 1] - zones[:, 1]])
         new[:, 0] = np.maximum(new[:, 0], table[i, 0] + 0.2 * room[0])
         new[:, 1] = np.minimum(new[:, 1], table[i, 1] - 0.2 * room[1])
@@ -279,7 +280,7 @@ class CohesiveCurve(Curve):
         return np.asarray(new)
 
     def nearest(self, table: Array, value: float) -> PastState:
-        """The known state with the nearest ends and as many intervals; else the last state."""
+        """The known state with as many intervals and the nearest ends, or else the last one known."""
 
         def away(one: PastState) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)
@@ -296,7 +297,7 @@ class CohesiveCurve(Curve):
         tolerance: float = TOLERANCES.density,
         same_rates: CohesiveState | None = None,
     ) -> CohesiveState:
-        """The state with tension on given intervals, from a first guess of the zones."""
+        """The state with tension on given intervals, found from a first guess of the zones."""
         table = self.within(table)
         narrow = self.strip / float(np.diff(zones, axis=1).max(initial=0.0) or np.inf)
         wanted, of_rates = tolerance, TOLERANCES.coarse
@@ -354,7 +355,7 @@ class CohesiveCurve(Curve):
     def contact_under(
         self, pulled: TractionLoaded, value: float, zones: Array
     ) -> tuple[ZoneFields, tuple[Array, Array]]:
-        """The fields of q under a tension at a value of the control, and the sampled gap."""
+        """(fields of the contact pressure q under a tension, sampled gap) at a control value."""
         fields, gap_samples = self._contact_under(pulled, value, zones, Tolerances())
         return fields, sampled_gap(fields) if gap_samples is None else gap_samples
 
@@ -366,7 +367,7 @@ class CohesiveCurve(Curve):
         )
 
     def under_all(self, value: float, zones: Array) -> CohesiveState:
-        """The state under tension on the whole period; it is stable like frictionless contact."""
+        """The state under tension on the whole period; it is as stable as frictionless contact."""
         pulled, none = self.everywhere, np.zeros((0, 2))
         pull = pulled.pulling.total
         may_separate: CohesiveState | None = None
@@ -395,23 +396,23 @@ class CohesiveCurve(Curve):
         )
 
     def inner_control(self, pulled: TractionLoaded, value: float) -> Control:
-        """The control of the contact q, whose load is the given one plus the tension's pull."""
+        """The control for the contact pressure q, whose load includes the force of the tension."""
         return replace(self.control, value=value + self.yields * pulled.pulling.total)
 
     @property
     def yields(self) -> float:
-        """The change of the control's value per unit of load."""
+        """Change of the control's value for each unit of load."""
         if self.control.load is not None:
             return 1.0
         return float(self.control.yields or 0.0)
 
     def fields(self, here: State, tolerance: float = TOLERANCES.density) -> ZoneFields:
-        """The fields of a state, with the tolerance with which it was solved."""
+        """The fields of a state, at the accuracy with which the state was solved."""
         assert isinstance(here, CohesiveState) and here.q is not None
         return here.q
 
     def gap(self, here: State, x: Array) -> Array:
-        """The scaled gap at points x; in contact it is round-off, not exactly 0."""
+        """The scaled gap at points x; where there is contact, the gap is round-off, not exactly 0."""
         assert isinstance(here, CohesiveState)
         if here.q is not None:
             return here.q.formal_gap(x)
@@ -425,7 +426,8 @@ class CohesiveCurve(Curve):
     def unit(self, here: State) -> float:
         if here.whole.by_value.any():
             return super().unit(here)
-        # No end moves with the control: the scale is the force of the tension, or the reach.
+        # No residual depends on the control. So the unit of the control is the force of the tension
+        # under a fixed load, and otherwise the reach plus the effect of this force.
         bears = self.stress * float(np.diff(here.table, axis=1).sum())
         return bears if self.control.load is not None else self.reach + self.yields * bears
 
@@ -440,7 +442,7 @@ class CohesiveCurve(Curve):
         return signs_hold(here.q, here.gap_samples)
 
     def vanishes(self, here: State, motion: Array) -> float:
-        """The fraction of a motion at which the first zone of contact vanishes.
+        """The fraction of a motion after which the first zone of contact vanishes.
 
         The square of a zone's width is linear near the point where it vanishes.
         """
@@ -452,10 +454,8 @@ class CohesiveCurve(Curve):
                 np.where(narrower > 0.0, 0.5 * widths / narrower, np.inf).min(initial=np.inf)
             )
 
-    # Newton's method and the rates.
-
     def settled(self, here: State) -> CohesiveState:
-        """The nearest equilibrium, solved to round-off."""
+        """The equilibrium nearest to a state, solved to round-off."""
         assert isinstance(here, CohesiveState)
         if not any(last is here for _, last, _ in self.recent):
             here = self.at(here.table, here.value)
@@ -465,7 +465,7 @@ class CohesiveCurve(Curve):
                 float(np.abs(here.newton / here.widths).max()),
                 self.recent[0][2] <= TOLERANCES.density,
             )
-            # Steps that no longer decrease are round-off.
+            # Newton steps that no longer decrease are round-off.
             converged = tight and (size < 4 * EPS or size > 0.5 * before)
             if size > TOLERANCES.other_equilibrium or converged:
                 break
@@ -483,7 +483,7 @@ class CohesiveCurve(Curve):
         of_rates: float,
         same_rates: CohesiveState | None,
     ) -> CohesiveState:
-        """The state made of given fields, with residual and rates.
+        """The state that has the given fields, with its residuals and rates.
 
         same_rates: a state so close that its rates are reused, if it has as many zones.
         """
@@ -494,7 +494,8 @@ class CohesiveCurve(Curve):
             fields.density.total - pulled.pulling.total,
             float(fields.level),
         )
-        # An end covered by a zone is pinned at a corner: its residual is 1 and its rates are 0.
+        # If an interval ends where its zone ends, this end is pinned at a sharp corner. Its gap is
+        # 0, its residual 1, and its rates are 0.
         at = table.T.ravel()
         is_open, residual = ~np.isin(at, zones), np.ones(len(at))
         residual[is_open] -= fields.formal_gap(at[is_open]) / self.reach
@@ -517,7 +518,8 @@ class CohesiveCurve(Curve):
                 )
             )
         if state.iteration is not None:
-            # There are as many right sides as ends, so a matrix is factored instead of iterating.
+            # The rates need one linear solution for each end, so a matrix is factored instead of
+            # iterating.
             state = sie.solve_fixed(
                 pulled.equation(self.inner_control(pulled, value)),
                 state.density.zones,
@@ -532,7 +534,8 @@ class CohesiveCurve(Curve):
         if self.control.load is not None:
             values[first, :-1], values[first, -1] = self.stress, 1.0
         else:
-            # Under approach control, the row of every zone has minus the value on its right side.
+            # Under a fixed approach, the right side of every zone's row contains minus the
+            # control's value.
             values[first : first + len(density.zones)] = np.append(
                 np.full(len(free), -self.yields * self.stress), -1.0
             )
@@ -575,7 +578,7 @@ class CohesiveCurve(Curve):
         )
 
     def _at_corners(self, here: CohesiveState) -> CohesiveState:
-        """The state with the ends pinned that are at sharp corners and not driven inward."""
+        """The state whose ends at sharp corners are pinned, unless they are driven inward."""
         corners = np.array(self.problem.corners)
         if not np.isfinite(corners).all():
             return here
@@ -584,7 +587,7 @@ class CohesiveCurve(Curve):
         )
 
     def _without_contact(self, table: Array, value: float, pulled: TractionLoaded) -> CohesiveState:
-        """The state without contact, if the load is not controlled; its gap is explicit."""
+        """The state without contact, if the control is not a load; its gap has a closed form."""
         count, pull = len(table), pulled.pulling.total
         at = np.concatenate((table[:, 0], table[:, 1]))
         level = -value - self.yields * pull
@@ -613,7 +616,7 @@ class CohesiveCurve(Curve):
         )
 
     def explicit(self, pulled: TractionLoaded, at: Array, transform: Array) -> Array:
-        """Rates of the gap at the ends of the tension by their outward motions, for fixed q.
+        """Derivatives of the gap at the tension's ends by their outward motions, for fixed q.
 
         transform: the kernel's transform of the contact pressure q at the ends.
         """
@@ -621,8 +624,8 @@ class CohesiveCurve(Curve):
         lag = at[:, None] - at
         np.fill_diagonal(lag, 1.0)
         between = self.stress / np.pi * tension.log(lag)
-        # The slope at an end due to all other ends: the singular contributions of the end itself
-        # and of its motion cancel.
+        # The slope at an end is due to all other ends, since the singular contribution of the end
+        # itself and that of its motion cancel.
         slopes = (
             self.stress
             / np.pi

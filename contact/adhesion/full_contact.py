@@ -33,7 +33,7 @@ from contact.search.grid.conjugate_gradient import solve_grid
 from contact.search.grid.nested_grids import grid_height
 from contact.search.grid.proposals import whole_response
 
-# Errors that numpy and the engine raise if a state on the way cannot be solved.
+# Errors that numpy and the engine `sie` raise if an intermediate state cannot be solved.
 NUMERICAL_ERRORS = (ValueError, ArithmeticError, np.linalg.LinAlgError, IndexError)
 
 
@@ -41,10 +41,12 @@ NUMERICAL_ERRORS = (ValueError, ArithmeticError, np.linalg.LinAlgError, IndexErr
 class SnapOptions:
     """Options of the early test for full contact."""
 
-    # Fraction of the work of adhesion that must suffice to close the contact, as the grid has
-    # errors of a few per cent. If following the contact has failed, all of the work is used.
+    # The contact must close on the grid even with this fraction of the work of adhesion, since the
+    # grid has errors of a few per cent. If following the contact has failed, the whole work is
+    # used.
     work_share: float = 0.9
-    # Width of the strip of attraction, in cells; at 3 cells the grid pins the ends.
+    # Width of the strip of attraction, in cells of the grid. With 3 cells, the grid would pin the
+    # ends of the zones.
     strip_cells: float = 6.0
 
 
@@ -54,7 +56,7 @@ _SEEN_ON_GRID = "; on a coarse grid it ends in full contact, and was not followe
 
 @contextmanager
 def closing_foreseen(context: SolveContext, curve: Curve, value: float) -> Iterator[None]:
-    """Raise `Closed` if the contact that advances under a value of the control ends full.
+    """Raise `Closed` if the contact, advancing at this control, would end in full contact.
 
     The test is made before the contact is followed if that takes long, and after following it has
     failed.
@@ -73,7 +75,7 @@ def closing_foreseen(context: SolveContext, curve: Curve, value: float) -> Itera
 
 @contextmanager
 def as_not_converged() -> Iterator[None]:
-    """Turn errors of numpy and of the engine into NotConverged."""
+    """Convert errors of numpy and of the engine `sie` into NotConverged."""
     try:
         yield
     except ContactError:
@@ -86,7 +88,7 @@ def as_not_converged() -> Iterator[None]:
 
 
 def _is_followed_slowly(context: SolveContext) -> bool:
-    """Whether following the contact takes longer than the test on a grid."""
+    """Whether following the ends of the zones is expected to take longer than the grid test."""
     profile = context.scene.profile
     return (
         profile.period is not None
@@ -110,7 +112,8 @@ def _closes(context: SolveContext, curve: Curve, value: float, work_share: float
         return False
     work = work_share * law.work_of_adhesion(scene.E_star)
     feature = scene.profile.feature or period
-    # With at least eight waves on the grid, its period is wide compared with the strip.
+    # The grid has cells for at least eight features, so that its period is wide compared with the
+    # strip of attraction.
     points = 2 ** math.ceil(math.log2(GRID.cells * max(period / feature, MOVES.few_zones)))
     if points > GRID.max_points:
         return False
@@ -123,7 +126,8 @@ def _closes(context: SolveContext, curve: Curve, value: float, work_share: float
     stored = float(np.sum(influence.stiffness[1:] * np.abs(waves) ** 2))
     if stored >= work + mean_pressure * float(height.mean()):
         return False
-    # A strip of attraction next to a wide zone has the width pi/4 E* reach/stress.
+    # A strip of attraction next to a wide zone has the width (pi/4) E* reach/stress, with the
+    # contact modulus E*.
     stress = math.sqrt(0.25 * math.pi * scene.E_star * work / (_OPTIONS.strip_cells * cell))
     stress = min(stress, law.tension or math.inf)
     reach = work / stress

@@ -28,10 +28,10 @@ from sie import Array, Kept, Mask, record
 
 @dataclass(frozen=True)
 class PredictorOptions:
-    """Options of the prediction of drives (residuals)."""
+    """Options of the prediction of the residuals of moving ends."""
 
-    # Number of places on the way of an end, evenly spaced in the root of the distance, and least
-    # number for each feature of the profile.
+    # Number of places on the path of an end, evenly spaced in the square root of the distance; and
+    # least number of places for each feature of the profile.
     places: int = 64
     places_per_feature: int = 4
 
@@ -40,13 +40,15 @@ _OPTIONS = PredictorOptions()
 
 
 def _parts() -> Array:
-    """Places on the way of an end, relative to its farthest distance (1 + places,)."""
+    """Places (1 + places,) on the path of an end, relative to its farthest distance."""
     return (np.arange(_OPTIONS.places + 1) / _OPTIONS.places) ** 2
 
 
 @record
 class Predictor(Kept):
-    """Drives (residuals along the motion) of all ends as functions of their own way.
+    """Residuals of all ends as functions of the distance that each end itself moves.
+
+    A drive is the residual of an end in the direction of its motion.
 
     farthest: largest way of each end (2n,). driven: drive onward at the start and at the places
     on its way (2n, 1 + places). by_others: drive added by a unit motion of each other end (2n,
@@ -60,7 +62,7 @@ class Predictor(Kept):
 
     @classmethod
     def of(cls, curve: Curve, here: State, fields: ZoneFields, sign: float) -> Predictor:
-        """The predictor of a state whose ends move outward, or inward for a negative sign.
+        """The predictor at a state whose ends move outward, or inward for a negative sign.
 
         The ways are so short that the places resolve the features of the profile.
         """
@@ -93,24 +95,24 @@ class Predictor(Kept):
 
     @property
     def first(self) -> Array:
-        """Drive of each end at the start (2n,)."""
+        """Residual (2n,) of each end in the direction of its motion, at the start."""
         return self.driven[:, 0]
 
     @cached_property
     def held_back(self) -> Array:
-        """Reduction of each drive by the other ends, each moved as far as it goes alone (2n,).
+        """Reduction (2n,) of each end's residual by the motions of the other ends.
 
-        Increases by other ends are left out.
+        Every other end is moved as far as it would go alone. Increases by other ends are left out.
         """
         return np.asarray(np.minimum(self.by_others, 0.0) @ self._rests(np.zeros(len(self.first))))
 
     @property
     def size(self) -> Array:
-        """Unit of the error of each drive (2n,): the drive at the start, at least |K*|."""
+        """Unit (2n,) of the error of each predicted residual: the first residual, at least 1."""
         return np.maximum(1.0, self.first)
 
     def step(self, limit: Array) -> Array:
-        """Way of each end within its limit, such that a small drive is left (2n,)."""
+        """Distance (2n,) that each end moves, at most its limit, so that a small residual remains."""
         soft = self.first < MOVES.small_drive
         left = np.where(soft, 0.5 * np.maximum(self.first, 0.0), MOVES.small_drive * self.size)
         return np.minimum(
@@ -118,13 +120,13 @@ class Predictor(Kept):
         )
 
     def _rests(self, more: Array) -> Array:
-        """Way of each end to where its drive, increased by `more` (2n,), is zero first."""
+        """Distance (2n,) that each end moves until its residual plus `more` (2n,) is first zero."""
         left = self.driven + more[:, None]
         rests, row = left <= 0.0, np.arange(len(left))
         k = np.where(rests.any(axis=1), np.argmax(rests, axis=1), _OPTIONS.places)
         high, low = left[row, np.maximum(k - 1, 0)], left[row, k]
-        # The zero is interpolated linearly at the first place where the drive is not positive; it
-        # is the start if the drive is not positive there.
+        # The zero lies before the first place at which the residual is not positive, by linear
+        # interpolation. If the residual is not positive at the start, the zero is the start.
         part = np.where(
             low > 0.0,
             1.0,
@@ -134,7 +136,7 @@ class Predictor(Kept):
         return np.asarray(self.farthest * (before + part * (_parts()[k] - before)))
 
     def astray(self, step: Array, driven: Array) -> Mask:
-        """Mask of the ends whose drive after a step was predicted wrongly (2n,)."""
+        """Mask (2n,) of the ends whose residual after a step was predicted wrongly."""
         alone = [
             np.interp(part, _parts(), own)
             for part, own in zip(step / self.farthest, self.driven, strict=True)
@@ -149,7 +151,7 @@ class Predictor(Kept):
         )
 
     def closes(self, gap: Array, adjacent: Array) -> Mask:
-        """Mask of the gaps, right of each zone, that will close.
+        """Mask of the gaps that will close; each is the gap right of a zone.
 
         adjacent: width of the narrower one of its two zones.
         """
@@ -160,7 +162,10 @@ class Predictor(Kept):
 
 
 def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) -> Array:
-    """Intensity -K of each end at the places on its way, outward or inward (2n, places)."""
+    """Intensity -K (2n, places) that each end would have at the places on its path.
+
+    The path is outward or inward.
+    """
     at, outward = here.table.T.ravel()[:, None], np.repeat((-1.0, 1.0), len(here.table))[:, None]
     root = np.sqrt(farthest[:, None] * _parts())
     places = at + sign * outward * root**2
@@ -179,16 +184,17 @@ def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) ->
 
 @cache
 def _abel() -> tuple[Array, Array]:
-    """(matrix from the gap at the places to K, matrix from h at the places to K).
+    """Matrices that give the intensity K: from the gap, and from pressure times sqrt(distance).
 
-    Here h/sqrt(y) is the slope of the gap or the pressure. The first matrix still has to be divided
-    by the root of the farthest distance.
+    The gap or pressure is given at the places on the path. The first matrix still has to be divided
+    by the square root of the farthest distance.
     """
     part = np.sqrt(_parts())
     node, weight = np.polynomial.legendre.leggauss(_OPTIONS.places)
     at = part[1:, None] * np.sin(0.25 * np.pi * (1 + node))
     unit = CubicSpline(part, np.eye(len(part)))
-    # h is half of the derivative of the gap by the root of the distance.
+    # The factor h in the slope h/sqrt(y), at the distance y from the end, is half of the derivative
+    # of the gap with respect to sqrt(y).
     mean = [
         np.einsum("jmk,m->jk", values, 0.5 * weight) for values in (0.5 * unit(at, 1), unit(at))
     ]
