@@ -32,13 +32,14 @@ from sie import Array
 
 @dataclass(frozen=True)
 class ContinuationOptions:
-    """When extrapolated zones are not tried.
+    """Limits beyond which extrapolated zones are not tried as a first guess.
 
     Insensitive: 2 to 8 changes take the same time on curves of 5 to 80 values. Without this limit
     curves of many zones take a tenth longer.
     """
 
-    # of successive values; beyond it the units of the last solution are unsuitable
+    # Largest ratio of successive values of the control. Above this ratio, the length and slope
+    # units of the last solution are unsuitable.
     max_ratio: float = 16.0
     max_changes: int = 4  # zones that come or go; with more a grid is faster
 
@@ -77,18 +78,18 @@ def from_previous(context: SolveContext) -> Outcome | Failure:
 
 
 def _has_grid(context: SolveContext, control: Control) -> bool:
-    """Whether a grid gives first guesses at once; under other controls it needs several loads."""
+    """Whether a single grid gives a first guess; if no load is given, several are needed."""
     return context.scene.profile.period is not None and control.load is not None
 
 
 def _decide(context: SolveContext, way: str, changes: int) -> None:
-    """Note in the plan where the first guess comes from, and the number that decided it."""
+    """Record in the plan where the first guess comes from, and the number of changed zones."""
     because = "{} zones come or go from the last value"
     context.plan.decide("first guess", way, because, changes, OPTIONS.max_changes)
 
 
 def _is_followed(context: SolveContext) -> bool:
-    """Whether one scaled problem serves at all values and signs determine the zones.
+    """Whether all values share one scaled problem, and the signs determine the zones.
 
     A strip, or an unknown tilt, changes the scaled problem with the value.
     """
@@ -99,7 +100,7 @@ def _is_followed(context: SolveContext) -> bool:
 
 
 def _by_grid(context: SolveContext, problem: Problem, control: Control) -> Outcome | Failure:
-    """The contact from a coarse grid; Newton's method drops zones that the grid has in excess."""
+    """The contact from a coarse grid; Newton's method removes superfluous zones of the grid."""
     profile = context.scene.profile
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
@@ -112,7 +113,7 @@ def _by_grid(context: SolveContext, problem: Problem, control: Control) -> Outco
 def _by_zones(
     context: SolveContext, problem: Problem, control: Control, zones: Array
 ) -> Outcome | Failure:
-    """The contact from extrapolated zones."""
+    """The contact from extrapolated zones, with the pressure on the zones as the unknown."""
     load = context.previous[-1].solution.load / problem.units.load
     return context.refine_topology(
         problem,
@@ -128,7 +129,7 @@ def _by_zones(
 def _by_gaps(
     context: SolveContext, problem: Problem, control: Control, zones: Array
 ) -> Outcome | Failure:
-    """The contact from the gaps between extrapolated zones."""
+    """The contact from the gaps between extrapolated zones, with the gaps as the unknown."""
     period = problem.repeat_length
     form = GapForm(problem, context.cache.relief(problem))
     newton = NewtonSettings(

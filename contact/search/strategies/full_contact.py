@@ -21,7 +21,7 @@ class Full:
 
 
 def smallest_full(context: SolveContext) -> Full:
-    """Full contact under the smallest mean pressure; raises OutOfRange where there is none."""
+    """Full contact under the smallest mean pressure; raises OutOfRange if there is none."""
     pressure = context.full.pressure
     if math.isfinite(pressure):
         return Full(pressure)
@@ -33,7 +33,7 @@ def smallest_full(context: SolveContext) -> Full:
 
 
 def no_inverse(context: SolveContext, what: str) -> str:
-    """The message of a refusal for an interaction without a symbol."""
+    """The error message for an interaction that gives a kernel but no symbol."""
     name = context.scene.interaction.name
     return (
         f"{what}: the interaction {name!r} gives a kernel and no symbol, "
@@ -43,7 +43,7 @@ def no_inverse(context: SolveContext, what: str) -> str:
 
 
 def full_under(context: SolveContext, control: Control, but_for_kinks: bool = False) -> Full | None:
-    """Full contact if the control asks for it, else None.
+    """Full contact if the control is large enough for full contact, else None.
 
     The control asks for it if its mean pressure is at least that at which full contact begins.
     but_for_kinks: gaps over the kinks of valleys that are narrower than the digits resolve count as
@@ -68,7 +68,7 @@ def full_under(context: SolveContext, control: Control, but_for_kinks: bool = Fa
 
 
 def closed_pressure(context: SolveContext) -> float | None:
-    """Mean pressure [Pa] of surfaces closed over the whole period, under the scene's control.
+    """Mean pressure [Pa] of surfaces in full contact on the whole period, from the control.
 
     None where the control does not determine it. An approach determines it where the substrate has
     a base, or a spring is in series.
@@ -79,7 +79,8 @@ def closed_pressure(context: SolveContext) -> float | None:
         return None
     if scene.given_load is not None:
         return scene.given_load / period if scene.mean_pressure is None else scene.mean_pressure
-    # The approach beyond the mean of the profile compresses the base and the spring.
+    # The part of the approach above the mean of the profile compresses the base of the substrate
+    # and the spring.
     base = 2 * (context.operator.compression or 0.0) / scene.E_star
     compliance = base + (context.spring_compliance or 0.0) * period
     if approach is None or compliance == 0.0:
@@ -88,7 +89,7 @@ def closed_pressure(context: SolveContext) -> float | None:
 
 
 def closed(context: SolveContext) -> Full:
-    """Surfaces closed by adhesion; raises OutOfRange if the control leaves their pressure open."""
+    """Full contact by adhesion; raises OutOfRange if the mean pressure is left open."""
     mean_pressure = closed_pressure(context)
     if mean_pressure is None:
         raise OutOfRange(
@@ -99,7 +100,7 @@ def closed(context: SolveContext) -> Full:
 
 
 def refuse_full_approach(context: SolveContext, problem: Problem, control: Control) -> None:
-    """Raise OutOfRange for an approach that no load has, or that is one of full contact."""
+    """Raise OutOfRange for an approach that no load can reach, or that means full contact."""
     if control.approach is None:
         return
     units, limit = problem.units, context.full
@@ -110,8 +111,9 @@ def refuse_full_approach(context: SolveContext, problem: Problem, control: Contr
         or context.operator.compression
     ):
         return
-    # Without a base the mean displacement is zero, so the mean gap is the mean of the profile less
-    # the approach. Both are differences from the lowest point, with the rounding of heights.
+    # Without a base the mean displacement is zero. The mean gap is therefore the mean of the
+    # profile minus the approach. Both are measured from the lowest point, with the rounding of the
+    # heights.
     highest = mean_shape(problem)
     rounding = 8 * EPS * (highest + abs(problem.lowest) / units.height)
     if control.approach >= highest - rounding:

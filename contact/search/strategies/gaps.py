@@ -21,12 +21,13 @@ from sie import Array
 
 @dataclass(frozen=True)
 class GapOptions:
-    """Contact fractions above which the gaps are the unknowns."""
+    """Contact fractions above which the gaps are the unknowns, and not the zones."""
 
-    # Zones and gaps both work for fractions from 0.5 to 0.9; gaps need fewer modes above about 0.7.
+    # For contact fractions from 0.5 to 0.9, both zones and gaps work as the unknown. Above about
+    # 0.7, gaps need fewer modes.
     wide_contact: float = 0.7
     # The threshold for several asperities with kinks in their valleys. No load closes a gap over a
-    # kink, and narrow gaps are lost when zones are the unknown.
+    # kink, and narrow gaps are lost if the zones are the unknown.
     wide_contact_with_kinks: float = 0.25
 
 
@@ -64,7 +65,7 @@ def gaps_are_better(
 
 
 def record_unknowns(plan: Plan, solved: SolvedZones | SolvedGaps) -> None:
-    """Correct the plan if the contact was solved by other unknowns than those decided on."""
+    """Correct the plan if the unknowns (zones or gaps) are not those that were planned."""
     decided = plan.decisions.get("unknowns")
     way = "gaps" if isinstance(solved, SolvedGaps) else "zones"
     if decided is not None and decided.way != way:
@@ -87,7 +88,7 @@ def by_gaps(
     zones: Array | None = None,
     **newton: bool,
 ) -> SolvedGaps | Failure:
-    """The contact with its gaps as the unknown, if `width`, its scaled width, is large enough.
+    """The contact with its gaps as the unknown, if its scaled width `width` is large enough.
 
     zones: approximate zones of the contact, if they are known. newton: `abandon_if_far` and
     `allow_loss` of `NewtonSettings`.
@@ -122,7 +123,8 @@ def _from_guesses(
         if zones is not None and len(zones) > 0:
             table = united(gaps_between(zones, period), period, True, form.what)
             found = refine_topology(form, control, table, NewtonSettings(tolerance, mean, **newton))
-            # The zones of a grid may leave out narrow gaps; those of a solution do not.
+            # The zones of a grid may leave out narrow gaps, unlike the zones of a solution. For a
+            # grid, the gaps are therefore guessed again.
             if newton.get("abandon_if_far") or isinstance(found, SolvedGaps):
                 return found
         return refine_topology(form, control, guesses.gaps(mean), NewtonSettings(tolerance, mean))
@@ -139,7 +141,7 @@ def gaps_from_fields(
 
 
 def tightened_gaps(context: SolveContext, found: SolvedGaps, retry: bool = False) -> SolvedGaps:
-    """The same gaps, solved more precisely if the stated error exceeds the wanted one.
+    """The same gaps, solved more precisely if the stated error exceeds the wanted error.
 
     retry: try this also where rounding kept the ends from reaching the last tolerance.
     """

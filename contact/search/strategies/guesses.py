@@ -44,16 +44,17 @@ Guess = Callable[[SolveContext, ScaledScene, Array | None], Outcome | Failure]
 
 @dataclass(frozen=True)
 class GuessOptions:
-    """Refinement of grids, and limits beyond which a guess is useless."""
+    """Refinement of grids, and limits beyond which a first guess is useless."""
 
     refinement: int = 4  # factor from one grid's points to the next: a cell is halved twice
-    # Full contact is tested only above this fraction of the period, as the test takes time.
+    # Full contact is tested only if the guessed zones fill more than this fraction of the period,
+    # as the test takes time.
     maybe_full: float = 0.4
-    # Smallest gap at the border of a strip, relative to the last gap of the tabulated branch: the
-    # modes do not resolve narrower ones.
+    # Smallest gap at the border of a strip, relative to the narrowest gap in the table of contacts
+    # with one zone (`single_branch`). The modes do not resolve narrower gaps.
     narrowest_border_gap: float = 0.1
-    # Above this fraction of the largest width the closed form of one zone is a useless guess. If
-    # zones of such a width fail, the reason is narrow gaps.
+    # If the closed form's zone is wider than this fraction of the largest width, it is useless as a
+    # first guess. If a zone of such a width fails, the reason is narrow gaps.
     almost_full: float = 0.99
 
 
@@ -74,7 +75,8 @@ def search(context: SolveContext, scaled: ScaledScene, start: Array | None = Non
     if scaled.control.approach is not None and (full := full_under(context, scaled.control)):
         return full
     refuse_full_approach(context, scaled.problem, scaled.control)
-    # The scene itself must give the width: closures of the localized model also control widths.
+    # Whether the scene itself gives the width. Closures of the localized model also control widths,
+    # which are not meant here.
     width_is_given = context.scene.given_fraction is not None
     if width_is_given and not context.single:
         return by_fraction(context, scaled)
@@ -97,7 +99,7 @@ def search(context: SolveContext, scaled: ScaledScene, start: Array | None = Non
 def _similar_solution(
     context: SolveContext, scaled: ScaledScene, start: Array | None
 ) -> Outcome | Failure:
-    """The contact from zones of a similar solution; given up early if they are too far away."""
+    """The contact from the zones of a similar solution; given up early if they are too far off."""
     if start is None:
         return NOT_APPLICABLE
     problem, control = scaled.problem, scaled.control
@@ -114,7 +116,7 @@ def _similar_solution(
 def _given_zone(
     context: SolveContext, scaled: ScaledScene, start: Array | None
 ) -> Outcome | Failure:
-    """The contact that is one zone of a given half width."""
+    """The contact whose only zone has the given half width."""
     a = scaled.control.half_width
     if a is None:
         return NOT_APPLICABLE
@@ -151,7 +153,8 @@ def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -
         if full := full_under(context, control, but_for_kinks=True):
             return full
     has_branch = control.load is not None or control.approach is not None
-    # In a strip with neighbours contact never becomes full: the width is found along the branch.
+    # In a strip with neighbours, contact never becomes full. The width is then searched along the
+    # contacts from zero load.
     needs_branch = bool(
         has_branch
         and problem.interaction.neighbours
@@ -225,17 +228,18 @@ def from_grid(
 
 
 class _GridSearch:
-    """One search by a sequence of finer grids, in windows that are widened if needed."""
+    """A search on finer and finer grids, which are widened if contact reaches their border."""
 
     def __init__(self, context: SolveContext, scaled: ScaledScene, allow_loss: bool) -> None:
         self.context, self.scaled, self.allow_loss = context, scaled, allow_loss
         self.most = SAMPLING.max_points
-        # whether contact touched the border; number of times the window was widened
+        # `touched`: whether contact touched the border of the search interval. `widened`: number of
+        # times the interval was widened.
         self.touched, self.widened = False, 0
         self.failure: Failure | None = None
 
     def run(self, points: int | None) -> Outcome:
-        """The contact from the first grid that leads to one. points: those of the first grid."""
+        """The contact from the first grid that leads to one. points: size of the first grid."""
         context = self.context
         self._begin()
         proposal: Proposal | None = None
@@ -257,7 +261,7 @@ class _GridSearch:
         raise self._error(proposal, points)
 
     def _begin(self) -> None:
-        """Note the choice in the plan; refuse a load that is not positive."""
+        """Record the choice of a grid in the plan; raise OutOfRange if the load is not positive."""
         context, control = self.context, self.scaled.control
         part = context.plan["coarse search"]
         if not part.used:
@@ -274,7 +278,7 @@ class _GridSearch:
             )
 
     def _proposed(self, points: int | None) -> Proposal:
-        """Zones proposed by one grid."""
+        """Zones proposed by a grid of this number of points."""
         context, scaled = self.context, self.scaled
         control = scaled.control
         if context.progress is not None:
@@ -282,13 +286,13 @@ class _GridSearch:
         part = context.plan["coarse search"]
         with context.plan.timed("coarse search"):
             proposal = proposed(scaled, control, points)
-            # The pressure of very many points takes memory, and is not needed any more.
+            # The pressure at very many points takes much memory, and is not needed after this.
             proposal = replace(proposal, grid=None)
         part.detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
         return proposal
 
     def _beyond_border(self, points: int) -> int | None:
-        """Points of the next grid after one whose contact touches the border of the window.
+        """Number of points of the next grid, after contact touched the border of the last grid.
 
         Contact on a coarse grid may touch the border because of the grid's error, so a finer grid
         is tried first. Then the window is widened: the few points of the first window may have
@@ -306,7 +310,7 @@ class _GridSearch:
         return None
 
     def _wider_window(self) -> ScaledScene | None:
-        """The scene in a window of twice the width; None if the window holds all of the profile."""
+        """The scene in a cell twice as wide; None if the cell already is all of the profile."""
         lo, hi = self.scaled.cell
         known = known_part(self.context.scene.profile) or (-math.inf, math.inf)
         half = 0.5 * (hi - lo)
@@ -314,7 +318,7 @@ class _GridSearch:
         return None if cell == self.scaled.cell else replace(self.scaled, cell=cell)
 
     def _from_proposal(self, proposal: Proposal) -> Outcome | Failure:
-        """The contact from the zones of a grid: full, or solved by its gaps or its zones."""
+        """The contact from a grid's zones: full contact, or solved for its gaps or its zones."""
         context, problem, control = self.context, self.scaled.problem, self.scaled.control
         width = proposal.width / problem.units.length
         if (
@@ -336,7 +340,7 @@ class _GridSearch:
         return found
 
     def _is_hopeless(self, found: Failure, points: int) -> bool:
-        """Note a failure in the plan; return whether a finer grid would fail in the same way."""
+        """Record a failure in the plan; return whether a finer grid would fail in the same way."""
         self.context.record_failure(f"zones of a grid of {points} points", found)
         is_same = self.failure is not None and found.same(self.failure)
         self.failure = found

@@ -33,10 +33,11 @@ from sie import Array
 
 @dataclass(frozen=True)
 class LoadControlOptions:
-    """When the zones of a similar solution are a better start than a grid."""
+    """Limits up to which the zones of a similar solution are a better start than a grid."""
 
-    # Change of the contact width, relative to the smaller of contact and its complement. From zones
-    # whose width differs by more, Newton's method is no better than from a grid.
+    # Change of the contact width, relative to the smaller of the contact width and the gap width.
+    # If the width of known zones differs by more, they are no better start for Newton's method than
+    # a grid.
     max_change: float = 0.2
 
 
@@ -44,7 +45,7 @@ OPTIONS = LoadControlOptions()
 
 
 def at_approach(context: SolveContext, nearness: float) -> Solution:
-    """A solution under the load of the scene's approach, with a relative error `nearness`.
+    """A solution under the load at which the approach is the wanted one, to within `nearness`.
 
     Raises OutOfRange if no load has that approach.
     """
@@ -94,12 +95,13 @@ def at_level(context: SolveContext) -> SolvedZones:
 
 
 def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | SolvedGaps:
-    """The contact of a given fraction, from solutions under loads that come ever closer to it."""
+    """The contact of a given contact fraction, from solutions under closer and closer loads."""
     problem, control, goal = scaled.problem, scaled.control, context.scene.given_fraction
     assert goal is not None
     smaller_part = min(goal, 1 - goal)
     start = context.warm_start
-    # A similar solution is a better start than a grid only if its fraction is close.
+    # A similar solution is a better start than a grid only if its contact fraction is close to the
+    # wanted one.
     if start is None or abs((start.contact_fraction or 0.0) - goal) > (
         OPTIONS.max_change * smaller_part
     ):
@@ -117,8 +119,8 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
     limits = KnownLoads(closed=TOLERANCES.rounding)
     for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
         last, fraction = here, contact_fraction(here)[0]
-        # Where the fraction grows fast with the load, its own error is larger than that of the
-        # load.
+        # If the contact fraction grows fast with the load, the relative error of the fraction is
+        # larger than that of the load.
         error = max(load_error, abs(goal - fraction) / smaller_part)
         if error > near_enough:
             continue
@@ -136,9 +138,10 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
 def _by_first_guess(
     context: SolveContext, scaled: ScaledScene, goal: float
 ) -> SolvedZones | SolvedGaps | float:
-    """The contact of a given fraction from its gaps or from a grid, else the load of the grid."""
+    """The contact of a given contact fraction from a first guess, else the load of a grid."""
     problem, control = scaled.problem, scaled.control
-    # Grids do not resolve the last gaps, which are guessed from the tension of full contact.
+    # Close to full contact, grids do not resolve the narrow gaps that remain. These gaps are
+    # guessed from the tension in full contact.
     if 1 - goal < SEARCH.rough:
         found_by_gaps = by_gaps(context, problem, control, control.value)
         if isinstance(found_by_gaps, SolvedGaps):
@@ -159,15 +162,15 @@ def _by_first_guess(
 def _from_grid(
     context: SolveContext, problem: Problem, control: Control, proposal: Proposal
 ) -> SolvedZones | SolvedGaps | Failure:
-    """The contact of a given width from the zones of a grid that have about that width."""
+    """The contact of a given width, from the zones of a grid contact of about that width."""
     if proposal.full or len(proposal.zones) == 0:
         return Failure("the grid has no zones of about this width")
     table = placed(problem, proposal.zones)
     found_by_gaps = by_gaps(context, problem, control, control.value, table)
     if isinstance(found_by_gaps, SolvedGaps):
         return found_by_gaps
-    # All zones are scaled by one factor to the wanted total width. Without this, the ends move by
-    # more in a step than the kernel of a thin layer allows.
+    # All zones are scaled by one factor, so that their total width is the wanted one. Without this,
+    # the ends would move farther in one step than the kernel of a thin layer allows.
     half = np.diff(table) / 2
     table = table + half * [-1.0, 1.0] * (control.value / (2 * half.sum()) - 1.0)
     return _refined(context, problem, control, table, proposal.load / problem.units.load)
@@ -176,7 +179,7 @@ def _from_grid(
 def _at_jump(
     context: SolveContext, problem: Problem, control: Control, last: Solution
 ) -> SolvedZones | SolvedGaps:
-    """The contact under the load that has a given width, where solving for the width fails.
+    """The contact under the load at which the width is the given one, if solving for it fails.
 
     It fails where a zone is born or two merge. Raises NotConverged where the fraction jumps with
     the load.
@@ -221,7 +224,7 @@ def _from_solution(
 def _refined(
     context: SolveContext, problem: Problem, control: Control, table: Array, load: float
 ) -> SolvedZones | Failure:
-    """Zones that pass the certificate, found from a table of zones close to them."""
+    """Zones that pass the certificate, found from a table of zones close to the solution."""
     return context.refine_topology(problem, control, table, load_guess=load)
 
 
@@ -241,12 +244,12 @@ def _solver_of_loads(context: SolveContext) -> Callable[[float, Solution | None]
     """A function that solves the scene under a load, from the nearest solution."""
 
     def solve(load: float, nearest: Solution | None) -> Solution:
-        """The solution under a load, or one of larger error if the tolerance is not met."""
+        """The solution under a load; if this fails, the best one with an error below `rough`."""
         loaded, start = context.scene.under("load", load), nearest or context.warm_start
         try:
             return context.solve_scene(loaded, SEARCH.intermediate, start, context.progress)
         except NotConverged as failure:
-            # A solution with a larger error is precise enough as an intermediate one.
+            # As an intermediate solution, a solution with a larger error is precise enough.
             if failure.best is None or not failure.best.error < SEARCH.rough:
                 raise
             return failure.best

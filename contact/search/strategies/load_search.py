@@ -27,14 +27,15 @@ from contact.search.options import SEARCH
 from contact.solution.solution import Solution
 from contact.verify.tolerances import TOLERANCES
 
-# Relative step of the load for differences: the fourth root of round-off, so that both the error of
-# the difference and that of the solutions, divided by the step, are small.
+# Relative step of the load for difference quotients: the fourth root of the round-off. For this
+# step, both the error of the difference and the errors of the solutions, divided by the step, are
+# small.
 RATE_STEP = math.sqrt(math.sqrt(EPS))
 
 
-# A quantity and its rate with the load [per N/m].
+# A function that returns a quantity of a solution, and its derivative by the load [per N/m].
 Quantity = Callable[[Solution], tuple[float, float]]
-# A solution under a load, from the nearest solution.
+# A function that returns the solution under a load, found from the nearest known solution.
 Solve = Callable[[float, Solution | None], Solution]
 
 
@@ -45,18 +46,21 @@ class KnownLoads:
     least: float = 0.0  # [N/m]; loads up to this one have no solution
     bounded: bool = False  # a large load may bring the contact to the end of the known profile
     concave: bool = False  # the quantity is concave in the load
-    # width of the bracket at which the search ends, relative to the load
+    # The search ends once the width of the bracket, divided by the load, is below this.
     closed: float = TOLERANCES.balance
 
 
 def approach(solution: Solution) -> tuple[float, float]:
-    """The approach [m] and its rate with the load; with a datum the rate may be negative."""
+    """The approach [m] of a solution and the rate d approach / d load.
+
+    With a datum in the logarithm the rate may be negative.
+    """
     assert solution.approach is not None and solution.stiffness is not None
     return solution.approach, 1 / solution.stiffness
 
 
 def contact_fraction(solution: Solution) -> tuple[float, float]:
-    """The contact fraction and its rate with the load."""
+    """The contact fraction of a solution and the rate of this fraction with the load."""
     assert solution.contact_fraction is not None
     return solution.contact_fraction, solution.fields.widening_rate
 
@@ -64,10 +68,10 @@ def contact_fraction(solution: Solution) -> tuple[float, float]:
 def nearer(
     solve: Solve, quantity: Quantity, goal: float, first: float, limits: KnownLoads = KnownLoads()
 ) -> Iterator[tuple[Solution, float]]:
-    """Yield solutions whose quantity approaches the goal, with the relative error of each load.
+    """Yield solutions whose quantity approaches `goal`, and the relative error of each load.
 
-    first: the load to begin with [N/m]. It ends when the bracket is closed or no load can have the
-    goal. Raises OutOfRange if no load has a solution at all.
+    first: the load to begin with [N/m]. The search ends when the bracket is closed or no load can
+    have the goal. Raises OutOfRange if no load has a solution at all.
     """
     search = _Bracket(goal, limits, first)
     refused: OutOfRange | None = None
@@ -102,26 +106,27 @@ def nearer(
 
 
 class _Bracket:
-    """Loads between which the goal lies, with the solutions at its ends."""
+    """An interval of loads in which the quantity reaches `goal`, with the last solutions."""
 
     def __init__(self, goal: float, limits: KnownLoads, first: float) -> None:
         self.goal, self.limits = goal, limits
         self.low, self.high = limits.least, math.inf
         self.load = max(first, 2 * limits.least)
-        # the last solutions below and above the goal, the newest last
+        # The last solutions below and above the wanted load; the newest solution is the last one.
         self.solutions: list[Solution] = []
-        # loads between which the tangents of a concave curve allow the goal
+        # Lower and upper bound of the wanted load, from tangents of a quantity that is concave in
+        # the load.
         self.tangents = (0.0, math.inf)
         self.slow_steps = 0
 
     @property
     def last(self) -> Solution | None:
-        """The newest solution."""
+        """The newest solution, None at the beginning."""
         return self.solutions[-1] if self.solutions else None
 
     @property
     def nearest(self) -> Solution | None:
-        """The solution under the nearest load."""
+        """The known solution whose load is closest to the next load."""
         if not self.solutions:
             return None
         return min(self.solutions, key=lambda other: abs(math.log(other.load / self.load)))
@@ -152,7 +157,7 @@ class _Bracket:
         return _newton(here.load, rate, miss, last_rate)
 
     def is_over(self, step: float) -> bool:
-        """Choose the next load, Newton's or one in the bracket; return whether the search ends."""
+        """Choose the next load, `step` or one in the bracket; return whether the search ends."""
         is_closed_above, is_closed_below = self.high < math.inf, self.low > 0.0
         stalled = self.slow_steps > 2 and is_closed_above and is_closed_below
         if not self.low < step < self.high or stalled:
@@ -168,7 +173,7 @@ class _Bracket:
 
 
 def _newton(load: float, rate: float, miss: float, before: tuple[float, float] | None) -> float:
-    """Newton's load for value = constant + B load^q; nan if there is none.
+    """Newton's next load, if the quantity is a constant plus B load^q; nan if there is none.
 
     rate: the rate at this load. before: another load and its rate; both rates give the exponent q,
     limited to -4 to 1.
@@ -178,7 +183,7 @@ def _newton(load: float, rate: float, miss: float, before: tuple[float, float] |
         power += math.log(rate / before[1]) / math.log(load / before[0])
     power = min(max(power, -4.0), 1.0)
     relative = miss / rate / load if rate != 0.0 else math.nan
-    # For small steps the power below would lose digits, so its linear limit is used.
+    # For small steps the power below would lose digits. Its linear approximation is used there.
     if abs(power * relative) < 1e-6:
         return load * (1.0 + relative)
     base = 1.0 + power * relative
@@ -215,7 +220,8 @@ def by_quantity(
         SEARCH.light_load * scene.E_star * _length(scene) if warm_start is None else warm_start.load
     )
     best: Solution | None = None
-    # True: some load gave a quantity above the goal; False: some load gave one not above
+    # True is in this set if some load gave a quantity above the goal. False is in it if some load
+    # gave a quantity not above the goal.
     sides: set[bool] = set()
     goal, limits = sign * control.value, KnownLoads(bounded=True)
     for here, load_error in nearer(under, quantity, goal, first, limits):
@@ -242,7 +248,7 @@ def _length(scene: Scene) -> float:
 
 
 def _rate_of_error(here: Solution, other: Solution) -> float:
-    """Rate of the relative changes of ends and pressures, per unit of ln(load), with a margin.
+    """Relative change of ends and pressures for each unit of ln(load), with a margin.
 
     Changes of ends are relative to the width of their zone, those of pressures to the peak.
 
