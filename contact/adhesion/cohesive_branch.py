@@ -69,7 +69,7 @@ from sie import Array
 
 
 def followed_under_tension(context: SolveContext) -> Outcome:
-    """The contact of the scene on the branch that the context names.
+    """The contact of the scene, on the branch of solutions that the context names.
 
     Raises OutOfRange past pull-off.
     """
@@ -123,7 +123,7 @@ def _greatest(
 def _lowered(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The advancing contact at a value; below 0 it is found at 0 and then followed down."""
+    """The advancing contact at a control value; for values below 0 it is followed down from 0."""
     try:
         start = advancing(context, scaled, curve, max(value, 0.0))
     except Closed:
@@ -138,7 +138,7 @@ def _lowered_to(curve: CohesiveCurve, start: State, value: float) -> State | Non
 
 
 def _pulled_off(context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve) -> State:
-    """The pull-off of a contact that has advanced under no load."""
+    """The equilibrium at pull-off of a contact that has advanced at the control value 0."""
     try:
         return pull_off(curve, advancing(context, scaled, curve, 0.0))
     except Closed:
@@ -163,12 +163,13 @@ def advancing(
 def _advanced_from_touch(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> CohesiveState:
-    """The equilibrium of `advancing`, by following the ends of its intervals."""
+    """The equilibrium that `advancing` returns, found by following the ends of intervals."""
     problem = scaled.problem
     if value == 0.0:
         table, zones = _touch_intervals(scaled, curve)
         if problem.period is None:
-            # The unit of length of a lone body is about the width of its contact under no load.
+            # For a body without a period, the unit of length is about the width of its contact
+            # under no load.
             _refuse_narrow(context, problem.units.length)
     else:
         found = start_contact(context)
@@ -201,7 +202,7 @@ def _refuse_many(zones: int) -> None:
 
 
 def _refuse_narrow(context: SolveContext, width: float) -> None:
-    """Raise NotConverged where strips are too narrow next to zones of this width [m]."""
+    """Raise NotConverged if strips of tension are too narrow next to a zone of this width [m]."""
     scene = context.scene
     strip = 0.25 * math.pi * scene.E_star * scene.law.reach / scene.law.tension
     if strip < OPTIONS.narrowest_strip * width:
@@ -213,7 +214,7 @@ def _refuse_narrow(context: SolveContext, width: float) -> None:
 
 
 def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
-    """The zones, moved outward by a fraction of the Newton step of their edge intensity.
+    """The zones, with ends moved outward by a fraction of the Newton step for edge intensity.
 
     Only zones with narrow strips are moved. Afterwards the strips are wide enough to be resolved,
     and the ends are still driven outward.
@@ -236,7 +237,7 @@ def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
 def _sampled_farther(
     curve: CohesiveCurve, fields: ZoneFields, gap_samples: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """Samples of the gap of a lone body, up to where the gap exceeds the reach.
+    """Samples of the gap of a body without period, out to where the gap exceeds the reach.
 
     Under a light load this place is far from the contact.
     """
@@ -262,7 +263,7 @@ def _sampled_farther(
 
 
 def _touch_intervals(scaled: ScaledScene, curve: CohesiveCurve) -> tuple[Array, Array]:
-    """(intervals where the gap of touching surfaces is below the reach, first zones in them)."""
+    """(intervals where the gap of touching surfaces is below the reach, zones to start from)."""
     problem, (lo, hi) = scaled.problem, scaled.problem.units.scaled(np.array(scaled.cell))
     profile, length, corners, round_ = (
         problem.profile,
@@ -314,12 +315,12 @@ def _touch_intervals(scaled: ScaledScene, curve: CohesiveCurve) -> tuple[Array, 
 def _receded(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The contact that recedes from a wide interval about a lone body's least contact.
+    """The contact reached from a wide interval about the advancing contact, as ends recede.
 
     The ends of that interval, and of wider ones, are driven inward.
     """
     if np.isfinite(curve.problem.corners[0]):
-        # The interval is all that lies between the corners.
+        # The interval extends from one sharp corner to the other corner.
         table = np.array([curve.problem.corners])
         curve.from_zones(
             table,
@@ -347,7 +348,7 @@ def _receded(
 
 
 def _receded_from_all(context: SolveContext, curve: CohesiveCurve, value: float) -> State | None:
-    """The contact that recedes from tension everywhere in a period.
+    """The contact reached from tension on the whole period, as the intervals recede.
 
     None if contact is lost. Raises Closed where the gap stays below the reach.
     """
@@ -368,7 +369,7 @@ def _receded_from_all(context: SolveContext, curve: CohesiveCurve, value: float)
 
 
 def under_all(context: SolveContext, problem: Problem) -> Array | None:
-    """Scaled zones under tension everywhere; None in full contact.
+    """Scaled zones of contact under tension on the whole period; None in full contact.
 
     Raises ContactLost where there are none.
     """
@@ -384,7 +385,7 @@ def under_all(context: SolveContext, problem: Problem) -> Array | None:
 
 
 def _start_scene(context: SolveContext, problem: Problem) -> Scene:
-    """The scene under the start law, its load or approach raised by the uniform tension."""
+    """The scene under its `bare` law, with load or approach raised by the uniform tension."""
     scene, period = context.scene, context.scene.period
     assert period is not None and scene.law.bare is not None
     stress = scene.law.tension
@@ -398,7 +399,7 @@ def _start_scene(context: SolveContext, problem: Problem) -> Scene:
 
 
 def solved(context: SolveContext, curve: CohesiveCurve, here: State) -> SolvedZones:
-    """The equilibrium with its fields, its certificate and its error."""
+    """The solved zones at an equilibrium, with fields, certificate and error."""
     assert isinstance(here, CohesiveState)
     problem = curve.problem
     pulled = TractionLoaded.of(problem, curve.stress, here.table).over(here.zones)
@@ -424,7 +425,7 @@ def solved(context: SolveContext, curve: CohesiveCurve, here: State) -> SolvedZo
 def _solved_zones(
     context: SolveContext, pulled: TractionLoaded, load: float, zones: Array
 ) -> tuple[CohesiveFields, sie.Free, Load]:
-    """(fields, search of the ends, control) of zones under a tension.
+    """(fields, result of the search for the ends, control) of zones under a tension.
 
     load: the load of the contact pressure q.
     """
@@ -450,7 +451,7 @@ def _solved_zones(
 def _solved_at_corners(
     pulled: TractionLoaded, load: float, zones: Array
 ) -> tuple[CohesiveFields, sie.Free, Load]:
-    """`_solved_zones` where the tension is spread over zones pinned at corners.
+    """The result of `_solved_zones` if tension is spread over zones pinned at corners.
 
     That tension follows the free ends. load: the given load.
     """
@@ -484,7 +485,7 @@ def _solved_at_corners(
 
 
 def all_zones(pulled: TractionLoaded, zones: Array) -> sie.Zones:
-    """The zones with the kind of each end: singular at a sharp corner."""
+    """The zones with the kind of each end, which is singular at a sharp corner."""
     left, right = (
         [sie.SINGULAR if place == corner else pulled.end for place in ends]
         for ends, corner in zip(zones.T, pulled.corners, strict=True)
@@ -493,7 +494,7 @@ def all_zones(pulled: TractionLoaded, zones: Array) -> sie.Zones:
 
 
 def everywhere(context: SolveContext, problem: Problem) -> Outcome:
-    """The contact under tension in all of a period, from that of the start law."""
+    """The contact under tension on the whole period, from the contact under the `bare` law."""
     scene = _start_scene(context, problem)
     alone = replace(context, scene=scene, cache=SceneCache(scene))
     found = alone.solve_scene(scene, TOLERANCES.resting_step)

@@ -34,7 +34,7 @@ At = Callable[[float], CohesiveState]
 
 @dataclass(frozen=True)
 class CohesiveEvents(Events):
-    """Events of a tension of finite range.
+    """Events of a loading path under a tension of finite range.
 
     advanced: the least equilibrium about first touch under no load. pressed: scaled zones under
     tension in all of a period. full: value of the control at which surfaces under tension
@@ -88,7 +88,7 @@ class CohesiveEvents(Events):
         return ("merge" if fewer else "birth") if rises else ("death" if fewer else "split")
 
     def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:
-        """The first jump inside a step: the gap somewhere reaches the reach of the tension.
+        """The first jump inside a step: away from the tension's ends, the gap crosses the reach.
 
         Places next to the ends of the tension do not count.
         """
@@ -108,7 +108,7 @@ class CohesiveEvents(Events):
         return self.jump(here, place, self._changed(here, place, width, outside), outside)
 
     def _changed(self, here: State, place: float, width: float, begins: bool) -> PathState:
-        """The state of the path after an interval begins at a place, or is cut there."""
+        """The path state after an interval of tension begins at a place, or is cut at this place."""
         curve, half, period = self.curve, 0.5 * MOVES.new_width * width, self.curve.problem.round
         if period is not None:
             place -= np.floor((place - here.table[0, 0]) / period) * period
@@ -125,7 +125,8 @@ class CohesiveEvents(Events):
             else:
                 table = _cut(here.table, place, half)
             at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
-            # Only the new ends may be driven; the others must be at rest.
+            # The new ends must be driven in the direction of the jump, and no other end in the
+            # opposite direction.
             new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
             if half < TOLERANCES.neutral or (
                 np.all(sign * at.residual > -TOLERANCES.resting_step)
@@ -136,9 +137,10 @@ class CohesiveEvents(Events):
         return (self.grown if begins else self.shrunk)(table, here.value)
 
     def _wrong(self, here: State, outside: bool) -> Array:
-        """Places between which the gap is below the reach outside the tension, or above it inside.
+        """Intervals (n, 2) in which the gap is on the wrong side of the reach of the tension.
 
-        Places next to the ends of the tension do not count (n, 2).
+        Outside the tension the gap is below the reach there; inside the tension it is above the
+        reach. Places next to the ends of the tension do not count.
         """
         curve, period = self.curve, self.curve.problem.round
         assert isinstance(here, CohesiveState)
@@ -151,13 +153,13 @@ class CohesiveEvents(Events):
         ends = np.append(table.ravel(), table[0, 0] + (period or np.inf))
         for s, e in runs_of(wrong):
             lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
-            # A run next to an end is due to the error of that end.
+            # A run of wrong samples next to an end of the tension is due to the error of this end.
             if s > 0 and e < len(x) - 1 and not np.any((ends > lo) & (ends < hi)):
                 found.append((lo, hi))
         return np.array(found).reshape(-1, 2)
 
     def _least(self, here: State, lo: float, hi: float, outside: bool) -> tuple[float, float]:
-        """(place, value) of the least margin between the gap and the reach, from lo to hi.
+        """(place, value) of the least margin between the gap and the reach, from x = lo to x = hi.
 
         The margin is positive until an interval begins there, or is cut.
         """
@@ -168,7 +170,7 @@ class CohesiveEvents(Events):
         return place, -most
 
     def vanishing(self, here: State, sense: float) -> Jump | None:
-        """The jump where a zone shrinks to a point and its interval of tension depends on it."""
+        """The event at the end of a curve where a zone of contact shrinks to a point, or None."""
         curve = self.curve
         assert isinstance(here, CohesiveState)
         if sense > 0.0 or len(here.zones) == 0:
@@ -189,7 +191,7 @@ class CohesiveEvents(Events):
                 PathState(last.value, last),
                 PathState(last.value),
             )
-        # Usually one zone vanishes alone, but two of the same kind vanish together.
+        # Usually one zone vanishes alone, but equal zones vanish together.
         for vanishing in (np.array([k]), np.flatnonzero(share <= MOVES.small_part)):
             touch = self._without(here, vanishing)
             if touch is not None:
@@ -215,7 +217,7 @@ class CohesiveEvents(Events):
         return self.jump(touching, place, self.shrunk(table, state.value), False)
 
     def _without(self, here: CohesiveState, vanishing: Index) -> tuple[Array, CohesiveState] | None:
-        """(places where zones vanish, the equilibrium in which the surfaces only touch there).
+        """(places where zones vanish, the equilibrium at which surfaces only touch at the places).
 
         None if it is not found.
         """
@@ -239,7 +241,7 @@ class CohesiveEvents(Events):
                 step = np.linalg.solve(-at.rates, at.residual)
                 at = formal.at(at.moved(np.asarray(step, dtype=np.float64)), value)
                 size = float(np.abs(step / at.widths).max())
-                # The residual falls with the steps, until it is round-off.
+                # The residual decreases with the Newton steps until the residual is round-off.
                 if (
                     size < TOLERANCES.neutral
                     or size * size < TOLERANCES.neutral * before
@@ -281,7 +283,8 @@ class CohesiveEvents(Events):
             if not ahead:
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
-            # With the zones of one side, a change may lie a little past the other end of the step.
+            # With the zones from one end of the step, the change may be located a little past the
+            # other end of the step.
             for past in (0.0, MOVES.small_part, arc_length.ARC_OPTIONS.longest_step):
 
                 def formally(u: float, part: float = 1.0 + past) -> CohesiveState:
@@ -313,7 +316,7 @@ class CohesiveEvents(Events):
         high: tuple[float, CohesiveState],
         least: float | None = None,
     ) -> Iterator[Jump]:
-        """Changes of the zones between two states.
+        """Generate the changes of the zones between two states.
 
         states_from: the states ahead of one state, or behind it, with the same zones. least:
         smallest range that is halved if several zones change in it; by default a small part.
@@ -375,7 +378,7 @@ class CohesiveEvents(Events):
         )
 
     def under_all(self, value: float) -> PathState:
-        """The state of the path under tension in all of a period."""
+        """The path state under tension on the whole period."""
         if value >= self.full:
             return PathState(value, closed=True)
         return PathState(value, self.curve.under_all(value, self.pressed(value)))
@@ -407,7 +410,8 @@ class CohesiveEvents(Events):
     def _under_all_to(self, here: CohesiveState, value: float) -> Iterator[Jump | PathState]:
         rises = value > here.value
         end = min(value, self.full - TOLERANCES.resting_step * self.size) if rises else value
-        # Full contact has no gap to follow, so that the first value is a little below it.
+        # The states that are followed end a little below full contact, where there is no gap to
+        # follow.
         at, step, halvings = here.value, MOVES.small_part * (end - here.value), 0
         while at != end:
             ahead = end if abs(step) >= abs(end - at) else at + step
@@ -459,7 +463,7 @@ class CohesiveEvents(Events):
         return states_from
 
     def _let_go(self, here: CohesiveState, new: CohesiveState) -> Jump | None:
-        """The jump where the gap first exceeds the reach as the control falls.
+        """The jump where, as the control falls, the gap first exceeds the reach of the tension.
 
         None if it does not.
         """
@@ -504,7 +508,7 @@ class CohesiveEvents(Events):
 
 
 def _cut(table: Array, place: float, half: float) -> Array:
-    """The intervals, with the part within `half` of a place removed."""
+    """The intervals without the part whose distance from a place is less than `half`."""
     i = int(interval_of(np.array([[place, place]]), table)[0])
     return np.concatenate(
         (table[:i], [[table[i, 0], place - half], [place + half, table[i, 1]]], table[i + 1 :])

@@ -54,7 +54,7 @@ def advanced(
 
 
 def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState) -> CohesiveState:
-    """The state with new intervals, or the one after new zones have snapped into contact.
+    """The state `here`, or the state after its new zones have snapped into wider contact.
 
     The latter state is found from a law without range.
     """
@@ -63,7 +63,8 @@ def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState
     ahead = jkr_guide.before_advanced(curve, here.zones, here.value)
     if ahead is None:
         return here
-    # If a zone was lost again, it does not snap into contact under the law without range.
+    # If a zone is missing in the state found, this zone does not snap into contact under the law
+    # without range. Then the state `here` is kept.
     return ahead if ahead.q is not None and ahead.q.inside(here.zones.mean(axis=1)).all() else here
 
 
@@ -82,7 +83,7 @@ def receded(
 
 
 def guide_of(curve: CohesiveCurve, zones: int, table: Array | None) -> GridGuide | None:
-    """The solution on a grid from which ends that start at these intervals are predicted.
+    """The grid that predicts where ends come to rest if they start from these intervals.
 
     None without contact, between sharp corners, or under the control of a spring. table: None for
     tension in all of a period.
@@ -98,17 +99,18 @@ def guide_of(curve: CohesiveCurve, zones: int, table: Array | None) -> GridGuide
 
 
 def guide_down(curve: CohesiveCurve, zones: int, table: Array) -> GridGuide | None:
-    """`guide_of` for zones that recede from an equilibrium; None if there are few zones."""
+    """The result of `guide_of` for zones that recede from equilibrium; None for few zones."""
     return guide_of(curve, zones, table) if zones > MOVES.few_zones else None
 
 
 def guided(
     curve: CohesiveCurve, guide: GridGuide, table: Array | None, value: float, sign: float
 ) -> CohesiveState | None:
-    """A state near the equilibrium, found on a grid, whose ends are all driven by `sign`.
+    """A state near equilibrium, from a grid; its ends are all driven outward, or all inward.
 
-    None where the grid is too coarse. Its error shows in the residuals, and must be below the
-    margin. table: None for tension in all of a period.
+    The ends are driven outward for sign 1, inward for sign -1. None where the grid is too coarse:
+    its error shows in the residuals, and must be below the margin. table: None for tension in all
+    of a period.
     """
     for margin in MOVES.margins:
         try:
@@ -121,7 +123,7 @@ def guided(
                 raise
             continue
         except ContactLost:
-            # If the intervals on the grid vanish, so does the equilibrium inside them.
+            # If the intervals on the grid vanish, the equilibrium inside them vanishes, too.
             if sign < 0 and margin == MOVES.margins[-1]:
                 raise
             continue
@@ -163,10 +165,10 @@ def _flow(curve: CohesiveCurve, table: Array, value: float, sign: float) -> Cohe
 
 
 def _changed_intervals(curve: CohesiveCurve, here: CohesiveState, sign: float) -> Array | None:
-    """The intervals after births, merges and cuts at the present state; None if unchanged."""
+    """The intervals of tension after births, merges and cuts at a state; None if unchanged."""
     if sign > 0:
         return _intervals_grown(curve, here)
-    # Ends that move freely may close a gap.
+    # In a receding flow, some ends may still advance and close a gap.
     parted = _intervals_cut(curve, here)
     return gradient_flow.closing(curve, here) if parted is None else parted
 
@@ -174,7 +176,7 @@ def _changed_intervals(curve: CohesiveCurve, here: CohesiveState, sign: float) -
 def _on_new_intervals(
     curve: CohesiveCurve, here: CohesiveState, table: Array, sign: float
 ) -> CohesiveState:
-    """The state on changed intervals."""
+    """The state with tension on changed intervals."""
     zones = curve.fitted(here.zones, table)
     if sign > 0:
         zones = _filled(curve, zones, table)
@@ -187,10 +189,10 @@ def _on_new_intervals(
 
 
 def _filled(curve: CohesiveCurve, zones: Array, table: Array) -> Array:
-    """The zones, and one more in each empty interval far wider than a strip.
+    """The zones, and one more zone in each wide interval of tension without contact.
 
-    Surfaces snap into contact there. As long as the interval had no contact, its tension would move
-    the ends of all other intervals.
+    In an interval far wider than a strip of tension, surfaces snap into contact. As long as the
+    interval had no contact, its tension would move the ends of all other intervals.
     """
     empty = np.ones(len(table), dtype=bool)
     empty[interval_of(zones, table)] = False
@@ -216,7 +218,7 @@ def settled(curve: CohesiveCurve, here: State, sign: float) -> CohesiveState | N
         try:
             tight = curve.settled(here)
         except ContactLost:
-            # The state was so near the loss of contact that Newton's method lost it.
+            # The state was so near the loss of contact that Newton's method lost the contact.
             if sign > 0:
                 raise
             return None
@@ -231,7 +233,7 @@ def settled(curve: CohesiveCurve, here: State, sign: float) -> CohesiveState | N
 
 
 def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) -> Array:
-    """The intervals, widened where contact covers their ends.
+    """The intervals of tension, widened where contact covers the ends of an interval.
 
     Each widening is larger than the one before, until the ends are no longer driven inward.
     """
@@ -252,7 +254,7 @@ def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) ->
 def intervals_left(
     curve: CohesiveCurve, value: float, zones: Array, gap_samples: tuple[Array, Array]
 ) -> Array:
-    """The intervals of tension once the gap in a period under tension everywhere exceeds reach.
+    """The intervals of tension that are left if the gap somewhere in a period exceeds the reach.
 
     Raises ContactLost where no contact is left.
     """
@@ -264,7 +266,7 @@ def intervals_left(
 def _widened(
     curve: CohesiveCurve, table: Array, zones: Array, covered: EndsCovered, by: float
 ) -> Array:
-    """The intervals, with the strips of tension next to covered ends multiplied by a factor."""
+    """The intervals, with the strips of tension next to covered ends widened by a factor."""
     width, gaps, zones = np.diff(table, axis=1)[:, 0], curve.gaps(table), curve.fitted(zones, table)
     strips = np.column_stack((width, width))
     i = interval_of(zones, table)
@@ -275,7 +277,7 @@ def _widened(
     out = (by - 1) * np.clip(strips, TOLERANCES.resting_step * width[:, None], 0.5 * width[:, None])
     out = np.minimum(out, MOVES.max_move * np.column_stack((np.roll(gaps, 1), gaps)))
     table = table + np.column_stack((-1.0 * left, right)) * out
-    # A gap that contact is about to close is closed.
+    # Two intervals are joined if contact is about to close the gap between them.
     joins = (curve.gaps(table) < MOVES.vanished * np.minimum(width, np.roll(width, -1))) & (
         right | np.roll(left, -1)
     )
@@ -285,7 +287,7 @@ def _widened(
 
 
 def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """The intervals with new ones, joined where the gap between two is below the reach.
+    """The old and the new intervals, joined where everything between two is within reach.
 
     None if nothing changed.
     """
@@ -349,7 +351,7 @@ def _intervals_cut(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
 
 
 def _outside(curve: CohesiveCurve, table: Array) -> list[tuple[float, float]]:
-    """The gaps between the intervals; with a period also the one across its border."""
+    """The gaps between the intervals; with a period, also the gap across its border."""
     if curve.problem.round is not None:
         return [(a, b) for a, b in gaps_between(table, curve.problem.round)]
     return list(zip(np.append(-np.inf, table[:, 1]), np.append(table[:, 0], np.inf), strict=True))

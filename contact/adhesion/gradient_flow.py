@@ -63,7 +63,8 @@ def _flow(
         if sign > 0 and (merged := closing(curve, here, predicted)) is not None:
             here = curve.at(merged, value, TOLERANCES.rough)
             continue
-        # A zone counts as lost by its width where its ends were driven inward least.
+        # Whether a zone is lost depends on its width at the state at which its ends were driven
+        # inward least.
         widths = np.where(here.residual > residual, here.widths, widths) if sign < 0 else widths
         residual = np.maximum(here.residual, residual) if sign < 0 else residual
         if sign < 0 and (apart := lost_zones(here, widths, residual)).any():
@@ -131,7 +132,7 @@ def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor
 
 
 def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, largest move of an end relative to the zone or gap next to it)."""
+    """(next state, largest motion of an end, divided by the width of its zone or next gap)."""
     onward = sign * here.residual
     if onward.min() < -MOVES.small_drive or (
         here.growth >= 0.0 and onward.max() <= TOLERANCES.coarse < -onward.min()
@@ -147,7 +148,8 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
             return _let_go(curve, here, sign)
         step = bounded_step(here, sign, limit, back) + beyond
         try:
-            # The accuracy is relative to the largest residual; ends at rest need an absolute one.
+            # The accuracy of a state is relative to the largest residual. Ends at rest need an
+            # absolute accuracy, so the tolerance is smaller if residuals are large.
             ahead = curve.at(here.moved(step), here.value, max(TOLERANCES.density, accuracy))
         except (ContactLost, NotConverged):
             lost += 1
@@ -156,8 +158,8 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
             limit = _shorter(here, limit, step, MOVES.least_part)
             continue
         except EndsCovered as covered:
-            # Inward steps of covered ends are shortened. In an outward flow covered ends are moved
-            # farther out.
+            # Contact covers some ends of the tension. In an inward flow, the steps of these ends
+            # are shortened; in an outward flow, these ends are moved farther out.
             if sign < 0:
                 limit = _shorter(here, limit, step, np.where(covered.ends, 0.5, 0.9))
             else:
@@ -165,14 +167,15 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
             continue
         passed = overshoots(here, ahead, step, sign)
         if not passed.any():
-            # After a failed step the move is inf, so that the ends are not taken to be at rest.
+            # After a failed step, the motion is returned as inf, so that the ends do not count as
+            # at rest.
             return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
         limit, back_again = _shorter(here, limit, step, np.where(passed, 0.5, 0.9)), back_again + 1
     raise NotConverged("no step of the ends keeps to the branch")
 
 
 def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array:
-    """Limits of a shorter step.
+    """Limits (2n,) of a shorter step of the ends, after a step has failed.
 
     If the state is unstable, one factor shortens the limits of all ends in proportion.
     """
@@ -182,7 +185,7 @@ def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array
 
 
 def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, inf): the longest step of the implicit Euler method within the limits.
+    """(next state, inf); the state follows from the longest allowed implicit Euler step.
 
     It is taken where some ends are driven back while others advance, as under a fixed approach.
     """
@@ -213,14 +216,15 @@ def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
 
 
 def inward_and_outward(curve: Curve, here: State, detailed: bool = True) -> tuple[Array, Array]:
-    """Longest steps of the ends (inward, outward), each (2n,), without regard to corners.
+    """(longest inward steps of the ends, longest outward steps), without regard to corners.
 
     detailed: whether they are also limited to the smallest feature of the profile.
     """
     known = curve.problem.detail if detailed else np.inf
     gaps = curve.gaps(here.table)
     room = MOVES.max_move * np.concatenate((np.roll(gaps, 1), gaps))
-    # An end may pass the border of the known profile: `Curve.at` then raises OutOfRange.
+    # An end may step past the border of the known part of the profile; `Curve.at` then raises
+    # OutOfRange.
     lo, hi = curve.problem.borders
     room[0], room[-1] = (
         min(room[0], 1.1 * (here.table[0, 0] - lo)),
@@ -232,7 +236,7 @@ def inward_and_outward(curve: Curve, here: State, detailed: bool = True) -> tupl
 
 
 def closing(curve: Curve, here: State, predicted: Predictor | None = None) -> Array | None:
-    """The intervals with closed gaps joined, or gaps predicted to close; None if no gap closes."""
+    """The intervals, joined where a gap has closed or will close; None if no gap closes."""
     table = here.table
     left, right = np.split(here.residual, 2)
     widths = np.diff(table, axis=1)[:, 0]
@@ -253,7 +257,7 @@ def closing(curve: Curve, here: State, predicted: Predictor | None = None) -> Ar
 
 
 def lost_zones(here: State, widths: Array, residual: Array) -> Mask:
-    """Mask of the zones past the point of no return.
+    """Mask of zones that will vanish: they are narrow, and driven inward ever more strongly.
 
     They are much narrower than where their ends were driven inward least, and that drive grows.
     widths, residual: at the states where the ends were driven inward least (2n,).
@@ -263,7 +267,7 @@ def lost_zones(here: State, widths: Array, residual: Array) -> Mask:
 
 
 def bounded_step(here: State, sign: float, limit: Array, most_back: Array) -> Array:
-    """Bound-constrained Newton step; J is shifted by the damping mu D if it is indefinite."""
+    """Newton step of the ends within bounds; damped if the state is not stable."""
     rates, residual = here.rates, here.residual
     if here.growth >= -TOLERANCES.neutral:
         return _damped_step(here, sign, limit)
@@ -280,7 +284,7 @@ def bounded_step(here: State, sign: float, limit: Array, most_back: Array) -> Ar
         step[far], step[back] = sign * limit[far], -sign * most_back[back]
         free &= ~(far | back)
         if not (far | back).any():
-            # An end at its bound is released if, after the others were bounded, it is driven back.
+            # An end at its bound is released if it is driven back after other ends were bounded.
             driven = np.sign(step) * (residual + rates @ step)
             late = ~(free | released) & (driven < 0.0)
             if not late.any():
@@ -289,11 +293,12 @@ def bounded_step(here: State, sign: float, limit: Array, most_back: Array) -> Ar
 
 
 def _damped_step(here: State, sign: float, limit: Array) -> Array:
-    """Solution ds of (mu D - J) ds = r, the damped Newton step.
+    """The damped Newton step ds of the ends, whose residual r has the Jacobian J = dr/ds.
 
-    mu exceeds the largest growth rate and is as small as the limits allow.
+    It solves (mu D - J) ds = r with the diagonal matrix D of the weights. mu exceeds the largest
+    growth rate and is as small as the limits allow.
     """
-    # An end that is driven back does not move, until the others have caught up.
+    # An end that is driven against the flow does not move until the other ends have moved on.
     free = sign * here.residual > -TOLERANCES.coarse
     weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
     growth = max(here.growth_of(np.flatnonzero(free)), -above)
@@ -317,16 +322,18 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
         -MOVES.small_drive * np.minimum(np.abs(before), 1.0) - TOLERANCES.coarse,
         1.1 * before - TOLERANCES.coarse,
     )
-    # Short steps are exempt: near a stable equilibrium a small overshoot corrects itself.
+    # Short steps are exempt from the test: near a stable equilibrium a small overshoot corrects
+    # itself.
     far = (
         (np.abs(step) > MOVES.short_move * here.widths)
         | (here.growth < 0.0 <= ahead.growth)
         | (after < -MOVES.small_drive)
     )
-    # If the end of the step is more unstable than its start was stable, the end would run away.
+    # If the state after the step is more unstable than the state before was stable, an end that has
+    # passed an equilibrium would not come back.
     if 0.0 < -here.growth <= ahead.growth:
         allowed = np.where(before > 0.0, -TOLERANCES.coarse, allowed)
-    # A pinned end was at rest, so that it has passed no equilibrium.
+    # A pinned end was at rest before the step, so that it has passed no equilibrium.
     far &= ~first.pinned
     over = (after < allowed) & far
     if float(np.abs(step / here.widths).max()) < MOVES.short_move:
