@@ -10,13 +10,14 @@ import numpy as np
 from contact.formulation.tables import ascending, centred_on
 from sie import Array
 
-# The place stated for a merger or a split is the gap, widened by this fraction on either side.
+# Margin, relative to the width of the gap, by which the stated place of a merger or a split extends
+# beyond the gap on either side.
 _MARGIN = 0.25
 
 
 @dataclass(frozen=True)
 class Change:
-    """One change of the number of zones.
+    """One change of the number of zones between two contacts.
 
     kind: "birth" or "merge"; on the way back "death" or "split". where: the zone that begins or
     vanishes, or the gap between two zones that meet or part, widened by a margin.
@@ -32,7 +33,7 @@ class Change:
 
     @property
     def ahead(self) -> bool:
-        """Whether the change is found with the zones of the earlier contact.
+        """Whether the exact change is found with the zones that exist before the change.
 
         The condition of the change is smooth with the zones without the one that begins, or with
         the two as one.
@@ -43,7 +44,7 @@ class Change:
 def changes(
     before: Array, after: Array, period: float | None, only_grows: bool, shared: float = 0.0
 ) -> list[Change]:
-    """Changes from the zones of one contact (n, 2) to those of another (m, 2).
+    """Births, mergers, deaths and splits of zones, from `before` (n, 2) to `after` (m, 2).
 
     only_grows: no zone vanishes or parts. shared: see `overlapping`.
     """
@@ -54,7 +55,7 @@ def changes(
 def overlapping(
     zones: Array, a: float, b: float, period: float | None, shared: float = 0.0
 ) -> Array:
-    """The zones (k, 2), moved by periods, that overlap the one from a to b.
+    """The zones (k, 2), moved by whole periods, that overlap the zone from a to b.
 
     shared: the least overlap, divided by the width of the narrower of the two zones.
     """
@@ -67,7 +68,7 @@ def overlapping(
 def _grown(
     low: Array, high: Array, period: float | None, shared: float, birth: str, merger: str
 ) -> list[Change]:
-    """Changes from zones `low` to zones `high`: births and mergers, under the given names."""
+    """Births and mergers from the zones `low` to the zones `high`, named `birth` and `merger`."""
     found = []
     for a, b in high.tolist():
         parts = overlapping(low, a, b, period, shared)

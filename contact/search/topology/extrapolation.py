@@ -29,13 +29,13 @@ from sie import Array, Index, Mask, record
 
 @record
 class CurvePoint(sie.Kept):
-    """A solution on the curve, with the rates of its ends along the curve."""
+    """A solution on the curve, with the rates of its zone ends along the curve."""
 
     solution: Solution
 
     @property
     def fields(self) -> ZoneFields | GapFields | None:
-        """The fields of the solution if they have rates, else None."""
+        """The fields of the solution if they give rates of the ends, else None."""
         fields = self.solution.fields
         return fields if isinstance(fields, ZoneFields | GapFields) else None
 
@@ -47,7 +47,7 @@ class CurvePoint(sie.Kept):
 
     @property
     def at(self) -> float:
-        """The logarithm of the control's value."""
+        """The logarithm of the value of the control."""
         return float(np.log(self.solution.scene.control[1]))
 
     @cached_property
@@ -64,7 +64,7 @@ class CurvePoint(sie.Kept):
 
     @cached_property
     def rates(self) -> tuple[Array, Array]:
-        """Rates per unit of the logarithm of the control's value.
+        """Rates of the ends and of the least gaps, per unit of ln(value of the control).
 
         Returns the outward rates of the ends (n, 2) and the rates at which the least gaps open
         (k,).
@@ -74,26 +74,27 @@ class CurvePoint(sie.Kept):
         outward, opening = fields.rates(self.lowest[:, 0])
         if self.solution.scene.held(Quantity.WIDTH) is None:
             return outward, opening
-        # These rates are per unit of ln(load); the control is the width, so they are converted.
+        # These rates are per unit of ln(load). As the control is the width, they are converted to
+        # rates per unit of ln(width).
         per_width = float(np.diff(self.zones, axis=1).sum()) / float(outward.sum())
         return outward * per_width, opening * per_width
 
     @cached_property
     def zone_motion(self) -> Motion:
-        """Motion of the zones."""
+        """Middles and squared half widths of the zones, and their rates along the curve."""
         left, right = self.rates[0].T
         return Motion.of(self.zones, -left, right)
 
     @cached_property
     def gap_motion(self) -> Motion:
-        """Motion of the gap to the right of each zone; the last one crosses the border."""
+        """Motion of the gap to the right of each zone; the last gap crosses the period's border."""
         left, right = self.rates[0].T
         return Motion.of(gaps_between(self.zones, self.problem.period), right, -np.roll(left, -1))
 
 
 @record
 class Motion:
-    """Intervals (n, 2) and their rates along the curve.
+    """Intervals (n, 2), and how fast their middles and widths change along the curve.
 
     values: middles and squared half widths (2, n). rates: the rates of the values (2, n).
     """
@@ -104,7 +105,7 @@ class Motion:
 
     @classmethod
     def of(cls, table: Array, left: Array, right: Array) -> Motion:
-        """Motion of intervals, from the rates of their left and right ends."""
+        """Motion of the intervals `table`, from the rates of their left and right ends."""
         with np.errstate(invalid="ignore"):
             half = 0.5 * (table[:, 1] - table[:, 0])
             values = np.array([0.5 * (table[:, 0] + table[:, 1]), half**2])
@@ -115,7 +116,7 @@ class Motion:
 
 
 def extrapolated(previous: tuple[CurvePoint, ...], at: float) -> tuple[Array, int]:
-    """Extrapolated scaled zones (n, 2), and the number of zones that come or go.
+    """Extrapolated scaled zones (n, 2), and the number of zones and gaps that come or go.
 
     at: the logarithm of the control's value. The table is empty where the zones fill the period.
     """
@@ -132,7 +133,7 @@ def extrapolated(previous: tuple[CurvePoint, ...], at: float) -> tuple[Array, in
 
 
 def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
-    """The last points in the same units, at different values, the nearest first."""
+    """The last points on the curve with the same units, at different values, the nearest first."""
     last, known = previous[-1], [previous[-1]]
     for one in reversed(previous[:-1]):
         if (
@@ -146,7 +147,7 @@ def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
 
 
 def _extrapolate(known: list[Motion], away: list[float], period: float | None) -> Array:
-    """Middles and squared half widths (2, n) of the intervals of the nearest point.
+    """Extrapolated middles and squared half widths (2, n) of the nearest point's intervals.
 
     away: distance of each point from the wanted value, in the logarithm. Each interval is
     extrapolated from all successive points that have it.
@@ -173,7 +174,7 @@ def _extrapolate(known: list[Motion], away: list[float], period: float | None) -
 
 
 def _hermite(away: Array) -> tuple[Array, Array]:
-    """Weights of the values, and of the rates, in Hermite's interpolation at 0 from `away`."""
+    """Weights of values and of rates at the places `away`, for Hermite interpolation at 0."""
     differences = away[:, None] - away
     np.fill_diagonal(differences, 1.0)
     others = ~np.eye(len(away), dtype=bool)
@@ -183,7 +184,7 @@ def _hermite(away: Array) -> tuple[Array, Array]:
 
 
 def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, Array]:
-    """For each interval its partner in another table, else -1, and the shift to it by periods.
+    """Index of each interval's partner in `other`, or -1, and the partner's shift by periods.
 
     Partners overlap each other and no third interval.
     """
@@ -223,7 +224,8 @@ def _joined(last: CurvePoint, zones: Array, gaps: Array) -> tuple[Array, int]:
     width, gap = (motion.values[1] for motion in (last.zone_motion, last.gap_motion))
     before = np.roll(gap, 1)
     half, lost = _half_widths(zones[1], width)
-    # Newton's method on the zones cannot drop a gap, so that a doubtful gap counts as closed.
+    # Newton's method for the zones cannot remove a gap. A gap that may have closed is therefore
+    # taken as closed.
     by_gaps = isinstance(last.fields, GapFields)
     half_gap, closed = (
         _half_widths(gaps[1], gap)
@@ -243,18 +245,18 @@ def _joined(last: CurvePoint, zones: Array, gaps: Array) -> tuple[Array, int]:
 
 
 def _half_widths(square: Array, before: Array) -> tuple[Array, Mask]:
-    """Half widths from extrapolated squares and the last ones, and which have vanished.
+    """Half widths from extrapolated squares, and a mask of the intervals that have vanished.
 
     An interval that may have vanished keeps a small half width.
     """
-    # An interval has certainly vanished if it would also vanish after half of the step. Newton's
-    # method drops the others if need be.
+    # An interval counts as vanished only if it also vanishes after half of the step. Newton's
+    # method removes other intervals if necessary.
     gone = square <= -0.5 * (before - square)
     return np.sqrt(np.maximum(square, SEARCH.doubtful_part**2 * before)), gone
 
 
 def _remaining(left: Array, right: Array, lost: Mask, closed: Mask, period: float | None) -> Array:
-    """The zones that have not vanished, merged where the gap between them has closed.
+    """The zones that have not vanished; zones are merged if the gap between them has closed.
 
     The table is empty where all gaps have closed, as contact is full.
     """
@@ -265,7 +267,7 @@ def _remaining(left: Array, right: Array, lost: Mask, closed: Mask, period: floa
 
 
 def _with_new(zones: Array, last: CurvePoint, away: float) -> Array:
-    """The zones together with new ones where the extrapolated gap is negative."""
+    """The zones, with new zones at the places where the extrapolated gap is negative."""
     place, value, bend = last.lowest.T
     change = away * last.rates[1]
     depth = np.where(
@@ -283,7 +285,7 @@ def _with_new(zones: Array, last: CurvePoint, away: float) -> Array:
         np.where(before >= 0, gaps[before, 0], -np.inf),
         np.where(before >= 0, gaps[before, 1], zones[0, 0]),
     )
-    # A new zone reaches at most halfway to its neighbours.
+    # A new zone reaches at most halfway to the neighbouring zones.
     room = 0.5 * np.minimum(place - low, high - place)
     new = np.flatnonzero((depth > 0.0) & (bend > 0.0) & (room > 0.0))
     half = np.minimum(half, room)[new]

@@ -11,12 +11,12 @@ import sie
 from contact.errors import NotConverged, OutOfRange
 from sie import Array, record
 
-# This text is part of every message that refuses a strip.
+# Advice that is part of every error message about the strip of a localized model.
 EXACT = "interaction = Periodic() needs no strip"
 
 
 class WrongTopology(Exception):
-    """Raised if corrections of the intervals do not lead to ones that pass the certificate.
+    """Raised if corrections of the intervals lead to none that pass the certificate.
 
     It is raised within a search only, which returns its `failure`. free: the last Newton result.
     """
@@ -47,7 +47,7 @@ class Failure:
 
     @property
     def unresolved(self) -> bool:
-        """Whether the modes of the last Newton result do not resolve the equation."""
+        """Whether the last Newton result had too few modes to resolve the equation."""
         return self.free is not None and self.free.unresolved
 
 
@@ -55,7 +55,7 @@ NOT_APPLICABLE = Failure("not a scene for this way")
 
 
 def attempted(strategy: Callable[[], Any]) -> Any:
-    """The outcome of a strategy, or a Failure in place of an error that it raises."""
+    """The outcome of a strategy; if the strategy raises an error, a Failure with this error."""
     try:
         return strategy()
     except (OutOfRange, NotConverged) as refusal:
@@ -63,7 +63,7 @@ def attempted(strategy: Callable[[], Any]) -> Any:
 
 
 def same(table: Array, other: Array) -> bool:
-    """Whether two tables have the same intervals, to a millionth of their widths."""
+    """Whether two tables contain the same intervals, to a millionth of the intervals' widths."""
     return table.shape == other.shape and bool(
         np.all(np.abs(table - other) <= 1e-6 * (table[:, 1:] - table[:, :1]))
     )

@@ -25,7 +25,7 @@ from sie import Array, record
 
 @record
 class GapForm:
-    """A scaled problem with the slope of its gaps as the unknown.
+    """A scaled contact problem with the slope of the gap as the unknown function.
 
     relief: minus the pressure of full contact, without its mean. most_steps: limit of Newton steps;
     if so few do not suffice, the contact is better solved by its zones.
@@ -37,10 +37,10 @@ class GapForm:
     most_steps: int = 25
 
     def equation(self, control: Control) -> sie.Equation:
-        """The equation of the slope of the gap.
+        """The integral equation for the slope of the gap.
 
-        The mean pressure is the unknown amplitude of a column. Subtracting it from the right side
-        instead would cancel most digits of both.
+        The mean pressure is the unknown amplitude of a constant term. Subtracting it from the right
+        side instead would cancel most digits of both.
         """
         problem, slope = self.problem, self.problem.forcing
         right = sie.Forcing(
@@ -58,7 +58,7 @@ class GapForm:
         )
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
-        """The gaps with free ends."""
+        """The gaps `table` as intervals with free ends."""
         if len(table) == 0:
             raise WrongTopology(
                 "no gap is left: they are narrower than rounding can tell from full contact", None
@@ -66,7 +66,7 @@ class GapForm:
         return sie.Zones.of(table)
 
     def moved(self, control: Control, zones: sie.Zones, newton: NewtonSettings) -> sie.Free:
-        """The gaps with their ends found by Newton's method."""
+        """The gaps, with their ends found by Newton's method."""
         newton = replace(newton, modes_like=None)
         return newton.ends(self.equation(control), zones, self.most_steps, signs=(1.0, -1.0))
 
@@ -91,10 +91,10 @@ class GapForm:
         return GapFields(self.problem, free.state, load / self.problem.repeat_length, self.relief)
 
     def refuse(self, table: Array, free: sie.Free) -> None:
-        """Refuse nothing: gaps may vanish or meet, and none is lost by rounding."""
+        """Do nothing: every result is accepted, as no gap is lost by rounding."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> GapFields:
-        """Fields of the gaps under the mean pressure that was found."""
+        """Fields of the gaps under the mean pressure that was found with the gaps."""
         state, mean = free.state, float(free.density.amplitudes[0])
         if control.load is None:
             equation = self.equation(Load(mean * self.problem.repeat_length))
@@ -104,16 +104,16 @@ class GapForm:
         return GapFields(self.problem, state, mean, self.relief)
 
     def certificate(self, fields: GapFields, control: Control, few: float = 0.0) -> Certificate:
-        """The check of signs on the whole period."""
+        """The check of the signs of pressure and gap on the whole period."""
         return certify_gaps(fields)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
-        """The gaps without parts that interpenetrate, and new gaps where pressure is negative."""
+        """The gaps, cut where the bodies overlap, and new gaps where the pressure is negative."""
         parts = np.concatenate((without(zones.table, certificate.overlaps), certificate.negative))
         return united(parts, self.problem.repeat_length, True, self.what)
 
     def solved(self, round: Round[SolvedGaps]) -> SolvedGaps:
-        """The result of a round that passed."""
+        """The solution made from a round whose signs passed the check."""
         free, fields, control = round.free, round.fields, round.control
         return SolvedGaps(
             free,
@@ -131,7 +131,7 @@ class GapForm:
 
 
 def _rounding_of_mean(control: Control, fields: GapFields) -> float:
-    """Rounding error of the mean pressure under a given approach, else 0.
+    """Rounding error of the mean pressure if the approach is given, else 0.
 
     The approach is a difference of numbers of the size of the profile, and hardly changes near full
     contact.

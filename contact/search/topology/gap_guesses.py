@@ -24,26 +24,26 @@ class GapGuesses:
 
     @property
     def period(self) -> float:
-        """The scaled period."""
+        """The period in scaled variables."""
         return self.relief.period
 
     @property
     def x(self) -> Array:
-        """Places of the samples."""
+        """Scaled places at which the relief R is sampled."""
         return self.relief.samples[0]
 
     @property
     def value(self) -> Array:
-        """Samples of the relief R."""
+        """Values of the relief R at the sampled places."""
         return self.relief.samples[1]
 
     @property
     def step(self) -> float:
-        """Distance of the samples."""
+        """Distance between neighbouring samples of the relief."""
         return self.period / len(self.x)
 
     def gaps(self, mean: float) -> Array:
-        """First guesses (n, 2) under a mean pressure.
+        """First guesses (n, 2) of the gaps under a mean pressure.
 
         They are the runs of samples of R above the mean pressure, widened as a lone gap in a
         parabola of R would be, and lone gaps over kinks.
@@ -69,11 +69,12 @@ class GapGuesses:
             )
         if len(valleys):
             return united(valleys, self.period, True, "gap")
-        # No sample is above the mean pressure: the gap about the maximum of R lies between samples.
+        # No sample of the relief R is above the mean pressure. The only gap lies about the maximum
+        # of R, between two samples.
         return self._about(*maximum(self.relief, np.append(self.x, self.x[0] + self.period)), mean)
 
     def mean_of(self, width: float) -> float:
-        """The mean pressure whose first guess leaves about this width in contact."""
+        """The mean pressure at which the first guess of the gaps leaves this width in contact."""
         finite = self.value[np.isfinite(self.value)]
         low, high = float(finite.min()), float(finite.max())
         while self._open(high) > self.period - width and high < 1e3 * (1 + float(finite.max())):
@@ -86,7 +87,7 @@ class GapGuesses:
         return middle
 
     def _open(self, mean: float) -> float:
-        """Total width of the first guess of the gaps."""
+        """Total width of the first guess of the gaps; the period if the gaps fill it."""
         try:
             table = self.gaps(mean)
         except WrongTopology:
@@ -94,7 +95,7 @@ class GapGuesses:
         return float(np.sum(table[:, 1] - table[:, 0]))
 
     def _about(self, place: float, highest: float, mean: float) -> Array:
-        """The gap (1, 2) about a maximum of R, taken as a parabola; none if R is below the mean."""
+        """The gap (1, 2) about a maximum of the relief; none if below the mean pressure."""
         sides = np.asarray(self.relief(np.array([place - self.step, place + self.step])))
         bend = 2 * highest - float(sides.sum())
         if highest <= mean or not bend > 0:
@@ -103,7 +104,7 @@ class GapGuesses:
         return np.array([[place - half, place + half]])
 
     def _placed(self, seen: Array, mean: float) -> Array:
-        """The gaps, those of few samples placed about the maximum of R between the samples."""
+        """The gaps `seen`; very narrow ones are replaced by gaps about a maximum of the relief."""
         out = []
         for row in seen:
             if row[1] - row[0] < NARROW * self.step:
@@ -129,7 +130,7 @@ class GapGuesses:
         return {}
 
     def _over_kinks(self, mean: float) -> Array:
-        """Lone gaps over the kinks of valleys that the samples do not resolve.
+        """Single gaps over kinks of valleys, where the samples do not resolve the gap.
 
         Gaps too narrow to have two different ends in double precision are left out.
         """
@@ -141,12 +142,12 @@ class GapGuesses:
 
     @cached_property
     def _valleys(self) -> tuple[Index, Array]:
-        """Indices of the kinks of valleys, and R at each without that kink's own logarithm."""
+        """Indices of kinks in valleys; the relief at each kink, without this kink's logarithm."""
         kinks = np.flatnonzero(self.relief.heights < 0)
         return kinks, self.relief.without_own(kinks)
 
     def _runs(self, above: Mask, mean: float) -> Array:
-        """The runs of samples of R above the mean pressure, widened by the factor sqrt(2).
+        """Runs of samples of the relief R above the mean pressure, widened by the factor sqrt(2).
 
         Each run extends from one crossing of the mean pressure to the next.
         """
@@ -158,7 +159,7 @@ class GapGuesses:
             np.clip(np.roll(self.value, -shift), -highest, highest),
         )
         first, last = np.array(runs_of(above)).T
-        # The crossings of the level lie between samples.
+        # The relief crosses the mean pressure between two samples; the crossing is interpolated.
         before, after = value[first - 1] - mean, value[(last + 1) % len(x)] - mean
         a = x[first] - self.step * (value[first] - mean) / (value[first] - mean - before)
         b = x[last] + self.step * (value[last] - mean) / (value[last] - mean - after)

@@ -6,18 +6,18 @@ from contact.formulation import tables
 from contact.search.topology.failure import WrongTopology
 from sie import Array, Index
 
-# Width of a new zone, divided by the width of the overlap of the bodies that it removes: 1 /
-# sqrt(2) in Hertz's contact of spheres, and about that in the plane.
+# Width of a new zone, divided by the width of the overlap of the bodies that it removes. This ratio
+# is 1 / sqrt(2) in Hertz's contact of spheres, and about the same in plane contact.
 NEW_ZONE = 0.7
 
 
-# Number of samples, or cells of a grid, below which an interval is not resolved.
+# An interval is not resolved if it contains fewer samples or grid cells than this.
 NARROW = 3
 
 
 def without(table: Array, parts: Array) -> Array:
-    """The intervals `table` (n, 2) after `parts` (m, 2) are cut out; both are ascending."""
-    # Only the few intervals that a part overlaps are cut one by one.
+    """The intervals `table` (n, 2) after `parts` (m, 2) are cut out; both arrays are ascending."""
+    # Few intervals overlap a part. Only these are cut, one by one.
     first = np.searchsorted(parts[:, 1], table[:, 0], side="right")
     after = np.searchsorted(parts[:, 0], table[:, 1], side="left")
     rows = []
@@ -34,7 +34,7 @@ def without(table: Array, parts: Array) -> Array:
 
 
 def merged(table: Array, met: Index, period: float | None) -> Array:
-    """The intervals, where each one whose index is in `met` is merged with the next one.
+    """The intervals; each interval whose index is in `met` is merged with the next one.
 
     With a period, the last one is merged with the first one of the next period.
     """

@@ -35,7 +35,7 @@ Kind = TypeVar("Kind", bound=Solved)
 
 @dataclass(frozen=True)
 class RoughRoundOptions:
-    """First rounds of very many intervals, whose ends are found to a loose relative tolerance.
+    """First rounds for very many intervals, whose ends are found only to a loose tolerance.
 
     The first guess of so many intervals never has the right number. Rough rounds correct most of it
     at a fraction of the cost. Their tolerance is that of all rough solutions.
@@ -51,7 +51,7 @@ MAX_ROUNDS = 12
 
 
 class Formulation(Protocol[Kind]):
-    """The unknown function and its intervals, as the loop needs them.
+    """The unknown function and its intervals, which are contact zones or gaps.
 
     Either the pressure on zones (`pressure_form`), or the slope of the gap on gaps (`gap_form`).
     what: "zone" or "gap".
@@ -64,31 +64,31 @@ class Formulation(Protocol[Kind]):
     def what(self) -> str: ...
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
-        """The proposed intervals with their kinds of ends.
+        """The proposed intervals `table` with the kinds of their ends.
 
         Raises WrongTopology if they cannot be those of a contact.
         """
 
     def moved(self, control: Control, zones: sie.Zones, newton: NewtonSettings) -> sie.Free:
-        """The intervals with their ends found by Newton's method."""
+        """The intervals, with their ends found by Newton's method."""
 
     def refuse(self, table: Array, free: sie.Free) -> None:
-        """Raise WrongTopology if Newton's result, found from this table, leads to no solution."""
+        """Raise WrongTopology if Newton's result, found from `table`, can lead to no solution."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> Any:
-        """Fields of the intervals under the load that they have."""
+        """Fields of the intervals under the total load that Newton's method found with them."""
 
     def certificate(self, fields: Any, control: Control, few: float = 0.0) -> Certificate:
         """The check of signs on the whole line. few: fraction of all ends that are unconverged."""
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
-        """New intervals (n, 2), corrected where the certificate's signs fail."""
+        """New intervals (n, 2), changed where pressure or gap has the wrong sign."""
 
     def solved(self, round: Round) -> Kind:
-        """The result of a round that passed."""
+        """The solution made from a round whose signs passed the check."""
 
     def is_slight(self, found: Kind) -> bool:
-        """Whether the number of intervals depends on a sign that is as small as the error."""
+        """Whether the number of intervals depends on a pressure or gap as small as its error."""
 
 
 @record
@@ -121,7 +121,7 @@ class NewtonSettings:
     def ends(
         self, equation: sie.Equation, zones: sie.Zones, max_steps: int, **options: Any
     ) -> sie.Free:
-        """The ends of the intervals of an equation; options: those of `sie.NewtonOptions`."""
+        """The ends of intervals, by `sie.find_ends`. options: fields of `sie.NewtonOptions`."""
         return sie.find_ends(
             equation,
             zones,
@@ -173,7 +173,7 @@ def refine_topology(
     observer: Observer = SILENT,
     formal: bool = False,
 ) -> Kind | Failure:
-    """Intervals that pass the certificate, from proposed ones (n, 2), or a Failure.
+    """Intervals that pass the certificate, from proposed intervals (n, 2), or a Failure.
 
     formal: the proposed intervals are kept, whatever the signs, as for a reference solution.
     """
@@ -182,15 +182,15 @@ def refine_topology(
         for found in _Loop(form, control, newton, observer, formal).rounds(table):
             if formal or found.tolerance <= LEAST or not form.is_slight(found):
                 return found
-            # A minimum of the pressure as small as the error may be a gap: the loop continues with
-            # the smallest tolerance to find out.
+            # A minimum of the pressure as small as its error may be a gap. To find out, the loop
+            # continues with the smallest tolerance.
             slight = slight or found
     except WrongTopology as wrong:
         if slight is None:
             return wrong.failure
     assert slight is not None
-    # Even at the smallest tolerance, round-off is larger than the minimum of the pressure that may
-    # be a gap. The result is returned and marked as undecided.
+    # Even at the smallest tolerance, round-off is larger than the small pressure or gap. The result
+    # is returned and marked as undecided.
     return replace(slight, certificate=replace(slight.certificate, undecided=True))
 
 
@@ -212,7 +212,7 @@ class _Loop(Generic[Kind]):
         self.removals = 0
 
     def rounds(self, table: Array) -> Iterator[Kind]:
-        """Yield the results that pass, at the wanted tolerance and then at the smallest one."""
+        """Yield results that pass, first at the wanted tolerance and then at the smallest one."""
         self._begin_roughly(len(table))
         free: sie.Free | None = None
         done = 0
@@ -220,8 +220,8 @@ class _Loop(Generic[Kind]):
             done += 1
             if self.observer.progress is not None:
                 self.observer.progress(f"{self.form.what}s", done, None)
-            # The last result of many intervals takes much memory, so it is freed before the next
-            # solve.
+            # The last result of many intervals takes much memory, so this memory is freed before
+            # the next solve.
             before = None if free is None or free.state.iterated else free
             free = None
             free = self._ends_from(table, before)
@@ -248,7 +248,7 @@ class _Loop(Generic[Kind]):
         raise WrongTopology(f"the number of {self.form.what}s did not settle", free)
 
     def _begin_roughly(self, count: int) -> None:
-        """Begin very many intervals of an unknown number with rough rounds."""
+        """Make the first rounds rough if there are very many intervals of uncertain number."""
         newton = self.newton
         known = newton.initial_error < 1.0 or newton.abandon_if_far or newton.max_steps
         if count >= ROUGH.min_intervals and not (self.formal or known):
@@ -295,7 +295,7 @@ class _Loop(Generic[Kind]):
         )
 
     def _without_lost(self, free: sie.Free) -> tuple[Array, bool]:
-        """The remaining intervals, and whether this solve does not count as a round.
+        """The intervals that did not vanish, and whether this solve does not count as a round.
 
         Intervals that vanished are dropped, those that met are merged. Among very many intervals
         some vanish in almost every rough solve, so that such a solve does not count.
@@ -313,7 +313,7 @@ class _Loop(Generic[Kind]):
         return table, True
 
     def _checked(self, free: sie.Free, number: int) -> Round[Kind]:
-        """The round with its fields and the check of their signs."""
+        """The round of a Newton result, with the fields and the check of their signs."""
         newton = self.newton
         fields = self.form.fields(self.control, free, newton.tolerance)
         if self.formal:
@@ -326,25 +326,29 @@ class _Loop(Generic[Kind]):
         return Round(free, fields, certificate, number, self.control, newton.tolerance)
 
     def _next(self, here: Round[Kind]) -> Round[Kind] | Array:
-        """The round itself if it passes, else the intervals of the next round."""
+        """The round itself if it passes the check, else the intervals of the next round."""
         if self.newton.tolerance > self.wanted:
             return self._after_rough(here)
         if not here.free.converged:
-            # The failed signs show which intervals are missing.
+            # Intervals in which the pressure or the gap has the wrong sign show which intervals are
+            # missing.
             is_missing = not here.certificate.holds
             self.newton = replace(self.newton, allow_loss=is_missing)
             zones = here.free.density.zones
             return self.form.corrected(zones, here.certificate) if is_missing else zones.table
         if here.certificate.holds:
             return here
-        # The stated error makes the next solve start as precisely as this one. Without it, that
-        # solve would begin roughly and lose intervals whose pressure is small.
+        # After an iterative solve, this initial error makes the next solve as precise as the
+        # present one. Otherwise the next solve would begin roughly and lose intervals whose
+        # pressure is small.
         known = self.newton.tolerance if here.free.state.iterated else 1.0
         self.newton = replace(self.newton, initial_error=known)
         return self._after_failed_signs(here)
 
     def _after_rough(self, here: Round[Kind]) -> Array:
-        """The intervals after a rough round, corrected where signs fail beyond the error of ends.
+        """The next intervals after a rough round, corrected where signs are wrong.
+
+        Wrong signs that the error of an end may explain are not corrected.
 
         The next round has the wanted tolerance.
         """
@@ -362,7 +366,10 @@ class _Loop(Generic[Kind]):
         return self.form.corrected(zones, certificate)
 
     def _after_failed_signs(self, here: Round[Kind]) -> Array:
-        """The intervals after a converged round whose signs fail: corrected, or more precise."""
+        """The next intervals after a converged round with wrong signs.
+
+        The intervals are corrected, or solved again with the smallest tolerance.
+        """
         form, newton, free = self.form, self.newton, here.free
         table = free.density.zones.table
         tighter, is_tight = replace(newton, tolerance=LEAST), newton.tolerance <= LEAST
@@ -380,8 +387,8 @@ class _Loop(Generic[Kind]):
         self.tried.append((newton.tolerance, table))
         if not repeats:
             return corrected
-        # The number of intervals alternates between two values: an error of ends makes the signs of
-        # one of them fail.
+        # The same intervals come back, so the number of intervals alternates between two values.
+        # For one of these, the signs fail only by an error of the ends.
         if is_tight:
             raise WrongTopology(f"the number of {form.what}s did not settle", free)
         self.tried[-1] = (tighter.tolerance, table)
@@ -390,7 +397,7 @@ class _Loop(Generic[Kind]):
 
 
 def end_errors(free: sie.Free, state: sie.AnyState) -> Array:
-    """Bounds (Z, 2) of the errors of the ends, with a margin.
+    """Bounds (Z, 2) of the errors of the ends, enlarged by a safety factor.
 
     Signs closer to an end than this are not checked. state: the solution on the same intervals,
     under the load that they have.
@@ -401,17 +408,17 @@ def end_errors(free: sie.Free, state: sie.AnyState) -> Array:
 
 
 def _is_error(here: Round[Any]) -> bool:
-    """Whether every failed sign lies so close to an end that its error may be the cause."""
+    """Whether errors of nearby ends may explain every interval of a wrong sign."""
     bad = np.concatenate((here.certificate.negative, here.certificate.overlaps))
     return len(bad) > 0 and bool(_are_next_to_ends(here.free, here.fields.state, bad).all())
 
 
 def _are_next_to_ends(free: sie.Free, state: sie.AnyState, bad: Array) -> Mask:
-    """Mask of the intervals `bad` (n, 2) of failed signs that the error of an end may explain."""
+    """Mask of the intervals `bad` (n, 2) of wrong signs that the error of an end may explain."""
     if len(bad) == 0:
         return np.zeros(0, dtype=bool)
     ends, reach = free.density.zones.table.ravel(), end_errors(free, state).ravel()
-    # The two nearest ends on the left and on the right of each interval.
+    # Each interval is compared with the two nearest ends on its left and the two on its right.
     nearest = np.searchsorted(ends, bad.mean(axis=1))[:, None] + np.arange(-2, 2)
     nearest = np.clip(nearest, 0, len(ends) - 1)
     left = np.abs(bad[:, :1] - ends[nearest]) <= reach[nearest]

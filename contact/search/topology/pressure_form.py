@@ -25,14 +25,14 @@ from sie import Array, record, wrapped
 
 @record
 class PressureForm:
-    """A scaled problem with the pressure on its zones as the unknown."""
+    """A scaled contact problem with the pressure on its zones as the unknown function."""
 
     problem: Problem
     what: str = "zone"
     most_steps: int = 40
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
-        """The zones with the kinds of their ends; raises WrongTopology if no contact has them."""
+        """The zones with the kinds of their ends; raises WrongTopology for impossible zones."""
         if len(table) == 0:
             raise WrongTopology("all zones vanished", None)
         _within_strip(self.problem, table)
@@ -41,7 +41,7 @@ class PressureForm:
         return kinds(self.problem, control, table)
 
     def begun(self, table: Array) -> Array:
-        """Proposed zones, ordered so that the period begins in a wide gap.
+        """The proposed zones, ordered so that the period begins in a wide gap.
 
         The equation makes the levels of successive zones equal, so that rounding adds up towards
         the border of the period. A narrow zone at the border would be disturbed by all of it.
@@ -59,7 +59,7 @@ class PressureForm:
         return parted_at_wide(table, problem.period)
 
     def moved(self, control: Control, zones: sie.Zones, newton: NewtonSettings) -> sie.Free:
-        """The zones with their ends found by Newton's method."""
+        """The zones, with their ends found by Newton's method."""
         problem = self.problem
         return newton.ends(
             problem.equation(control),
@@ -100,7 +100,7 @@ class PressureForm:
         return ZoneFields(self.problem, free.state)
 
     def refuse(self, table: Array, free: sie.Free) -> None:
-        """Raise WrongTopology if a narrow gap over the kink of a valley was lost."""
+        """Raise WrongTopology if Newton's method lost a narrow gap over the kink of a valley."""
         valley = _narrow_valley(self.problem, table, free)
         if valley is not None:
             length = valley * self.problem.units.length
@@ -111,7 +111,7 @@ class PressureForm:
             )
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> ZoneFields:
-        """Fields of the zones under the load that they have."""
+        """Fields of the zones under the total load that the search found for them."""
         problem, zones = self.problem, free.density.zones
         _within_borders(problem, zones)
         if control.load is not None:
@@ -122,7 +122,8 @@ class PressureForm:
             for side in (zones.left, zones.right)
         )
         ends = replace(zones, left=left, right=right)
-        # The same zones need the same modes; an iteration begins from their solution.
+        # The zones are unchanged, so they need the same numbers of modes. An iterative solve begins
+        # from the last solution on them.
         sizes = replace(free.state.sizes, value=0.0)
         state = sie.solve_zones(
             problem.equation(Load(total)), ends, max(0.1 * tolerance, 3e-16), sizes
@@ -130,7 +131,7 @@ class PressureForm:
         return ZoneFields(problem, state.with_bounded_ends())
 
     def certificate(self, fields: ZoneFields, control: Control, few: float = 0.0) -> Certificate:
-        """The check of signs and of the load on the whole line."""
+        """The check of the load, and of the signs of pressure and gap on the whole line."""
         return certify(fields, control.load, control, few)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
@@ -146,8 +147,8 @@ class PressureForm:
         width = right - left
         middle, half = 0.5 * (left + right), 0.5 * NEW_ZONE * width
         narrow = SEARCH.doubtful_part * width
-        # Newton's method moves the other end of a narrow new zone outward. A zone that is pinned at
-        # the corner may exist where one with two free ends would vanish.
+        # A zone pinned at the corner may exist where a zone with two free ends would vanish. The
+        # new zone is therefore narrow, and Newton's method moves its free end away from the corner.
         new = np.where(
             (left <= lo)[:, None],
             np.column_stack((left, left + narrow)),
@@ -165,7 +166,7 @@ class PressureForm:
         return table
 
     def solved(self, round: Round[SolvedZones]) -> SolvedZones:
-        """The result of a round that passed."""
+        """The solution made from a round whose signs passed the check."""
         return SolvedZones(
             round.free,
             round.fields,
@@ -189,7 +190,7 @@ class PressureForm:
 
 
 def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
-    """Zones with the kinds of their ends.
+    """The zones `table` with the kinds of their ends.
 
     Ends are pinned at sharp corners, and where the half width is given; others are as the law says.
     """
@@ -226,7 +227,7 @@ def is_symmetric(problem: Problem, table: Array) -> bool:
     if problem.cell is not None and max(-table[0, 0], table[-1, 1]) >= 0.5 * problem.cell:
         return False
     width = table[:, 1] - table[:, 0]
-    # Guesses of mirror images differ by less than a quarter of their widths.
+    # Two guessed zones count as mirror images if they differ by at most a quarter of their width.
     return bool(
         np.all(np.abs(table + table[::-1, ::-1]) <= 0.25 * np.minimum(width, width[::-1])[:, None])
     )
@@ -242,7 +243,7 @@ def _within_strip(problem: Problem, table: Array) -> None:
 
 
 def _within_borders(problem: Problem, zones: sie.Zones) -> None:
-    """Raise WrongTopology for zones outside the known profile, or that fill the period."""
+    """Raise WrongTopology if zones leave the known part of the profile, or fill the period."""
     lo, hi = problem.borders
     if zones.a[0] <= lo or zones.b[-1] >= hi:
         raise WrongTopology(
