@@ -14,6 +14,6 @@ def found(context: SolveContext) -> Outcome:
     refuse_unbounded(context.scene)
     with one_blas_thread(), as_not_converged():
         if context.scene.law.tension:
-            # It is solved as precisely as possible where it is found.
+            # This contact needs no `refined`: the search itself solves it as precisely as possible.
             return cohesive_branch.followed_under_tension(context)
         return refined(context, edge_branch.followed(context), edge_branch.followed)

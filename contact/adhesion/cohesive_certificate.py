@@ -25,12 +25,15 @@ from sie import AnyDensity, Array, record, wrapped
 class CohesiveLimits:
     """Limits of the certificate, and options of the bound of the pressure's error."""
 
-    # Admitted error of the gap at an end of the tension, relative to the reach, besides rounding.
+    # Largest error of the gap at an end of the tension, relative to the reach, with which the
+    # certificate holds. Round-off of the gap is added to this limit.
     reach_error: float = 1e-7
-    # Bound of the ratio of the error of the pressure, at equal normalised position, to that of the
-    # ends. Zones and strips move together, and the slope next to an end is below this.
+    # Bound of the ratio between the error of the pressure, at equal normalised positions in a zone,
+    # and the error of the ends. Zones and strips of tension move together, and the normalised slope
+    # of the pressure next to an end is below this bound.
     pressure_factor: float = 16.0
-    # Least angle of samples of the slope of a zone's pressure from its ends.
+    # Least angle [rad] from the ends of a zone at which the slope of the zone's pressure is
+    # sampled. The cosine of the angle is the normalised position.
     least_angle: float = 0.3
 
 
@@ -140,7 +143,7 @@ def certified(
 
 
 def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> float:
-    """Bound of the error that the ends of the tension contribute.
+    """Bound of the part of the solution's error that is due to the ends of the tension.
 
     It is the larger of the error of the ends, relative to their intervals or zones, and of the
     error of the pressure.
@@ -150,7 +153,8 @@ def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> 
     ends = np.abs(np.linalg.solve(here.rates, here.residual)) + np.abs(
         np.linalg.inv(here.rates)
     ) @ np.full(len(here.residual), rounding)
-    # The load of q is the difference of the tension's and the given one.
+    # The load of the contact pressure q is the sum of the given load and the force of the tension.
+    # Each of the two has round-off.
     load = (
         4.0 * np.finfo(np.float64).eps * (abs(here.load) + curve.stress * float(here.widths.sum()))
     )
@@ -168,7 +172,7 @@ def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> 
 
 
 def _steepness(density: AnyDensity) -> Array:
-    """Steepest slope of the pressure of each zone, times its width, away from its ends (Z,)."""
+    """Largest slope (Z,) of each zone's pressure, away from the zone's ends, times its width."""
     out = np.zeros(len(density.zones))
     for zone, count in enumerate(np.minimum(density.sampling, SAMPLES.profile_samples).tolist()):
         theta = np.linspace(LIMITS.least_angle, np.pi - LIMITS.least_angle, count)
@@ -177,7 +181,7 @@ def _steepness(density: AnyDensity) -> Array:
 
 
 def rounded_load(fields: CohesiveFields) -> float:
-    """Rounding of zones under tension in all of a period.
+    """Relative error of zones due to round-off of the load, for tension on the whole period.
 
     The load of q is the sum of the tension's and the given one, which may nearly cancel.
     """

@@ -18,7 +18,7 @@ from sie import Array, record
 
 @record
 class CohesiveFields(ZoneFields):
-    """The fields of a contact with tension around it.
+    """The fields of a contact with a tension around its zones.
 
     problem: the deformed profile (`TractionLoaded`), whose pressure is q; law_problem: the problem
     with the scene's law; rate: d load/d approach, scaled, None under tension everywhere.
@@ -84,7 +84,7 @@ class CohesiveFields(ZoneFields):
 
     @cached_property
     def loads(self) -> Array:
-        """Loads of the zones, without the tension around them [N/m]."""
+        """Loads [N/m] on the zones, without the tension that acts outside the zones."""
         zones = self.density.zones
         own = self.tension.stress * (zones.b - zones.a)
         for end, _ in self.tension.spreads:
@@ -126,9 +126,10 @@ class CohesiveFields(ZoneFields):
 
     @property
     def _not_pulled(self) -> float:
-        """Integral over zones pinned at corners of (1 - eta) F.
+        """Integral, over zones at corners, of height times the missing fraction of the tension.
 
-        Here eta is the local fraction of the tension and F the height of the profile.
+        The zones are those pinned at sharp corners; the height is that of the profile. The missing
+        fraction is 1 - eta, with the local fraction eta of the tension.
         """
         out, breaks = 0.0, self.pulled.forcing.jumps.broken_at
         for end, zone in self.tension.spreads:
@@ -160,7 +161,7 @@ def fields_of(curve: CohesiveCurve, here: State) -> CohesiveFields | SeparatedFi
 
 
 def scaled_second_variation(here: CohesiveState) -> Array:
-    """The scaled Hessian of the energy with respect to outward motions of the free tension ends.
+    """Scaled Hessian of the energy with respect to outward motions of the free tension ends.
 
     It is d^2 energy/ds_i ds_j times the square roots of the widths of both intervals, divided by
     twice the work of adhesion w.
@@ -172,7 +173,7 @@ def scaled_second_variation(here: CohesiveState) -> Array:
 
 @record
 class CohesiveGapFields(GapFields):
-    """Nearly full contact under tension everywhere, solved by its gaps.
+    """Fields of nearly full contact under tension everywhere, with the gaps as unknowns.
 
     It is the frictionless contact with the uniform tension `stress` (scaled) subtracted.
     """
@@ -186,7 +187,8 @@ class CohesiveGapFields(GapFields):
 
     @property
     def borne_beside(self) -> float:  # type: ignore[override]
-        # The zones carry the whole load of q; the uniform tension on the period is subtracted.
+        # The zones carry the whole load of the frictionless contact. The tension acts on the whole
+        # period, so it multiplies the mean of the profile's height minus the gap.
         own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
         return -self.stress * self.period * own
 

@@ -254,7 +254,7 @@ def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) ->
 def intervals_left(
     curve: CohesiveCurve, value: float, zones: Array, gap_samples: tuple[Array, Array]
 ) -> Array:
-    """The intervals of tension that are left if the gap somewhere in a period exceeds the reach.
+    """The intervals of tension that are left once the gap somewhere in a period exceeds reach.
 
     Raises ContactLost where no contact is left.
     """

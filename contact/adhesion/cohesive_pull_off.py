@@ -24,7 +24,7 @@ from sie import Array
 
 
 def pull_off(curve: CohesiveCurve, here: State) -> State:
-    """The last equilibrium as the control falls.
+    """The last equilibrium with contact as the control falls.
 
     here: an equilibrium; the data of a `StateOutline` suffice.
     """
@@ -54,7 +54,8 @@ def pull_off(curve: CohesiveCurve, here: State) -> State:
             < MOVES.small_part * np.diff(last.table, axis=1).sum()
         ):
             raise
-    # The widest of several zones is taken: if they are alike, all of them touch.
+    # The point is sought in the widest zone. If several zones are alike, any of them will do: all
+    # touch at once.
     widest = int(np.argmax(np.diff(last.zones, axis=1)))
     return touching(curve, last.table, float(last.zones[widest].mean()))
 
@@ -82,7 +83,7 @@ def _highest_within(curve: CohesiveCurve, here: State) -> float:
 
 
 def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
-    """An equilibrium near the least control at which a guide still finds one.
+    """An equilibrium near the least control value at which a guide finds an equilibrium.
 
     The state itself is returned if there is no guide.
     """
@@ -97,7 +98,8 @@ def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
     try:
         least = guide.least_value(here.table, here.value)
     except NotConverged:
-        # Under a fixed approach, zones that recede make others advance: the grid then fails.
+        # Under a fixed approach, zones that recede make other zones advance: then the search on the
+        # grid fails.
         return here
     for control in apart.controls_above(least, here.value):
         rest = receded(curve, here.table, control, guide)
@@ -107,7 +109,7 @@ def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
 
 
 def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State:
-    """The last equilibrium of a contact under tension everywhere.
+    """The last equilibrium, as the control falls, of a contact under tension everywhere.
 
     Either the gap somewhere exceeds the reach first, or the surfaces last touch at one point.
     """
@@ -115,7 +117,8 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
     if rest is not None:
         return pull_off(curve, rest)
     problem, pulled = curve.problem, curve.everywhere
-    # Without contact the only load is the tension's; the approach includes the motion it causes.
+    # Without contact, the force of the tension is the only load. The approach at which contact is
+    # lost includes the displacement due to this force.
     load = -pulled.pulling.total
     lost = (
         load
@@ -143,7 +146,8 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
     )
     if not opened:
         return state
-    # The gap exceeds the reach before contact is lost: intervals of tension begin there.
+    # The gap exceeds the reach before contact is lost. From there on, the tension acts on intervals
+    # only.
     try:
         table = intervals_left(
             curve, high, inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap))
@@ -155,7 +159,7 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
 
 
 def _cut_near_pull_off(curve: CohesiveCurve, zones: Array, value: float) -> State | None:
-    """An equilibrium, its tension cut, near the least control at which a grid finds one.
+    """An equilibrium with tension on intervals, near the least control that a grid finds.
 
     None if the grid gives no answer, or if no gap exceeds the reach.
     """
@@ -175,7 +179,7 @@ def _cut_near_pull_off(curve: CohesiveCurve, zones: Array, value: float) -> Stat
 
 
 def touching(curve: CohesiveCurve, table: Array, at: float) -> StateOutline:
-    """The equilibrium in which the surfaces touch in one point without pressure.
+    """The equilibrium at which the surfaces touch at one point without pressure.
 
     It is near a state whose contact has almost vanished.
     """

@@ -36,8 +36,8 @@ def relaxed(curve: Curve, table: Array, value: float) -> State | None:
                 or float(np.abs(here.residual).max()) > TOLERANCES.coarse
             ):
                 continue
-            # Overlaps are searched for only once the ends are at rest: a search costs as much as
-            # many steps, and overlaps on the way may vanish again.
+            # Overlaps are searched for only once the ends are at rest. A search costs as much as
+            # many steps, and earlier overlaps may vanish again.
             overlaps = curve.within(openings(curve.fields(here, TOLERANCES.rough)).overlaps)
             if len(overlaps) == 0:
                 if here.growth < 0.0:
@@ -52,7 +52,7 @@ def relaxed(curve: Curve, table: Array, value: float) -> State | None:
 
 
 def _changed(curve: Curve, here: State, widest: Array) -> Array | None:
-    """The zones with closed gaps joined, or without lost zones; None if neither happened."""
+    """The zones, joined across closed gaps or without lost zones; None if nothing changed."""
     merged = gradient_flow.closing(curve, here)
     if merged is not None:
         return merged
@@ -63,7 +63,7 @@ def _changed(curve: Curve, here: State, widest: Array) -> Array | None:
 
 
 def _carried(before: Array, widest: Array, table: Array) -> Array:
-    """Largest width so far of each zone, after some have merged, vanished or begun."""
+    """Largest width so far of each zone, after some zones have merged, vanished or begun."""
     width = np.diff(table, axis=1)[:, 0]
     own = [
         float(widest[(before[:, 0] < b) & (before[:, 1] > a)].max(initial=0.0)) for a, b in table
@@ -72,13 +72,13 @@ def _carried(before: Array, widest: Array, table: Array) -> Array:
 
 
 def _step(curve: Curve, here: State) -> tuple[State, Array]:
-    """(next state, step of the ends)."""
+    """(state after the next step down the slope of the energy, step of the ends)."""
     inward, outward = gradient_flow.inward_and_outward(curve, here)
     damped = np.full(len(here.residual), TOLERANCES.coarse)
     for _ in range(LIMITS.max_iterations):
         step = here.damped_step(damped)
-        # Only the ends that would go too far are damped more, so that a zone that separates does
-        # not slow down the others.
+        # Damping is increased only for ends that would move too far. So a zone that separates does
+        # not slow down the other zones.
         far = np.abs(step) > np.where(step > 0.0, outward, inward)
         if far.any():
             damped[far] *= 2.0

@@ -205,7 +205,7 @@ def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
 
 
 def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
-    """Longest steps of the ends (in the direction of the flow, against it), each (2n,)."""
+    """(longest steps of the ends in the direction of the flow, longest steps against it)."""
     inward, outward = inward_and_outward(curve, here)
     if here.corners is not None:
         # An end goes at most to its sharp corner; the step of a pinned end is not limited.

@@ -29,12 +29,12 @@ from sie import Array, Index, Mask, record
 
 @dataclass(frozen=True)
 class InnerContactOptions:
-    """Options of the samples of a contact in intervals of tension."""
+    """Options of the sample points for a contact within intervals of tension."""
 
-    # Distance up to which the gap of an isolated body is sampled, relative to the span of its
-    # zones.
+    # Distance up to which the gap of an isolated body is sampled, relative to the span of its zones
+    # and intervals of tension.
     far: float = 1024.0
-    # Number of refinements of samples about extrema.
+    # Number of times that sample points are added near extrema.
     refinements: int = 3
 
 
@@ -42,11 +42,11 @@ _OPTIONS = InnerContactOptions()
 
 
 class ContactLost(NoState):
-    """No contact is left under a tension."""
+    """Error: no contact is left under a tension."""
 
 
 class EndsCovered(NoState):
-    """A zone reaches ends of intervals of tension; ends: their mask (2m,)."""
+    """Error: zones of contact cover the ends of intervals of tension with the mask `ends` (2m,)."""
 
     def __init__(self, ends: Mask) -> None:
         super().__init__("contact reaches the end of an interval of tension")
@@ -55,7 +55,7 @@ class EndsCovered(NoState):
 
 @record
 class Tolerances:
-    """Tolerances of a contact under tension.
+    """Tolerances for the solution of a contact under tension.
 
     density: of the density. ends: of the last Newton step, relative to the strips of tension next
     to the ends. last: after a smaller step than this, one more is taken without a check, since
@@ -68,7 +68,7 @@ class Tolerances:
 
     @classmethod
     def intermediate(cls, density: float) -> Tolerances:
-        """Tolerances for an intermediate state, whose ends may be rough."""
+        """Tolerances for an intermediate state, whose ends need little accuracy."""
         return cls(density, TOLERANCES.resting_step, TOLERANCES.coarse)
 
 
@@ -79,7 +79,7 @@ def contact_under(
     formal: bool,
     tolerances: Tolerances,
 ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
-    """(fields of the contact pressure q under a tension, sampled gap between the zones).
+    """(fields of the contact pressure q under a tension, sampled gap outside the zones).
 
     control: the control of the contact as a function of the problem; zones: a first guess; formal:
     whether the number of zones is kept and the signs are not checked (the gap is then None).
@@ -112,7 +112,7 @@ def _with_ends(
     tolerances: Tolerances,
     plain: bool,
 ) -> tuple[TractionLoaded, sie.AnyState]:
-    """(problem for the zones found from a first guess, their state).
+    """(problem, state) for the zones whose ends were found from a first guess.
 
     Plain Newton steps are tried first if `plain` is set. If they fail, the engine's search is used:
     it accounts for the interaction of ends across narrow gaps, but does not support sharp corners.
@@ -143,7 +143,7 @@ def _settled(
     zones: Array,
     tolerances: Tolerances,
 ) -> tuple[TractionLoaded, sie.State]:
-    """(problem for the zones, its state) after Newton's method for their ends.
+    """(problem, state) for zones whose ends were found by Newton's method.
 
     The number of zones may only fall.
     """
@@ -173,7 +173,7 @@ def _settled(
         least = np.minimum(width, np.where(shared | pinned, np.inf, np.maximum(room, 1e-300)))
         miss = float(np.abs(step / least).max())
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
-        # Next to narrow strips of tension, round-off may exceed the tolerance.
+        # Next to narrow strips of tension, round-off of the Newton steps may exceed the tolerance.
         if miss < tolerances.ends or (stuck > 2 and miss < 10 * TOLERANCES.resting_step):
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)
@@ -194,7 +194,7 @@ def _settled(
         limit = np.minimum(MOVES.max_move * width, share * room)
         inward = MOVES.max_move * width
         moved = np.where(reaches, room, np.clip(step, -inward, limit))
-        # Newton's method squares the error: one more step suffices and is not checked.
+        # Newton's method squares the error, so one more step suffices. Its result is not checked.
         if float(np.abs(moved / least).max()) < tolerances.last and not reaches.any():
             return solved(_moved(here, zones, moved, reaches))
         shrinks = ((step < -inward) | (pinned & rests)).all(axis=0)
@@ -226,13 +226,14 @@ def _steps(
     with np.errstate(divide="ignore", invalid="ignore"):
         step = np.where(slope > 0, 2 * k / slope, np.copysign(np.inf, k))
     if before is not None and len(before[0]) == len(zones):
-        # After an overshoot the end lies between its last two positions: the secant is used.
+        # After an overshoot, the position of rest lies between the last two positions of the end.
+        # There the secant method is used.
         back = np.array([zones[:, 0] - before[0][:, 0], before[0][:, 1] - zones[:, 1]])
         overshot = np.abs(k) > MOVES.least_part * np.abs(before[1])
         turned = (k * before[1] < 0) & overshot & ~pinned
         step = np.where(turned, back * k / np.where(turned, k - before[1], 1.0), step)
-    # Near the end of an interval, K is linear in the square root of the distance from it: the
-    # Newton step is made in that root.
+    # Near the end of an interval, the intensity K is linear in the square root of the distance from
+    # this end. So the Newton step is made in the square root.
     alone = ~shared & np.isfinite(step) & (room > 0)
     own = np.where(alone, room, 1.0)
     least_root = np.sqrt(MOVES.least_part)
@@ -244,13 +245,13 @@ def _steps(
 
 
 def _moved(pulled: TractionLoaded, zones: Array, moved: Array, reaches: Mask) -> Array:
-    """The zones with ends moved outward; ends that reach a sharp corner are put on it."""
+    """The zones with ends moved outward; ends that reach a sharp corner are put on the corner."""
     zones = zones + np.column_stack((-moved[0], moved[1]))
     return np.where(reaches.T, np.broadcast_to(pulled.corners, zones.shape), zones)
 
 
 def edge_slopes(pulled: TractionLoaded, state: sie.AnyState) -> Array:
-    """The edge slopes A at the ends (2, Z) of p + s, the pressure plus the tension.
+    """The edge slopes A (2, Z) of pressure plus tension, p + s, at the ends of the zones.
 
     If a zone is pinned at a corner, the slope of q at its other end is smaller than that of p + s.
     """
@@ -262,7 +263,7 @@ def edge_slopes(pulled: TractionLoaded, state: sie.AnyState) -> Array:
 
 
 def _pinned(pulled: TractionLoaded, zones: Array, k: Array) -> tuple[Mask, Mask]:
-    """Masks (2, n) of the ends at sharp corners, and of those that stay there.
+    """Masks (2, n) of the ends at sharp corners, and of the ends that stay at their corners.
 
     An end stays if its edge intensity K is compressive, up to round-off.
     """
@@ -271,7 +272,7 @@ def _pinned(pulled: TractionLoaded, zones: Array, k: Array) -> tuple[Mask, Mask]
 
 
 def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
-    """Steps of ends that leave a corner.
+    """Newton steps of the ends that leave a sharp corner.
 
     A narrow strip of width (pi K/2 s)^2 under the tension s has the intensity -K.
     """
@@ -284,14 +285,14 @@ def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
 
 
 def _beside_corners(pulled: TractionLoaded, zones: Array) -> Mask:
-    """Mask (2, n) of the ends whose interval ends at a sharp corner."""
+    """Mask (2, n) of the ends toward which the interval of tension ends at a sharp corner."""
     return np.asarray((_own(pulled, zones) == np.array(pulled.corners)).T)
 
 
 def _reaches(
     pulled: TractionLoaded, zones: Array, k: Array, step: Array, room: Array, shared: Mask
 ) -> Mask:
-    """Mask (2, n) of the ends that move to the sharp corner next to them.
+    """Mask (2, n) of the ends that move all the way to the sharp corner next to them.
 
     They do if their edge intensity K exceeds that of a strip of tension s up to the corner, 2 s/pi
     times the square root of its width.
@@ -322,7 +323,10 @@ def _searched(
     zones: Array,
     tolerances: Tolerances,
 ) -> tuple[TractionLoaded, sie.AnyState]:
-    """The zones found by the engine's search, if they stay within their intervals."""
+    """(problem, state) for zones found by the engine's search for ends.
+
+    If the search fails or the zones leave their intervals, `_settled` is used.
+    """
     equation = pulled.equation(control(pulled))
     for _ in range(LIMITS.max_iterations):
         free = sie.find_ends(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-10)
@@ -345,7 +349,7 @@ def _searched(
 
 
 def _room(pulled: TractionLoaded, zones: Array) -> tuple[Array, Mask]:
-    """The distance of each end (2, n) to the next obstacle, and whether that is another zone.
+    """Distance (2, n) of each end to the next obstacle, and whether this is another zone.
 
     The other obstacle is the end of its interval.
     """
@@ -366,7 +370,7 @@ def _own(pulled: TractionLoaded, zones: Array) -> Array:
 
 
 def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
-    """(zones, united where a gap has closed; `first`, their first widths, united likewise)."""
+    """(zones joined across closed gaps, widths of these zones at the start of the search)."""
     gap = zones[1:, 0] - zones[:-1, 1]
     width = np.diff(zones, axis=1)[:, 0]
     meets = (
@@ -378,7 +382,7 @@ def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
 
 
 def sampled_gap(fields: ZoneFields) -> tuple[Array, Array]:
-    """(sample points without contact, ascending; the gap there)."""
+    """(ascending sample points outside the contact, gap at these points)."""
     pulled = fields.problem
     assert isinstance(pulled, TractionLoaded)
     return samples_with_extremes(
@@ -387,7 +391,7 @@ def sampled_gap(fields: ZoneFields) -> tuple[Array, Array]:
 
 
 def samples_with_extremes(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
-    """Samples of the gap, refined at its extrema by parabolas.
+    """(sample points, gap at these points); points are added at extrema of the gap.
 
     A new zone or interval begins at an extremum with no width, so samples alone would miss it.
     """
@@ -410,7 +414,7 @@ def samples_with_extremes(gap: Callable[[Array], Array], x: Array) -> tuple[Arra
 
 
 def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
-    """Sample points without contact, denser near the ends of zones and of the tension."""
+    """Sample points outside the contact, denser near the ends of zones and of the tension."""
     table, period = pulled.pulling.table, pulled.round
     lo, hi = (
         np.maximum(pulled.borders[0], pulled.corners[0]),
@@ -424,7 +428,8 @@ def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
     else:
         span = float(both.max() - both.min())
         far = _OPTIONS.far * span
-        # Distances that divide the samples outside the zones: each is four times the one before.
+        # Distances from the zones at which the range of the sample points is divided. They form a
+        # geometric series with the ratio 4.
         away = far / 4.0 ** np.arange(1, np.log(4 * _OPTIONS.far) / np.log(4.0))
         marks = np.concatenate((table.ravel(), both.min() - away, both.max() + away))
         left, right = max(lo, both.min() - far), min(hi, both.max() + far)
@@ -441,7 +446,7 @@ def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
     if period is not None and len(kinks):
         kinks = np.concatenate((kinks - period, kinks, kinks + period))
     inner_kinks = [kinks[(kinks > a) & (kinks < b)] for a, b in edges]
-    # The gap may be smallest at a free corner.
+    # The gap may be smallest at a sharp corner that is not in contact.
     free = [
         corner for corner in pulled.corners if np.isfinite(corner) and not np.any(zones == corner)
     ]
@@ -451,7 +456,7 @@ def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
 def _refined(
     fields: ZoneFields, zone: int, place: Array, q: Array, least: float
 ) -> tuple[Array, Array]:
-    """(places, pressure q there) on a zone, refined about minima that may lie below `least`."""
+    """(places on a zone, pressure q there); places are added near minima of the pressure."""
     density, zones = fields.density, fields.density.zones
     for _ in range(_OPTIONS.refinements):
         inner = np.flatnonzero((q >= least) & (reaches(-q) > 0.0))
@@ -475,12 +480,12 @@ def _by_zone(values: Array, counts: Index) -> list[Array]:
 
 
 def signs_hold(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> bool:
-    """Whether q is positive on all zones and no surfaces overlap in the intervals."""
+    """Whether q is positive on all zones and the surfaces do not overlap in the intervals."""
     return _corrected(fields, gap_samples) is None
 
 
 def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | None:
-    """Zones without the parts where q is negative, and with new ones where the surfaces overlap.
+    """The zones without the parts of negative pressure q, and with new zones in overlaps.
 
     None if there are no such places.
     """
@@ -488,8 +493,8 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
     density, (x, gap) = fields.density, gap_samples
     zones, out, changed = density.zones, [], False
     varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
-    # Near the ends the tension makes q vary fast, but its sign does not change there: the samples
-    # need not resolve it.
+    # Near the ends of a zone, the tension makes the pressure q vary fast, but does not change its
+    # sign. So the sample points need not resolve this variation.
     wanted = np.maximum(SAMPLES.sign_samples, 8 * zones.half / varies).astype(np.intp)
     counts = np.minimum(density.sampling, wanted)
     at = [(np.arange(n) + 0.5) * np.pi / n for n in counts]
@@ -510,7 +515,8 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
     rounding = fields.gap_rounding + 2 * float(np.abs(fields.formal_gap(zones.middle)).max())
     free, tension = ~density.locate(x)[2], fields.problem.pulling
     if len(tension.table):
-        # An overlap outside the intervals makes the intervals grow; no zone begins there.
+        # Where surfaces overlap outside the intervals of tension, the intervals grow, but no zone
+        # begins.
         free &= tension.holds(x)
     for s, e in runs_of((gap < -rounding) & free):
         lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
@@ -519,7 +525,7 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
         middle = 0.5 * (x[s] + x[e])
         # The new zone is half as wide as the overlap.
         half = 0.25 * max(x[e] - x[s], 0.2 * (hi - lo))
-        # A zone at a sharp corner begins at the corner.
+        # A new zone at a sharp corner has one end at the corner.
         middle += (
             half
             if x[s] == fields.problem.corners[0]

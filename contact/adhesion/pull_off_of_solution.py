@@ -22,7 +22,7 @@ from contact.solution.quantities import PullOff
 
 @dataclass(frozen=True)
 class PullOffFinder:
-    """Finds the pull-off of a contact on a branch.
+    """A function that finds the pull-off of a contact on a branch.
 
     control: the control under which the contact was found.
     """
@@ -47,7 +47,7 @@ class PullOffFinder:
 def _by_edge_intensity(fields: ZoneFields, control: Control) -> State:
     """The last equilibrium of a contact without tension outside its zones."""
     curve = Curve(fields.problem, control)
-    # Under a fixed approach ends that recede may make others advance.
+    # Under a fixed approach, ends that recede may make other ends advance, which `relaxed` allows.
     recede = receded if control.load is not None else relaxed
     here = curve.at(fields.density.zones.table, control.value)
     return _on_its_zones(
@@ -56,7 +56,7 @@ def _by_edge_intensity(fields: ZoneFields, control: Control) -> State:
 
 
 def _on_its_zones(curve: Curve, last: State) -> State:
-    """The last equilibrium, with the value of its control recomputed from its zones.
+    """The last equilibrium, with the value of the control recomputed from the zones.
 
     The curve may begin at values 1e10 times as large, whose round-off the value would keep. At a
     turning point the residual r changes with the zones in all directions but one, y, the left null

@@ -17,7 +17,7 @@ from sie import Array, record, wrapped
 def integral_outside(
     function: Callable[[Array], Array], pulled: TractionLoaded, zones: Array, spacing: float
 ) -> float:
-    """Scaled integral of a function over the intervals of tension without the zones.
+    """Scaled integral of a function over the intervals of tension outside the zones.
 
     The quadrature has panels no wider than the spacing, with borders where the profile or one of
     its derivatives jumps.
@@ -33,7 +33,7 @@ def integral_on_zones(
 
 
 def _parts_beside(pulled: TractionLoaded, zones: Array) -> list[tuple[float, float]]:
-    """The parts of the intervals outside the zones."""
+    """The parts of the intervals of tension that lie outside the zones."""
     tension, parts = pulled.pulling, []
     for lo, hi in _intervals(tension, zones):
         shifts = (0.0,) if tension.period is None else (-tension.period, 0.0, tension.period)
@@ -126,7 +126,7 @@ class SeparatedFields(NoZones):
 
     @cached_property
     def borne_beside(self) -> float:  # type: ignore[override]
-        """Scaled integral of p (F - gap): pressure times (profile height minus gap)."""
+        """Scaled integral of the pressure times (profile height minus gap)."""
         return -self.tension.stress * integral_outside(
             lambda x: self.pulled.own_shape(x) - self.scaled_gap(x),
             self.pulled,

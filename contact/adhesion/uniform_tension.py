@@ -23,7 +23,7 @@ from contact.formulation.quadrature import gauss
 from contact.formulation.tables import located
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
-# Panels per length over which the regular part varies.
+# Number of quadrature panels on each length over which the kernel's regular part varies.
 _PANELS_PER_LENGTH = 4.0
 
 
@@ -50,14 +50,14 @@ class UniformTension(sie.Kept):
 
     @property
     def spreads(self) -> list[tuple[int, SpreadEnd]]:
-        """The spread ends: (0 for the first end or -1 for the last one, its zone)."""
+        """The spread ends of the tension: (0 for the first end or -1 for the last end, zone)."""
         return [
             (end, zone) for end, zone in zip((0, -1), self.spread, strict=True) if zone is not None
         ]
 
     @property
     def width(self) -> float:
-        """Total width of the intervals."""
+        """Total width of the intervals of tension."""
         if self.everywhere:
             assert self.period is not None
             return self.period
@@ -65,11 +65,11 @@ class UniformTension(sie.Kept):
 
     @property
     def total(self) -> float:
-        """The total force of the tension: the integral of q - p, contact less true pressure."""
+        """Total force of the tension: the integral of contact pressure q minus true pressure p."""
         return self.stress * (self.width - sum(zone.half for _, zone in self.spreads))
 
     def lacks(self, zone: Index | int, last: int, left: Array, right: Array) -> Array:
-        """1 - eta on zones, where eta is the local fraction of the tension.
+        """1 minus the local fraction eta of the tension, at points of the zones.
 
         left, right: distances from the ends of the zones, divided by the half-width.
 
@@ -87,7 +87,7 @@ class UniformTension(sie.Kept):
         return out
 
     def share(self, x: Array) -> Array:
-        """The local fraction eta of the tension: 1 in intervals unless an end is spread, else 0."""
+        """Local fraction eta of the tension: 1 in intervals, 0 outside, between at spread ends."""
         out = self.holds(x).astype(float)
         for end, zone in self.spreads:
             t = nearest_image(x - zone.middle, 0.0, self.period) / zone.half
@@ -96,7 +96,7 @@ class UniformTension(sie.Kept):
         return out
 
     def holds(self, x: Array) -> Mask:
-        """Whether points lie in an interval."""
+        """Whether points lie in an interval of tension."""
         if self.everywhere:
             return np.ones(np.shape(x), dtype=bool)
         if len(self.table) == 0:
@@ -106,13 +106,13 @@ class UniformTension(sie.Kept):
         return np.asarray((x >= self.table[i, 0]) & (x <= self.table[i, 1]))
 
     def slope(self, x: Array) -> Array:
-        """The change s T of the profile's slope by the tension."""
+        """Change of the profile's slope by the tension, at points x."""
         if self.everywhere:
             return np.zeros(np.shape(x))
         return self.stress / np.pi * self._between(self._log_sum, self._spread_log, x)
 
     def height(self, x: Array) -> Array:
-        """The change s V of the profile's height by the tension."""
+        """Change of the profile's height by the tension, at points x."""
         if self.everywhere:
             return np.full(np.shape(x), -self.stress * self.compression)
         out = self._between(self._primitive_sum, self._spread_primitive, x)
@@ -121,7 +121,7 @@ class UniformTension(sie.Kept):
         return self.stress / np.pi * out
 
     def logs(self, x: Array) -> Array:
-        """Potential Lambda at points (P,) of unit loads at the ends of each interval (P, 2 m)."""
+        """Potentials (P, 2 m) at points (P,) due to a unit line load at each interval end."""
         values = self.log(x[:, None] - self.table.ravel())
         for end, zone in self.spreads:
             values[:, end] = self._spread_log(x, zone)
@@ -145,7 +145,7 @@ class UniformTension(sie.Kept):
 
     @cached_property
     def _signs(self) -> Array:
-        """The signs of the ends in the sums; 0 for those that are spread."""
+        """Sign of each end in the sums: 1 for left ends, -1 for right ends, 0 for spread ends."""
         signs = np.tile((1.0, -1.0), len(self.table))
         signs[[end for end, _ in self.spreads]] = 0.0
         return signs
@@ -153,7 +153,7 @@ class UniformTension(sie.Kept):
     def _between(
         self, of_ends: EndSum, spread: Callable[[Array, SpreadEnd], Array], x: Array
     ) -> Array:
-        """The sum over intervals of a function at the left end minus that at the right end."""
+        """Sum over intervals of a function for the left end minus the function for the right end."""
         x = np.asarray(x, dtype=float)
         out = of_ends(x) if len(self.table) else np.zeros(x.shape)
         for end, zone in self.spreads:
@@ -202,7 +202,7 @@ class UniformTension(sie.Kept):
         return np.asarray(out if self.plain else out + self._regular_log(lag))
 
     def _regular_log(self, lag: Array) -> Array:
-        """The potential Lambda without its poles; with a period, without the Hilbert kernel's."""
+        """The potential Lambda without its singular part (poles, or the Hilbert kernel)."""
         whole = self.kernel.regular_potential
         assert whole is not None
         rest = whole(lag, np.zeros(1))
