@@ -60,7 +60,7 @@ class SceneCache(sie.Kept):
 
     @cached_property
     def operator(self) -> Operator:
-        """The elastic operator of the scenes: displacement from pressure."""
+        """The elastic operator of these scenes, which gives the displacement from the pressure."""
         return self.scene.operator
 
     @cached_property
@@ -158,7 +158,7 @@ class SolveContext:
 
     @property
     def operator(self) -> Operator:
-        """The elastic operator of the scene: displacement from pressure."""
+        """The elastic operator of the scene, which gives displacement from pressure."""
         return self.cache.operator
 
     @property

@@ -53,7 +53,7 @@ def found(context: SolveContext) -> Outcome:
         ):
             refused = outcome
         if strategy is _from_previous_zones:
-            # The warm start has the same zones, from which Newton's method would fail once more.
+            # The warm start has the same zones. Newton's method would fail on them once more.
             context = context.with_warm_start(None)
     assert refused is not None and refused.refusal is not None
     raise refused.refusal

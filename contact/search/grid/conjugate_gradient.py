@@ -133,11 +133,11 @@ class Influence:
 
     @property
     def size(self) -> int:
-        """Number of points of the grid, padded by zeros if the body is isolated."""
+        """Number of grid points; for a single body, the points of the padding with zeros count too."""
         return self.n if self.is_periodic else 2 * self.n
 
     def apply(self, p: ArrayLike) -> Array:
-        """Displacement u = S p at the grid points under the pressure p."""
+        """Displacement at the grid points under the pressure p on them."""
         pressure = np.asarray(p, dtype=np.float64)
         u = _multiplied(pressure, self._compliance, self.size)[: self.n]
         return u + self._offset * (float(pressure.sum()) * self.h) if self._offset else u
@@ -175,7 +175,7 @@ def _dot(a: Array, b: Array) -> float:
 
 
 def _multiplied(values: Array, factors: Array, size: int) -> Array:
-    """Values on a grid, padded by zeros to `size`, times factors in Fourier space."""
+    """Values on a grid, padded with zeros, after multiplication by factors in Fourier space."""
     seen = scipy.fft.rfft(values, size)
     seen *= factors
     return np.asarray(scipy.fft.irfft(seen, size, overwrite_x=True))
@@ -192,7 +192,7 @@ def _inverse(stiffness: Array, mean: float = 0.0) -> Array:
 
 
 def _log_cell(m: Array) -> Array:
-    """The integral of ln|m - t| over one cell, -1/2 < t < 1/2, for integers m.
+    """The integral of ln|m - t| over t from -1/2 to 1/2, for integers m.
 
     For large m the antiderivative would cancel, so that log1p is used.
     """
@@ -223,7 +223,10 @@ class _Extension:
         )
 
     def precondition(self, residual: Array) -> Array:
-        """The preconditioner B' D B (head of this module) times `residual`, less the mean."""
+        """An approximate inverse of the operator S, applied to a residual on the contact set.
+
+        It is B' D B (head of this module). The mean of the result is subtracted.
+        """
         v = np.repeat(np.roll(residual, -1) - residual, self.lengths)
         v *= self.along
         v += np.repeat(residual, self.lengths)
@@ -330,7 +333,7 @@ class _Run:
     def conjugate_gradient(
         self, load: float, mask: Mask, guess: Array | None, tol: float, shape: Array | None = None
     ) -> tuple[Array, Array, float, float, bool]:
-        """Pressure p on `mask` for which S p + shape is constant there, under the given load.
+        """Pressure on the points `mask`, under a load, that makes displacement + `shape` constant.
 
         Returns the pressure p, the displacement S p, the constant, the largest error of p as
         estimated by the preconditioner, and whether the tolerance was met.
@@ -413,8 +416,8 @@ class _Run:
         p, tol = guess, max(self.tol, OPTIONS.first_tolerance)
         converged = False
         fewest = self.influence.n
-        # A wrong end moves by a fixed fraction of its error in each solve, so about log2(n) solves
-        # suffice.
+        # A wrong end moves by a fixed fraction of its error in each solve. For n points, about
+        # log2(n) solves therefore suffice.
         for _ in range(OPTIONS.max_stalled + int(4 * np.log2(self.influence.n))):
             before = self.iterations
             p, u, level, error, solved = self.conjugate_gradient(load, mask, p, tol)
@@ -425,9 +428,9 @@ class _Run:
                 tol = finer
                 continue
             gap = u + self.shape - level
-            # The bound `error` is that of the steepest peaks. In a flat region next to these peaks,
-            # wrong pressures are smaller. If only points with pressure below -error were dropped,
-            # the end of the flat region would move by only one cell in each solve.
+            # The largest error, `error`, is that of the steepest peaks. In a flat region next to
+            # these peaks, wrong pressures are smaller. If only points with pressure below -error
+            # were dropped, the end of the flat region would move by only one cell in each solve.
             drop = mask & (p < 0.0)
             add = self.allowed & ~mask & (gap < -error * self.influence.h / self.influence.E)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))

@@ -37,7 +37,7 @@ class NestedGridOptions:
     # Number of cells for each smallest length of a shape. The pressure has up to some 6 zeros in
     # such a length.
     per_feature: int = 16
-    # For a shape with more smallest lengths than this, the grid takes most of the time. Half as
+    # If a shape contains more smallest lengths than this, the grid takes most of the time. Half as
     # many cells for each length are then used. About one zone in a hundred is then missed; the
     # first check of signs adds these zones.
     many_features: int = 2**15
@@ -52,8 +52,8 @@ class NestedGridOptions:
 class WindowOptions:
     """The search for an interval of the line (window) that an isolated contact fills well."""
 
-    # Width of the contact divided by the width of the next window. A window is accepted if this
-    # ratio in it is between half and twice this value.
+    # Width of the contact divided by the width of the next window. A window is accepted if
+    # contact fills at least half and at most twice this fraction of the window.
     filled: float = 0.375
 
 
@@ -164,8 +164,8 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
             a, b = x0 + h * centre - half, x0 + h * centre + half
         else:
             a, b = left - h * float(_to_end(p[0], p[1])), right + h * float(_to_end(p[-1], p[-2]))
-        # The first points out of contact on the left and right of a zone lie outside it, so that
-        # zones neither overlap nor invert.
+        # A zone ends before the first points out of contact on its left and right, so that zones
+        # neither overlap nor invert.
         zones[k] = max(a, left - 0.999 * h), min(b, right + 0.999 * h)
     if between_points:
         gaps = _gaps_between(points, state)

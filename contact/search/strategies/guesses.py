@@ -53,8 +53,8 @@ class GuessOptions:
     # Smallest gap at the border of a strip, relative to the narrowest gap in the table of contacts
     # with one zone (`single_branch`). The modes do not resolve narrower gaps.
     narrowest_border_gap: float = 0.1
-    # If the closed form's zone is wider than this fraction of the largest width, it is useless as a
-    # first guess. If a zone of such a width fails, the reason is narrow gaps.
+    # A zone from the closed form is useless as a first guess if it is wider than this fraction of
+    # the largest width. If a zone of such a width fails, the reason is narrow gaps.
     almost_full: float = 0.99
 
 

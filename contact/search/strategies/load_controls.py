@@ -95,7 +95,7 @@ def at_level(context: SolveContext) -> SolvedZones:
 
 
 def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | SolvedGaps:
-    """The contact of a given contact fraction, from solutions under closer and closer loads."""
+    """The contact of a given fraction, from loads that come closer and closer to its load."""
     problem, control, goal = scaled.problem, scaled.control, context.scene.given_fraction
     assert goal is not None
     smaller_part = min(goal, 1 - goal)
@@ -179,7 +179,7 @@ def _from_grid(
 def _at_jump(
     context: SolveContext, problem: Problem, control: Control, last: Solution
 ) -> SolvedZones | SolvedGaps:
-    """The contact under the load at which the width is the given one, if solving for it fails.
+    """The contact of a given width, solved under its load if solving for the width fails.
 
     It fails where a zone is born or two merge. Raises NotConverged where the fraction jumps with
     the load.
@@ -249,7 +249,7 @@ def _solver_of_loads(context: SolveContext) -> Callable[[float, Solution | None]
         try:
             return context.solve_scene(loaded, SEARCH.intermediate, start, context.progress)
         except NotConverged as failure:
-            # As an intermediate solution, a solution with a larger error is precise enough.
+            # A solution with a larger error is precise enough as an intermediate solution.
             if failure.best is None or not failure.best.error < SEARCH.rough:
                 raise
             return failure.best

@@ -198,7 +198,7 @@ def by_quantity(
     warm_start: Solution | None,
     solve: Callable[[Scene, float, Solution | None], Solution],
 ) -> Solution:
-    """The contact under a user's own control. solve: finds the contact under a load."""
+    """The contact under a user's own control. solve: the function that solves under a load."""
     control, sign = scene.control_object, -1.0 if scene.control_object.falls else 1.0
     tolerance = max(SEARCH.tight_factor * tol, SEARCH.least_error)
     told = AuthorMethod(f"{control.name}.of(solution)", "control")
@@ -220,8 +220,8 @@ def by_quantity(
         SEARCH.light_load * scene.E_star * _length(scene) if warm_start is None else warm_start.load
     )
     best: Solution | None = None
-    # True is in this set if some load gave a quantity above the goal. False is in it if some load
-    # gave a quantity not above the goal.
+    # The set contains True if some load gave a quantity above the goal. It contains False if some
+    # load gave a quantity not above the goal.
     sides: set[bool] = set()
     goal, limits = sign * control.value, KnownLoads(bounded=True)
     for here, load_error in nearer(under, quantity, goal, first, limits):

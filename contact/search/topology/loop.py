@@ -155,7 +155,7 @@ SILENT = Observer()
 
 @record
 class Round(Generic[Kind]):
-    """One round of the loop: Newton's result, its fields and the check of their signs."""
+    """One round of the loop: Newton's result, its fields, and the check of the fields' signs."""
 
     free: sie.Free
     fields: Any
@@ -313,7 +313,7 @@ class _Loop(Generic[Kind]):
         return table, True
 
     def _checked(self, free: sie.Free, number: int) -> Round[Kind]:
-        """The round of a Newton result, with the fields and the check of their signs."""
+        """The round of a Newton result, with the fields and the check of the fields' signs."""
         newton = self.newton
         fields = self.form.fields(self.control, free, newton.tolerance)
         if self.formal:

@@ -135,7 +135,7 @@ class PressureForm:
         return certify(fields, control.load, control, few)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
-        """The zones without parts of negative pressure, and a new zone in every overlap.
+        """The zones without parts of negative pressure, and a new zone where the bodies overlap.
 
         A new zone reaches the corner or the border at which its overlap begins or ends.
         """
@@ -256,7 +256,7 @@ def _within_borders(problem: Problem, zones: sie.Zones) -> None:
 
 
 def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | None:
-    """Width of a gap over the kink of a valley that Newton's method has lost, else None.
+    """Width of the narrow gap over a valley's kink if Newton's method lost this gap, else None.
 
     Such a gap narrows as exp(-pressure) but never closes. It is lost for lack of digits if it is
     narrow beside its zones, and Newton's method closed it or moved it away from its kink.
