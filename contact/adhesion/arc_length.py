@@ -55,7 +55,7 @@ class CurvePoint:
     curvature: Array
 
     def ahead(self, length: float) -> Array:
-        """Predicted displacement (2n + 1,) along the curve after a length, divided by the scales."""
+        """Predicted displacement (2n + 1,) along the curve for a length, divided by the scales."""
         deviation = length**2 * self.curvature[0] + length**3 * self.curvature[1]
         return np.asarray(
             length * self.tangent
@@ -121,7 +121,7 @@ class Step:
         return found
 
     def _about(self, length: float) -> Array:
-        """The predictor inside the step: a cubic through both ends, corrected at known equilibria."""
+        """The predictor within a step: a cubic through both ends, corrected at known equilibria."""
         nodes: list[float] = []
         for node in sorted(self.known, key=lambda k: abs(k - length)):
             if len(nodes) < ARC_OPTIONS.interpolation_nodes and min(

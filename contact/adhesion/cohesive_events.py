@@ -108,7 +108,7 @@ class CohesiveEvents(Events):
         return self.jump(here, place, self._changed(here, place, width, outside), outside)
 
     def _changed(self, here: State, place: float, width: float, begins: bool) -> PathState:
-        """The path state after an interval of tension begins at a place, or is cut at this place."""
+        """The path state after a tension interval begins at a place, or is cut at this place."""
         curve, half, period = self.curve, 0.5 * MOVES.new_width * width, self.curve.problem.round
         if period is not None:
             place -= np.floor((place - here.table[0, 0]) / period) * period

@@ -124,7 +124,7 @@ class CohesiveState(State):
 
     @property
     def rate(self) -> float:
-        """Derivative of the load by the approach along the curve, for a state under a fixed load."""
+        """Derivative of the load by the approach along the curve, for a state under fixed load."""
         ends = np.linalg.solve(-self.rates, self.by_value)
         return float(-1.0 / (self.level_rates[-1] + self.level_rates[:-1] @ ends))
 
@@ -280,7 +280,7 @@ class CohesiveCurve(Curve):
         return np.asarray(new)
 
     def nearest(self, table: Array, value: float) -> PastState:
-        """The known state with as many intervals and the nearest ends, or else the last one known."""
+        """The known state with as many intervals and the nearest ends, else the last one known."""
 
         def away(one: PastState) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)
@@ -412,7 +412,7 @@ class CohesiveCurve(Curve):
         return here.q
 
     def gap(self, here: State, x: Array) -> Array:
-        """The scaled gap at points x; where there is contact, the gap is round-off, not exactly 0."""
+        """The scaled gap at points x; in contact, the gap is round-off and not exactly 0."""
         assert isinstance(here, CohesiveState)
         if here.q is not None:
             return here.q.formal_gap(x)

@@ -302,7 +302,7 @@ class Curve:
         return Curve(self.problem, control)
 
     def again(self, here: State, value: float) -> State:
-        """The state at a value of this curve's control, on the intervals of another curve's state."""
+        """The state at a value of this curve's control, on intervals of another curve's state."""
         return self.at(here.table, value)
 
     def unit(self, here: State) -> float:
@@ -325,7 +325,7 @@ class Curve:
         return self
 
     def has_right_zones(self, here: State) -> bool:
-        """Whether the contact passes the sign tests that the curve `formally` skips; here always."""
+        """Whether the contact passes the sign tests that `formally` skips; here always."""
         return True
 
     def within(self, table: Array) -> Array:
@@ -383,7 +383,7 @@ class Curve:
         )
 
     def gaps(self, table: Array) -> Array:
-        """Widths (n,) of the gaps right of the zones; without a period, the last one is infinite."""
+        """Widths (n,) of the gaps right of the zones; without a period, the last is infinite."""
         return np.asarray(np.diff(gaps_between(table, self.problem.period))[:, 0])
 
     def room(self, table: Array) -> Array:

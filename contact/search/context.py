@@ -93,8 +93,8 @@ class SceneCache(sie.Kept):
 # the scene's solution.
 Solver = Callable[[Scene, float, Progress | None, Solution | None, SceneCache], Solution]
 
-# Tolerance of the zone ends and of the density, divided by the wanted error of the solution. It is
-# below one, as several truncation errors add up.
+# Tolerance of the zone ends and of the density, divided by the wanted error of the solution. This
+# fraction is below one, as several truncation errors add up.
 INNER = 0.1
 
 

@@ -133,7 +133,7 @@ class Influence:
 
     @property
     def size(self) -> int:
-        """Number of grid points; for a single body, the points of the padding with zeros count too."""
+        """Number of grid points, which includes the padding with zeros for a single body."""
         return self.n if self.is_periodic else 2 * self.n
 
     def apply(self, p: ArrayLike) -> Array:

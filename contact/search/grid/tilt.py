@@ -110,7 +110,7 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
     try:
         first: Window | None = window_at_load(scene, Tilted(scene.profile, guess), load)
     except OutOfRange:
-        # At the guessed tilt the body has no lowest place, so that it has no contact there.
+        # At the guessed tilt the body has no lowest place, so that no contact is found.
         first = None
     size = (
         max(abs(centre), *(abs(end) for end in first or (0.0, 0.0)))
