@@ -22,9 +22,10 @@ Two kinds of law differ in the meaning of the intervals and in the residual of t
     cohesive zone (Dugdale)   `CohesiveCurve`: the intervals are where the gap is below the reach,
                               r = 1 - gap/reach; the contact inside them is frictionless
 
-The arc-length follower, the loading path and the pull-off work on a `Curve` and its `Events` and do
-not depend on the law. Files that begin with `cohesive_` override what differs: the intervals
-change (cohesive_flow.py), zones inside them change smoothly (cohesive_events.py), the last zone may
-shrink to a point (cohesive_pull_off.py). The tension itself is in uniform_tension.py and the
-deformed surface under it in deformed_profile.py.
+The arc-length follower and the loading path work on a `Curve` and its `Events` and do not depend on
+the law. Files that begin with `cohesive_` hold what differs: a loop of the gradient flow in which
+the intervals change (cohesive_flow.py); events at which zones inside the intervals change smoothly
+(cohesive_events.py, derived from `Events`); and a pull-off at which the last zone may shrink to a
+point (cohesive_pull_off.py, which uses pull_off.py). The tension itself is in uniform_tension.py
+and the deformed surface under it in deformed_profile.py.
 """

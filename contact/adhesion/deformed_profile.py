@@ -40,7 +40,7 @@ class TractionLoaded(Problem):
     ) -> TractionLoaded:
         """The problem under a scaled tension on intervals, or everywhere on a period."""
         operator = problem.operator
-        # The kernel of a half-plane, alone or with images, has poles only.
+        # The kernel of a half-plane, alone or with periodic images, has poles and no regular part.
         plain = operator.is_half_plane or problem.kernel.regular is None
         tension = UniformTension(
             stress, np.asarray(table), problem.kernel, plain, everywhere, problem.compression
@@ -58,7 +58,7 @@ class TractionLoaded(Problem):
         )
 
     def over(self, zones: Array) -> TractionLoaded:
-        """The problem for given zones.
+        """This problem, with the tension adapted to given zones of contact.
 
         If the first or the last zone is pinned at a sharp corner, the tension's end is spread over
         it.
@@ -79,7 +79,7 @@ class TractionLoaded(Problem):
     def bearing(
         self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array
     ) -> Array:
-        """The contact pressure q = p + s on the zones."""
+        """Pressure plus full tension, p + s, on the zones: the part that the contact itself bears."""
         last, tension = len(density.zones) - 1, self.pulling
         return super().bearing(density, zone, left, right) + tension.stress * tension.lacks(
             zone, last, left, right
@@ -96,8 +96,9 @@ class TractionLoaded(Problem):
 
     @cached_property
     def forcing(self) -> sie.Forcing:
-        # The ends of the intervals, singular points of the slope, lie between the zones. The
-        # profile's slope was checked under the bare law, so this forcing is not checked again.
+        # The slope is singular at the ends of the intervals, which lie outside the zones. The
+        # profile's slope was already checked under the `bare` law, so this forcing is not checked
+        # again.
         bare, ends = super().forcing, self.pulling.table
         return replace(
             bare,

@@ -36,7 +36,7 @@ from sie import Array
 
 
 def followed(context: SolveContext) -> Outcome:
-    """The contact of the scene on the branch that the context names.
+    """The contact of the scene, on the branch of solutions that the context names.
 
     Raises OutOfRange past pull-off.
     """
@@ -87,7 +87,7 @@ def described_way(context: SolveContext) -> str:
 
 
 def _closes(scene: Scene) -> bool:
-    """Whether the greatest contact is all of a period, which sharp corners prevent."""
+    """Whether the greatest contact fills a whole period, which sharp corners would prevent."""
     return scene.period is not None and scene.profile.support is None
 
 
@@ -123,7 +123,7 @@ def curve_of(context: SolveContext) -> tuple[ScaledScene, Curve]:
 
 
 def branch_scaling(context: SolveContext, intensity: float) -> ScaledScene:
-    """The scaled scene; for a lone body the unit of length is the width of a contact.
+    """The scaled scene; without period or corners, the unit of length is a contact's width.
 
     That contact is under no load or more. intensity: that of the adhesion at the ends of zones.
     """
@@ -135,7 +135,7 @@ def branch_scaling(context: SolveContext, intensity: float) -> ScaledScene:
 
 
 def _typical(context: SolveContext, intensity: float) -> Solution:
-    """A contact under the start law about as wide as the adhesive one.
+    """A contact under the `bare` law, about as wide as the adhesive contact.
 
     The tension of adhesion, sqrt(pi E* w times the width in contact), acts there as a load.
     """
@@ -165,7 +165,7 @@ def _typical(context: SolveContext, intensity: float) -> Solution:
 
 
 def start_contact(context: SolveContext, load: float | None = None) -> Solution:
-    """The contact under the start law, under the scene's control or a load."""
+    """The contact under the `bare` law, at the scene's control or under a given load."""
     scene = context.scene
     law = scene.law.bare
     assert law is not None
@@ -184,14 +184,14 @@ def start_contact(context: SolveContext, load: float | None = None) -> Solution:
 
 
 def advancing(context: SolveContext, scaled: ScaledScene, curve: Curve, value: float) -> State:
-    """The least equilibrium about first touch under a value of the control, at least 0."""
+    """The least equilibrium about the point of first touch; the control value is at least 0."""
     with closing_foreseen(context, curve, value):
         table = touched(curve, scaled.cell) if value == 0.0 else _pressed(context, scaled)
         return grown(curve, table, value)
 
 
 def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:
-    """The zones under the start law, whose ends are all driven outward by adhesion."""
+    """The zones under the `bare` law; adhesion drives all ends of these zones outward."""
     found = start_contact(context)
     if len(found.zones) == 0:
         raise Closed
@@ -199,7 +199,7 @@ def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:
 
 
 def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
-    """A zone so wide that its ends, and those of wider ones, are driven inward.
+    """A zone so wide that its ends, and the ends of wider zones, are driven inward.
 
     Under an approach from a datum, zones much wider than the datum are lowered by a load: the
     search ends there. Between sharp corners the zone is the whole interval.
@@ -220,7 +220,7 @@ def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
 
 
 def driven_inward(curve: Curve, middle: float, half: float, value: float) -> bool:
-    """Whether the ends of an interval, and of ones 2, 4 and 8 times as wide, are driven inward.
+    """Whether the ends of intervals 1, 2, 4 and 8 times as wide as this are driven inward.
 
     A wider interval may be driven outward again.
     An end whose residual falls as the control rises counts as driven inward.
@@ -234,14 +234,15 @@ def driven_inward(curve: Curve, middle: float, half: float, value: float) -> boo
 
 
 def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
-    """The contact under a fixed approach, where ends that recede may make others advance.
+    """The contact under a fixed approach, where ends that recede may make other ends advance.
 
     It is followed from the start of the branch, through all jumps.
     """
     value = curve.control.value
     if context.branch == "receding":
         here = curve.at(_greatest(curve, scaled, value), value)
-        # Under a value raised like this all ends are pinned at the corners.
+        # The control value is raised so far that no end is driven inward. Then all ends are pinned
+        # at the corners.
         slack = here.whole.residual / here.whole.by_value
         here = curve.at(
             here.table, value - min(0.0, float(slack.min()) * (1.0 + TOLERANCES.resting_step))
@@ -261,7 +262,7 @@ def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
 
 
 def _held_higher(curve: Curve, table: Array, value: float) -> State:
-    """An equilibrium under a larger control, inside zones from which it recedes."""
+    """An equilibrium at a larger control value, reached as ends recede from given zones."""
     step = max(abs(value), curve.unit(curve.at(table, value)))
     for _ in range(LIMITS.max_iterations):
         value += step

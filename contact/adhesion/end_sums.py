@@ -21,11 +21,12 @@ from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 @dataclass(frozen=True)
 class EndSumOptions:
-    """Options: the sizes of the cells and of their series."""
+    """Options of the cells, and of the evaluation of sums on the cells."""
 
-    # Ends that may be near a cell; more of them halve it.
+    # Largest number of ends near a cell; a cell with more near ends is halved.
     near_ends: int = 6
-    # Pairs of points and ends evaluated together; bounds the memory.
+    # Largest number of pairs of a point and an end that are evaluated together. It bounds the
+    # memory.
     block: int = 2**15
 
 
@@ -34,7 +35,7 @@ _OPTIONS = EndSumOptions()
 
 @record
 class Cells(sie.Kept):
-    """The cells for given ends.
+    """The cells into which the line between given ends of intervals is divided.
 
     ends: (e,), ascending, within one period if there is one; longest: largest width of a cell.
     """
@@ -54,7 +55,8 @@ class Cells(sie.Kept):
             long = np.diff(edges) > self.longest
             dense = np.flatnonzero(long | (self._is_near(edges).sum(axis=1) > _OPTIONS.near_ends))
             middle = 0.5 * (edges[dense] + edges[dense + 1])
-            # Two neighbouring floating-point numbers have no midpoint.
+            # Two neighbouring floating-point numbers have no number between them, so such a cell is
+            # not halved.
             middle = middle[(middle > edges[dense]) & (middle < edges[dense + 1])]
             if len(middle) == 0:
                 break
@@ -62,13 +64,13 @@ class Cells(sie.Kept):
         return np.asarray(edges)
 
     def _is_near(self, edges: Array) -> Mask:
-        """Mask (cells, e) of ends no farther from a cell than its width."""
+        """Mask (cells, e) of the ends whose distance from a cell is less than the cell's width."""
         middle, half = 0.5 * (edges[1:] + edges[:-1])[:, None], 0.5 * np.diff(edges)[:, None]
         return np.asarray(np.abs(nearest_image(self.ends - middle, 0.0, self.period)) < 3.0 * half)
 
     @cached_property
     def near(self) -> tuple[Index, Index]:
-        """(indices of the near ends of each cell, first in each row; their number)."""
+        """(indices of the ends near each cell, first in each row; number of ends near each cell)."""
         near = self._is_near(self.edges)
         count = near.sum(axis=1)
         return np.argsort(~near, axis=1, kind="stable")[:, : int(count.max())], count
@@ -128,7 +130,7 @@ class EndSum:
         return out
 
     def _of_cells(self, cells: Index) -> Array:
-        """The series of all cells (terms, cells), computed for the given ones if needed."""
+        """Chebyshev series (terms, cells) of all cells, computed for the given cells if needed."""
         edges, terms = self._cells.edges, _terms()
         if self._series is None:
             self._series = np.zeros((terms, len(edges) - 1))
@@ -139,20 +141,22 @@ class EndSum:
         for start in range(0, len(new), block):
             some = new[start : start + block]
             a, b = edges[some], edges[some + 1]
-            # Distances are computed from the left border of a cell: fewer digits are lost than with
+            # The distance of a point from an end is the sum of two: from the end to the cell's left
+            # border, and from there to the point. This loses fewer digits than a difference of
             # coordinates.
             lags = (a[:, None] - self._cells.ends)[:, None, :] + (0.5 * (b - a)[:, None] * (1 + t))[
                 :, :, None
             ]
             weights = np.where(self._cells.far(some), self._weights, 0.0)
-            # Near ends have weight 0, and the function may be infinite there.
+            # Ends near the cell have weight 0. The function may be infinite at these ends, so
+            # infinite values are replaced.
             values = np.nan_to_num(self._function(lags))
             self._series[:, some] = to_series @ _paired(values * weights[:, None, :]).T
         self._made[new] = True
         return self._series
 
     def _direct(self, x: Array) -> Array:
-        """The sums at points x, term by term."""
+        """The sums at points x, computed term by term for all ends."""
         out, block = np.zeros(len(x)), max(1, _OPTIONS.block // max(1, len(self._cells.ends)))
         for start in range(0, len(x), block):
             out[start : start + block] = _paired(
@@ -163,7 +167,7 @@ class EndSum:
 
 @cache
 def _terms() -> int:
-    """Number of terms of a series, which converges as (3 + sqrt(8))^-n.
+    """Number of terms of each Chebyshev series; n terms leave an error of (3 + sqrt(8))^-n.
 
     Its singularities are a cell's width away.
     """
@@ -172,7 +176,7 @@ def _terms() -> int:
 
 @cache
 def _nodes() -> tuple[Array, Array]:
-    """(Chebyshev points on (-1, 1), matrix from values there to a Chebyshev series)."""
+    """(Chebyshev points on (-1, 1), matrix from values at the points to a Chebyshev series)."""
     t = chebyshev.chebpts1(_terms())
     return np.asarray(t), np.asarray(
         np.linalg.inv(chebyshev.chebvander(t, _terms() - 1)), dtype=np.float64
@@ -180,5 +184,5 @@ def _nodes() -> tuple[Array, Array]:
 
 
 def _paired(values: Array) -> Array:
-    """Sums over the last axis; the nearly opposite ends of an interval are added first."""
+    """Sums over the last axis; the nearly opposite terms of an interval are added first."""
     return np.asarray((values[..., ::2] + values[..., 1::2]).sum(axis=-1))

@@ -35,9 +35,9 @@ from sie import Array, Mask, record
 class GridOptions:
     """Options of the grid on which intervals of tension are moved."""
 
-    # Least number of cells for a feature of the profile, and for a strip of tension.
+    # Least number of cells for each feature of the profile, and for each strip of tension.
     cells: int = 32
-    # Largest number of cells, unless the profile itself needs more.
+    # Largest number of cells of the grid, unless the profile itself needs more cells.
     max_points: int = 2**16
 
 
@@ -55,7 +55,7 @@ class GridRest:
 
 @record
 class GridGuide(sie.Kept):
-    """A problem whose law has a tension, on a grid.
+    """A problem under a law with tension, discretised on a grid.
 
     x0, width: the period, or the window of a lone body [m]. by_load: whether the control is a
     load, else an approach.
@@ -69,7 +69,7 @@ class GridGuide(sie.Kept):
 
     @classmethod
     def of(cls, problem: Problem, table: Array | None, by_load: bool) -> "GridGuide | None":
-        """The grid for intervals that are to move (scaled); None if their strips are too narrow."""
+        """The grid for moving scaled intervals; None if the strips of tension are too narrow."""
         profile, law, units = problem.profile, problem.law, problem.units
         if problem.period is not None and profile.period is not None:
             x0, width = profile.x0, profile.period
@@ -85,7 +85,8 @@ class GridGuide(sie.Kept):
         strip = 0.25 * math.pi * units.E_star * law.reach / law.tension
         least = GRID.cells * width / feature
         wanted = max(least, GRID.cells * width / strip)
-        # On narrower strips the flow itself takes less time than so fine a grid.
+        # For narrower strips of tension, the gradient flow without a grid takes less time than so
+        # fine a grid.
         if not wanted <= max(GRID.max_points, min(least, MOST_POINTS)):
             return None
         return cls(problem, x0, width, 2 ** math.ceil(math.log2(wanted)), by_load)
@@ -207,7 +208,7 @@ class GridGuide(sie.Kept):
         return state
 
     def _shares(self, table: Array) -> Array:
-        """Fraction of each cell that the intervals cover."""
+        """Fraction of each cell that is covered by the intervals."""
         rows = np.asarray(self.problem.units.x(table)) - self.x0
         edges = self.cell * np.arange(self.points + 1)
         out = np.zeros(self.points)
@@ -248,7 +249,7 @@ def shares_below(above: Array) -> Array:
 
 
 def _part_below(a: Array, b: Array) -> Array:
-    """Fraction of a length on which a linear function from a to b is negative."""
+    """Fraction of a length on which a function that varies linearly from a to b is negative."""
     with np.errstate(divide="ignore", invalid="ignore"):
         crossing = a / (a - b)
     return np.where(

@@ -10,7 +10,7 @@ from sie import Array, Index, Mask, wrapped
 
 
 def sample_points(a: float, b: float, spacing: float) -> Array:
-    """Points in (a, b), denser near its ends."""
+    """Sample points in the interval (a, b), denser near the ends of the interval."""
     count = int(np.clip((b - a) / spacing, SAMPLES.samples, SAMPLES.max_gap_samples))
     return a + (b - a) * np.sin(0.5 * np.pi * (np.arange(count) + 0.5) / count) ** 2
 
@@ -62,7 +62,7 @@ def below(
     wide: bool = False,
     corners: tuple[float, float] = (-np.inf, np.inf),
 ) -> Array:
-    """Intervals around the zones in which the sampled gap is below the reach.
+    """Intervals about the zones, in which the sampled gap is below the reach of the tension.
 
     gap_samples: sample points without contact and the gap there. Each interval ends half-way
     between the last sample below the reach and the interpolated crossing (wide: half-way beyond
@@ -104,7 +104,7 @@ def below(
 def joined(
     table: Array, joins: Mask, new: list[tuple[float, float]], period: float | None
 ) -> Array:
-    """The intervals, united with the next one where `joins` is set, together with new ones."""
+    """The intervals and new ones; each is united with the next one where `joins` is set."""
     joins = joins.copy()
     if period is None:
         joins[-1] = False
@@ -121,10 +121,11 @@ def joined(
 
 
 def united_about(table: Array, zones: Array, period: float | None) -> Array:
-    """The intervals widened to contain zones whose ends may lie slightly outside."""
+    """The intervals, widened to contain zones whose ends may lie slightly outside them."""
     rows = np.concatenate((table, begun_from(zones, float(table[0, 0]), period)))
     if period is not None:
-        # A zone that begins just before the first interval is moved back by a period to join it.
+        # A zone that begins just before the first interval is moved back by a period to join this
+        # interval.
         late = (rows[:, 1] >= table[0, 0] + period) & (rows[:, 0] > table[-1, 1])
         rows[late] -= period
     return united(rows)

@@ -26,7 +26,7 @@ from sie import Array
 
 
 def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> CohesiveState | None:
-    """A state just inside the least equilibrium that holds these zones.
+    """A state just inside the least equilibrium that contains these zones.
 
     Its ends are all driven outward. It is put about the zones of a little less adhesion without
     range. None where strips are wider than zones, or the guide fails.
@@ -58,7 +58,7 @@ def _curve_without_range(curve: CohesiveCurve, zones: Array, share: float) -> Cu
 def _with_range(
     curve: CohesiveCurve, short: Curve, tips: State, margin: float
 ) -> CohesiveState | None:
-    """A state of the law with range, about an equilibrium of the law without range.
+    """A state under the law with range, built from an equilibrium without range.
 
     All its ends are driven one way. margin: fraction of the work left out, or added if negative.
     None where the ends are driven both ways.
@@ -76,7 +76,7 @@ def _with_range(
     d = np.full(len(by_slope), wide)
     for _ in range(LIMITS.max_iterations):
         d -= (d * (1 + by_slope * np.sqrt(d)) - wide) / (1 + 1.5 * by_slope * np.sqrt(d))
-    # The drive of an end is one minus its share of K.
+    # The residual of an end is one minus the fraction of the intensity K that the strip takes up.
     inward: Array = np.asarray(
         np.linalg.solve(-tips.rates, 1 - np.sqrt(d / wide) - tips.residual), dtype=np.float64
     )
@@ -104,7 +104,7 @@ def near_pull_off(
     here: State,
     recede: Callable[[CohesiveCurve, Array, float], CohesiveState | None],
 ) -> CohesiveState | None:
-    """An equilibrium near the least control, from a law without range and a little more work.
+    """An equilibrium near the least control, guided by a law without range and of more work.
 
     recede: brings ends driven inward to rest. None where the guide fails.
     """
@@ -120,15 +120,16 @@ def near_pull_off(
         return rest
 
     with suppress(Closed, NoState, NotConverged):
-        # The start must contain the contact: zones under a larger work of adhesion are wider.
+        # The search must start from zones that contain the contact. Zones under a larger work of
+        # adhesion do, as they are wider.
         first = relaxed(short, here.table, here.value)
         if first is None:
             return None
         passed.append(first)
         last = apart.near_the_last(short, first, recede_on)
         for value in apart.controls_above(last.value, here.value):
-            # The zones left under a load do not depend on the path, so that the last state with a
-            # larger control serves as the start.
+            # Under a load, the remaining zones do not depend on the path. So the state with the
+            # next larger control value serves as the start.
             above = min((one for one in passed if one.value >= value), key=lambda one: one.value)
             tips = gradient_flow.receded(short, above.table, value)
             start = None if tips is None else _with_range(curve, short, tips, -MOVES.margins[0])

@@ -28,7 +28,7 @@ from contact.errors import NotConverged
 
 @dataclass(frozen=True)
 class LoadingPath:
-    """The path of a problem's surfaces under a control.
+    """A loading path: the states of a problem's surfaces as the control changes.
 
     note: a function that is called with every equilibrium on the way.
     """
@@ -37,7 +37,7 @@ class LoadingPath:
     note: Callable[[State], None] = field(default=lambda at: None)
 
     def to(self, here: PathState, value: float) -> Iterator[Jump | PathState]:
-        """Events on the way from a path state to a value, and the path state there."""
+        """Generate the events from a path state to a control value, and the path state there."""
         sense = 1.0 if value >= here.value else -1.0
         for _ in range(LIMITS.max_steps):
             found = yield from self._next(here, value, sense)
@@ -69,7 +69,7 @@ class LoadingPath:
     def _recorded(
         self, events: Iterator[Jump | PathState]
     ) -> Generator[Jump | PathState, None, Jump | PathState]:
-        """Events of an equilibrium that is not on the curve."""
+        """Pass on the events of an equilibrium that is not on the curve, and call `note`."""
         last: Jump | PathState | None = None
         for found in events:
             if last is not None:
@@ -84,7 +84,7 @@ class LoadingPath:
     def _along(
         self, here: State, value: float, sense: float
     ) -> Generator[Jump | PathState, None, Jump | PathState]:
-        """Events along the curve from an equilibrium, up to the value or the first jump."""
+        """Generate the events along the curve from an equilibrium, up to a value or a jump."""
         law = self.law
         try:
             for step in steps(law.curve, here, sense, False):
@@ -116,7 +116,7 @@ class LoadingPath:
     def _arriving(
         self, step: Step, length: float, last: State, value: float
     ) -> tuple[float, State]:
-        """(length inside a step to a value of the control, the equilibrium there)."""
+        """(length inside a step at which the control has a value, equilibrium at this length)."""
         found = step.arriving(value)
         if found is None:
             length = step.where(
@@ -133,7 +133,7 @@ class LoadingPath:
         return length, found
 
     def _ended(self, failure: NotConverged, here: State, value: float, sense: float) -> Jump:
-        """The jump where the curve ends, if that lies before the value."""
+        """The jump at the end of the curve, if the curve ends before the control value."""
         end = self.law.vanishing(here, sense)
         if end is None and isinstance(failure, SymmetryLost):
             failure = failure.located()
@@ -143,7 +143,7 @@ class LoadingPath:
         return end
 
     def _aside(self, lost: SymmetryLost) -> Jump:
-        """The jump to one side where a symmetry is lost; the other side is its mirror image."""
+        """The jump where a symmetry is lost, to one of two sides that are mirror images."""
         try:
             after = self.law.shrunk(pushed_off(lost.at), lost.at.value)
         except NotConverged:
@@ -151,7 +151,7 @@ class LoadingPath:
         return self.law.jump(lost.at, float(lost.at.contact.mean()), after, False)
 
     def _at_corner(self, step: Step, after: State) -> Jump:
-        """The smooth event of an end that reaches a sharp corner, or leaves it."""
+        """The event at which an end reaches or leaves a sharp corner without a jump."""
         before = step.end.at
         reached = bool((after.pinned & ~before.pinned).any())
         standing = PathState(before.value, after)
@@ -172,7 +172,7 @@ class LoadingPath:
         )
 
     def _turn(self, last: State, sense: float) -> Jump:
-        """The jump from a turning point."""
+        """The jump from an equilibrium at a turning point of the curve."""
         law, rises = self.law, sense > 0.0
         table = beyond(law.curve, last, sense)
         place = float(last.table.ravel()[int(np.argmax(np.abs(table - last.table)))])
@@ -180,5 +180,5 @@ class LoadingPath:
 
 
 def _place(before: State, after: State) -> float:
-    """Place of the first end that is pinned at one of two states only."""
+    """Place of the first end that is pinned in only one of two states."""
     return float(before.table.T.ravel()[int(np.argmax(before.pinned != after.pinned))])

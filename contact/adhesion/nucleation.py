@@ -22,7 +22,7 @@ from sie import Array
 
 
 def grown(curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step) -> State:
-    """The least equilibrium without overlap that contains these zones.
+    """The least equilibrium, without overlap of the surfaces, that contains these zones.
 
     Their ends are all driven outward. Raises `Closed` if there is none. rest: largest Newton step,
     relative to the widths, of ends at rest.
@@ -37,7 +37,7 @@ def grown(curve: Curve, table: Array, value: float, rest: float = TOLERANCES.res
 
 
 def _driven_outward(curve: Curve, here: State, overlaps: Array) -> Array:
-    """The zones of a state and new ones in its overlaps.
+    """The zones of a state, and new zones where the surfaces overlap.
 
     A new zone whose ends the other new zones drive inward is left out.
     """
@@ -52,13 +52,13 @@ def _driven_outward(curve: Curve, here: State, overlaps: Array) -> Array:
 
 
 def with_new(table: Array, overlaps: Array) -> Array:
-    """The zones and narrow ones in the middle of overlaps."""
+    """The zones, and a narrow new zone in the middle of each overlap."""
     middle, half = overlaps.mean(axis=1), 0.5 * MOVES.new_width * np.diff(overlaps, axis=1)[:, 0]
     return ascending(np.concatenate((table, np.column_stack((middle - half, middle + half)))))
 
 
 def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Array:
-    """Narrow intervals about the lowest places of a cell [m].
+    """Narrow intervals about the lowest places of the profile in a cell [m].
 
     Their ends are all driven outward under a value of the control, or pinned at sharp corners. On
     a level stretch the interval is as wide as that.
@@ -83,7 +83,7 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
     if profile.support is not None:
         low = np.append(low, ends[[f[0] <= f[1], f[-1] <= f[-2]]])
     together = TOLERANCES.neutral * max(float(np.ptp(f)), 1.0)
-    # A level stretch across the border of the cell would be counted twice.
+    # A level stretch across the border of the cell would be found twice, at both borders.
     whole = profile.support is not None or not (
         f[0] - least <= together and f[-1] - least <= together
     )
@@ -115,7 +115,7 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
 def changes_between(
     before: CohesiveState, after: CohesiveState, period: float | None
 ) -> list[Change]:
-    """Changes of the zones between two states, with the places where new zones are searched for."""
+    """Changes of the zones between two states, with the places to search for new zones."""
     if len(before.zones) == len(after.zones) and all(
         len(overlapping(before.zones, a, b, period)) == 1 for a, b in after.zones
     ):
@@ -130,7 +130,7 @@ def changes_between(
 
 
 def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float, float]:
-    """Interval around a zone that does not exist yet, without the other zones."""
+    """Interval about the place (a, b) of a future zone, cut so as to exclude the other zones."""
     lo, hi = 1.5 * a - 0.5 * b, 1.5 * b - 0.5 * a
     for shift in (0.0,) if period is None else (-period, 0.0, period):
         for left, right in zones + shift:
@@ -142,7 +142,7 @@ def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float
 
 
 def condition(curve: CohesiveCurve, here: CohesiveState, change: Change) -> tuple[float, float]:
-    """(place, value) of the least gap where a zone begins, or of the least q where two merge."""
+    """(place, value) of the least gap where a zone begins, or least pressure where two merge."""
     x = np.linspace(*change.where, SAMPLES.samples)
     if change.of_gap:
         return minimum(partial(curve.gap, here), x)
@@ -151,7 +151,7 @@ def condition(curve: CohesiveCurve, here: CohesiveState, change: Change) -> tupl
 
 
 def with_change(zones: Array, change: Change, place: float) -> Array:
-    """The zones just past a change."""
+    """The zones just after a change: with a zone of zero width, or with a zone cut in two."""
     if change.of_gap:
         return ascending(np.concatenate((zones, [[place, place]])))
     out = []

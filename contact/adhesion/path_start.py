@@ -34,7 +34,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class PathRoute:
-    """The functions of a loading path that depend on the law.
+    """The functions of a loading path that depend on the law of adhesion.
 
     law: the events. started: the path state at a value of the control, not below first touch.
     fields: the fields of an equilibrium. outcome: the solution at the present state of the path.
@@ -49,7 +49,7 @@ class PathRoute:
 
 
 def route_of(context: SolveContext) -> PathRoute:
-    """The route of a context under no load or no approach, by its law."""
+    """The functions of a loading path for a context under no load or approach, by its law."""
     return _by_cohesive_zone(context) if context.scene.law.tension else _by_edge_intensity(context)
 
 
@@ -150,13 +150,13 @@ class _CohesivePath:
         )
 
     def _pressed(self, value: float) -> Array:
-        """Zones under tension in all of a period, or a guess of them."""
+        """Zones of contact under tension on the whole period, or a first guess of these zones."""
         problem, known = self.scaled.problem, self.curve.known
         context = self._at(value)
         if self.curve.control.yields:
             if known and len(known[-1].zones) and value < self._full[0] - self._full[1]:
                 return known[-1].zones
-            # Near full contact the load of the spring is about that of full contact.
+            # Near full contact, the load of the spring is about the load at full contact.
             scene = context.scene
             assert scene.period is not None and scene.law.bare is not None
             full = FullLimit(scene.profile, scene.E_star, context.operator, scene.law.bare).pressure
@@ -172,7 +172,7 @@ class _CohesivePath:
 
     @cached_property
     def _full(self) -> tuple[float, float]:
-        """(value at which surfaces under tension everywhere close, scale of the values).
+        """(control value at which surfaces under tension everywhere close, scale of such values).
 
         Both are values of the control.
         """
@@ -207,7 +207,8 @@ class _CohesivePath:
         else:
             zones = here.contact[np.diff(here.contact, axis=1)[:, 0] > 0.0]
             start = self.curve.from_zones(here.table, value, zones)
-        # So far down, the present approach and the reach are round-off of an equilibrium at rest.
+        # At an approach of this size, the present approach and the reach are below the tolerance
+        # `resting_step`.
         far = value - (self.curve.reach + abs(value)) / TOLERANCES.resting_step
         try:
             for found in LoadingPath(self.events).to(PathState(value, start), far):

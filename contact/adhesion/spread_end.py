@@ -20,15 +20,16 @@ import numpy as np
 from contact.formulation.quadrature import gauss
 from sie import Array, nearest_image
 
-# Nodes for integrals of smooth functions: the remainders vary on the scale of the period.
+# Number of nodes for integrals of smooth functions, such as remainders that vary on the scale of
+# the period.
 _SMOOTH_NODES = 64
-# Gauss nodes per panel of angles, and of the regular part of a kernel.
+# Number of Gauss nodes on each panel, for integrals over angles and of a kernel's regular part.
 PANEL_NODES = 16
 
 
 @dataclass(frozen=True)
 class SpreadEnd:
-    """An end of tension spread over the zone (a, b)."""
+    """An end of a uniform tension that is spread over the zone (a, b) of contact."""
 
     a: float
     b: float
@@ -42,11 +43,14 @@ class SpreadEnd:
         return 0.5 * (self.b - self.a)
 
     def log(self, x: Array) -> Array:
-        """The potential int ln|x - xi| d mu of the spread end at points x."""
+        """Potential at points x of a unit load that is spread like the end of the tension.
+
+        It is int ln|x - xi| d mu, with the measure mu (head of this module).
+        """
         return np.asarray(np.log(0.5 * self.half) + np.arccosh(self._beyond(x)[1]))
 
     def primitive(self, x: Array) -> Array:
-        """The antiderivative of `log`, odd about the middle of the zone."""
+        """Antiderivative of the potential `log`, odd about the middle of the zone."""
         z, size = self._beyond(x)
         outside = size * np.arccosh(size) - np.sqrt((size - 1) * (size + 1))
         return np.asarray(self.half * (z * np.log(0.5 * self.half) + np.sign(z) * outside))
@@ -56,13 +60,13 @@ class SpreadEnd:
         return z, np.maximum(np.abs(z), 1.0)
 
     def mean(self, function: Callable[[Array], Array], x: Array) -> Array:
-        """The mean int function(x - xi) d mu of a smooth function over the spread end."""
+        """Mean of function(x - xi) over xi in the zone, with the distribution of the spread end."""
         angle = np.pi * (np.arange(_SMOOTH_NODES) + 0.5) / _SMOOTH_NODES
         xi = self.middle + self.half * np.cos(angle)
         return np.asarray(function(x[:, None] - xi).mean(axis=1))
 
     def periodic_log(self, x: Array, period: float) -> Array:
-        """The periodic potential int ln|2 sin(pi (x - xi)/L)| d mu of the spread end."""
+        """Potential like `log` with a period L, for the logarithm ln|2 sin(pi (x - xi)/L)|."""
         x = nearest_image(x, self.middle, period)
 
         def remainder(lag: Array) -> Array:
@@ -83,8 +87,8 @@ class SpreadEnd:
     def periodic_primitive(
         self, x: Array, period: float, primitive: Callable[[Array], Array]
     ) -> Array:
-        """The antiderivative of `periodic_log`; primitive: that of ln|2 sin(pi y/L)|."""
-        # The mean of the logarithm over a period is zero, so the antiderivative is periodic.
+        """Antiderivative of `periodic_log`; primitive: antiderivative of ln|2 sin(pi y/L)|."""
+        # The mean of ln|2 sin(pi y/L)| over a period is zero, so the antiderivative is periodic.
         x = nearest_image(x, self.middle, period)
         rate = np.log(2 * np.pi / period**3)
 
@@ -97,9 +101,9 @@ class SpreadEnd:
         return of_poles(x, self.primitive) + rate * (x - self.middle) + self.mean(remainder, x)
 
     def lacking(self, end: int, panels: int, breaks: Array) -> tuple[Array, Array]:
-        """(points, weights) of a rule for integrals with the factor 1 - eta over the zone.
+        """(points, weights) for integrals with a factor, the fraction of tension that is missing.
 
-        Here eta is the local fraction of the tension.
+        This fraction is 1 - eta, where eta is the local fraction of the tension.
 
         end: 0 if the left end of the tension is spread, -1 if the right one is. The rule has panels
         between the `breaks`.
