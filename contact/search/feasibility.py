@@ -77,8 +77,8 @@ def lowest_stretches(profile: Profile) -> Array:
     low = lies_low(x)
     if low.all():
         return np.array([[x[0], x[-1]]])
-    # The samples are rotated to begin where f is not at its minimum, so that no stretch of the
-    # minimum crosses the border of the period.
+    # The samples are rotated to begin where the profile f is not at its minimum. So no stretch of
+    # the minimum crosses the border of the period.
     first = int(np.argmin(low))
     at = np.concatenate((x[first:-1], x[: first + 1] + (x[-1] - x[0])))
     runs = runs_of(np.roll(low[:-1], -first))
@@ -150,9 +150,8 @@ def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
     """Raise OutOfRange if the body, turned by its tilt, falls or stays level on one side."""
     for side, slope in (("right", right - tilt), ("left", left + tilt)):
         turned = f", turned by {tilt:.6g}," if tilt else ""
-        # The body is taken to fall without bound if its fall over each decade of distance is at
-        # least twice the fall over the decade before. On a straight line the fall is ten times as
-        # large.
+        # The body is taken to fall without bound if each decade of distance has at least twice the
+        # fall of the decade before. On a straight line, each decade has ten times that fall.
         if np.all(slope < 0) and np.all(10 * slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(f"the profile{turned} falls without bound on the {side}: {_REMEDY}")
         if tilt and np.all(np.abs(slope) <= TOLERANCES.rounding * abs(tilt)):

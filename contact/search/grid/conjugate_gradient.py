@@ -423,8 +423,8 @@ class _Run:
             p, u, level, error, solved = self.conjugate_gradient(load, mask, p, tol)
             finer = max(self.tol, OPTIONS.first_tolerance * tol)
             if self.iterations == before and tol > self.tol:
-                # The guess already meets this tolerance. Its errors come from another grid, so the
-                # signs of its gap are not used before the next, more precise solve.
+                # The guess already meets this tolerance. The guess comes from another grid, so the
+                # signs of the gap are not used before the next, more precise solve.
                 tol = finer
                 continue
             gap = u + self.shape - level

@@ -307,8 +307,8 @@ def _refine(p: Array, periodic: bool) -> Array:
     out = np.stack((0.75 * p + 0.25 * left, 0.75 * p + 0.25 * right), axis=1)
     for side, outer, inner in ((-1, left, right), (1, right, left)):
         ends = np.flatnonzero((p > 0) & (outer == 0))
-        # If the extrapolated end of a zone is less than 0.75 cells from the last point in contact,
-        # the pressure is zero in the nearer half of the next cell.
+        # Here the extrapolated end of the zone is less than 0.75 cells from the last point in
+        # contact. The pressure is therefore zero in the nearer half of the next cell.
         beyond = (ends[_to_end(p[ends], inner[ends]) < 0.75] + side) % len(p)
         out[beyond, 0 if side > 0 else 1] = 0.0
     return np.asarray(out.ravel(), dtype=np.float64)
@@ -373,7 +373,7 @@ class _Window:
             )
         width = window[1] - window[0]
         with np.errstate(over="ignore", invalid="ignore"):
-            # Points above this height never touch. Their large heights would cancel digits of the
+            # Points that are too high never touch. Their large heights would cancel digits of the
             # heights of other points.
             too_high = TOLERANCES.noise * (f - f.min()) > width + load / self.response.E
             influence = self.response.on(OPTIONS.window_points, width / OPTIONS.window_points)

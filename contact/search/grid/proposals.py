@@ -176,8 +176,8 @@ def placed(problem: Problem, zones: Array) -> Array:
         scaled = ascending(centred_on(scaled, middle, period))
     if problem.interaction.strip and len(scaled) and not bounded:
         gaps = np.diff(gaps_between(scaled, period))[:, 0]
-        # The period is now cut at the last gap, across its border. This cut stays if no other gap
-        # is wider.
+        # The period is now cut in the gap across its border. This cut stays if no other gap is
+        # wider.
         if gaps[-1] < (1 - 1e-6) * gaps.max():
             first = int(np.argmax(gaps)) + 1
             scaled = np.concatenate((scaled[first:], scaled[:first] + period))

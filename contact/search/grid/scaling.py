@@ -205,7 +205,8 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
     if load is not None:
         window = _window_about_lowest(profile, find, load, _window_of_shape(profile))
     else:
-        # The lowest point is in contact under any load. The contact under a light load contains it.
+        # The lowest point is in contact under any load, so the contact under a light load contains
+        # this point.
         dip, value = _window_of_shape(profile), scene.held(Quantity.APPROACH)
         assert value is not None
         light = _light(scene) if dip is None else value * scene.E_star * SEARCH.light_load

@@ -115,7 +115,7 @@ def _from_guesses(
     zones: Array | None,
     **newton: bool,
 ) -> SolvedGaps | Failure:
-    """Gaps found from those between the known zones, else from the tension of full contact."""
+    """Gaps found from the gaps between known zones, or else from the tension in full contact."""
     tolerance = gap_tolerance(context)
     period, guesses = form.problem.repeat_length, context.cache.gap_guesses(form.problem)
     try:

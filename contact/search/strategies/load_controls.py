@@ -36,8 +36,7 @@ class LoadControlOptions:
     """Limits up to which the zones of a similar solution are a better start than a grid."""
 
     # Change of the contact width, relative to the smaller of the contact width and the gap width.
-    # If the width of known zones differs by more, they are no better start for Newton's method than
-    # a grid.
+    # Known zones whose width differs by more are no better start for Newton's method than a grid.
     max_change: float = 0.2
 
 
@@ -45,7 +44,7 @@ OPTIONS = LoadControlOptions()
 
 
 def at_approach(context: SolveContext, nearness: float) -> Solution:
-    """A solution under the load at which the approach is the wanted one, to within `nearness`.
+    """A solution under the load that gives the wanted approach, to a relative error `nearness`.
 
     Raises OutOfRange if no load has that approach.
     """
@@ -95,7 +94,7 @@ def at_level(context: SolveContext) -> SolvedZones:
 
 
 def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | SolvedGaps:
-    """The contact of a given fraction, from loads that come closer and closer to its load."""
+    """The contact of a given fraction, from solutions whose loads converge to the right load."""
     problem, control, goal = scaled.problem, scaled.control, context.scene.given_fraction
     assert goal is not None
     smaller_part = min(goal, 1 - goal)

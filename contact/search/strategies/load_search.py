@@ -112,7 +112,7 @@ class _Bracket:
         self.goal, self.limits = goal, limits
         self.low, self.high = limits.least, math.inf
         self.load = max(first, 2 * limits.least)
-        # The last solutions below and above the wanted load; the newest solution is the last one.
+        # The last solutions below and above the wanted load, in the order in which they were found.
         self.solutions: list[Solution] = []
         # Lower and upper bound of the wanted load, from tangents of a quantity that is concave in
         # the load.

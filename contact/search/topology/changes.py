@@ -10,8 +10,8 @@ import numpy as np
 from contact.formulation.tables import ascending, centred_on
 from sie import Array
 
-# Margin, relative to the width of the gap, by which the stated place of a merger or a split extends
-# beyond the gap on either side.
+# The stated place of a merger or a split is the gap, extended on either side by this fraction of
+# the width of the gap.
 _MARGIN = 0.25
 
 

@@ -338,8 +338,8 @@ class _Loop(Generic[Kind]):
             return self.form.corrected(zones, here.certificate) if is_missing else zones.table
         if here.certificate.holds:
             return here
-        # After an iterative solve, this initial error makes the next solve as precise as the
-        # present one. Otherwise the next solve would begin roughly and lose intervals whose
+        # After an iterative solve, this initial error makes the next solve start as precisely as
+        # the present one. Otherwise the next solve would begin roughly and lose intervals whose
         # pressure is small.
         known = self.newton.tolerance if here.free.state.iterated else 1.0
         self.newton = replace(self.newton, initial_error=known)
