@@ -99,7 +99,7 @@ def followed_under_tension(context: SolveContext) -> Outcome:
 def _greatest(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The receding contact at a value of the control.
+    """The contact on the receding branch at a value of the control.
 
     Below first touch, the contact is first found at an approach at which tension acts everywhere.
     From there the approach is lowered.
@@ -123,7 +123,7 @@ def _greatest(
 def _lowered(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The advancing contact at a control value; for values below 0 it is followed down from 0."""
+    """The contact on the advancing branch; for negative values it is followed down from 0."""
     try:
         start = advancing(context, scaled, curve, max(value, 0.0))
     except Closed:
@@ -385,7 +385,7 @@ def under_all(context: SolveContext, problem: Problem) -> Array | None:
 
 
 def _start_scene(context: SolveContext, problem: Problem) -> Scene:
-    """The scene under its `bare` law, with load or approach raised by the uniform tension."""
+    """The scene without adhesion, with load or approach raised by the uniform tension."""
     scene, period = context.scene, context.scene.period
     assert period is not None and scene.law.bare is not None
     stress = scene.law.tension
@@ -494,7 +494,7 @@ def all_zones(pulled: TractionLoaded, zones: Array) -> sie.Zones:
 
 
 def everywhere(context: SolveContext, problem: Problem) -> Outcome:
-    """The contact under tension on the whole period, from the contact under the `bare` law."""
+    """The contact under tension on the whole period, from the contact without adhesion."""
     scene = _start_scene(context, problem)
     alone = replace(context, scene=scene, cache=SceneCache(scene))
     found = alone.solve_scene(scene, TOLERANCES.resting_step)

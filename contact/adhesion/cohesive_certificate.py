@@ -70,7 +70,7 @@ def certified(
     here: CohesiveState | None,
     fields: CohesiveFields | None = None,
 ) -> Certificate:
-    """The certificate of the frictionless part, completed by the checks of the tension.
+    """The certificate of the frictionless contact, completed by checks of reach and stability.
 
     here: None where the tension acts everywhere, on these fields.
     """

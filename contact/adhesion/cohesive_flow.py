@@ -64,7 +64,7 @@ def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState
     if ahead is None:
         return here
     # If a zone is missing in the state found, this zone does not snap into contact under the law
-    # without range. Then the state `here` is kept.
+    # without range (JKR). Then the state `here` is kept.
     return ahead if ahead.q is not None and ahead.q.inside(here.zones.mean(axis=1)).all() else here
 
 
@@ -287,7 +287,7 @@ def _widened(
 
 
 def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """The old and the new intervals, joined where everything between two is within reach.
+    """Old and new intervals; two are joined if the gap is below the reach all the way between.
 
     None if nothing changed.
     """

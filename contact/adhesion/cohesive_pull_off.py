@@ -83,7 +83,7 @@ def _highest_within(curve: CohesiveCurve, here: State) -> float:
 
 
 def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
-    """An equilibrium near the least control value at which a guide finds an equilibrium.
+    """An equilibrium near the least control value at which an approximate search finds one.
 
     The state itself is returned if there is no guide.
     """

@@ -150,7 +150,7 @@ class PastState:
 
 @record
 class StateOutline(State):
-    """A state given by its intervals, zones (n, 2), load and level only."""
+    """A state given only by its intervals, zones (n, 2), load and level (minus the approach)."""
 
     zones: Array
 

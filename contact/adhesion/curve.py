@@ -58,11 +58,11 @@ TOLERANCES = StateTolerances()
 
 
 class Closed(Exception):
-    """All gaps of a period have closed."""
+    """Error: all gaps of a period have closed."""
 
 
 class NoState(Exception):
-    """There is no contact on the given intervals."""
+    """Error: there is no contact on the given intervals."""
 
 
 @record
@@ -100,7 +100,7 @@ class State:
 
     @property
     def whole(self) -> Corners:
-        """Residuals and rates of all ends, as if none were pinned."""
+        """Residuals and rates of all ends, as if no end were pinned."""
         return self.corners or Corners(
             np.zeros(len(self.residual), dtype=bool), self.residual, self.rates, self.by_value
         )
@@ -216,7 +216,7 @@ class State:
 
     @cached_property
     def newton(self) -> Array:
-        """Newton's step of the ends, outward (2n,)."""
+        """Newton step of the ends (2n,), positive outward."""
         return np.asarray(np.linalg.solve(-self.rates, self.residual), dtype=np.float64)
 
     def moved(self, outward: Array) -> Array:
@@ -318,7 +318,7 @@ class Curve:
 
     @property
     def formally(self) -> "Curve":
-        """The curve without tests of the contact's signs: here the curve itself, as it makes none.
+        """The curve without tests of the contact's signs: here the curve itself makes no tests.
 
         `CohesiveCurve` overrides this property.
         """

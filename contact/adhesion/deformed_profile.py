@@ -30,7 +30,7 @@ from sie import Array, Index, record
 
 @record
 class TractionLoaded(Problem):
-    """The frictionless problem of the profile deformed by a tension; its pressure is q."""
+    """The frictionless problem of the profile deformed by a tension; q is its pressure."""
 
     tension: UniformTension | None = field(default=None)
 

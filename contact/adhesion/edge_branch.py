@@ -103,7 +103,7 @@ def past_pull_off(curve: Curve, last: State, context: SolveContext) -> str:
 
 
 def closed(context: SolveContext) -> full_contact.Full:
-    """The full contact into which adhesion without range has closed the surfaces."""
+    """The full contact into which adhesion without range (JKR) has closed the surfaces."""
     scene = context.scene
     found = full_contact.closed(context)
     if not context.operator.has_inverse:
@@ -135,7 +135,7 @@ def branch_scaling(context: SolveContext, intensity: float) -> ScaledScene:
 
 
 def _typical(context: SolveContext, intensity: float) -> Solution:
-    """A contact under the `bare` law, about as wide as the adhesive contact.
+    """A contact without adhesion (law `bare`), about as wide as the adhesive contact.
 
     The tension of adhesion, sqrt(pi E* w times the width in contact), acts there as a load.
     """
@@ -165,7 +165,7 @@ def _typical(context: SolveContext, intensity: float) -> Solution:
 
 
 def start_contact(context: SolveContext, load: float | None = None) -> Solution:
-    """The contact under the `bare` law, at the scene's control or under a given load."""
+    """The contact without adhesion (law `bare`), at the scene's control or a given load."""
     scene = context.scene
     law = scene.law.bare
     assert law is not None
@@ -191,7 +191,7 @@ def advancing(context: SolveContext, scaled: ScaledScene, curve: Curve, value: f
 
 
 def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:
-    """The zones under the `bare` law; adhesion drives all ends of these zones outward."""
+    """The zones without adhesion; under adhesion all ends of these zones are driven outward."""
     found = start_contact(context)
     if len(found.zones) == 0:
         raise Closed
@@ -220,7 +220,7 @@ def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
 
 
 def driven_inward(curve: Curve, middle: float, half: float, value: float) -> bool:
-    """Whether the ends of intervals 1, 2, 4 and 8 times as wide as this are driven inward.
+    """Whether ends of intervals 1, 2, 4 and 8 times as wide as a given one are driven inward.
 
     A wider interval may be driven outward again.
     An end whose residual falls as the control rises counts as driven inward.

@@ -162,7 +162,7 @@ class Events:
         return ("merge" if rises else "death") if after.count < before.count else "jump"
 
     def jump(self, here: State, place: float, after: PathState, rises: bool) -> Jump:
-        """The jump from an equilibrium to the path state `after`; it begins at a place."""
+        """The jump from an equilibrium to the path state `after`; `place`: where it begins."""
         before = PathState(here.value, here)
         return Jump(self.kind(before, after, rises), place, before, after)
 
@@ -224,12 +224,12 @@ def first_zero(
     least: Callable[[State, float, float], tuple[float, float]],
     others: Callable[[State], Array],
 ) -> tuple[float, float, float]:
-    """(length to the first zero of a condition in a step, place of the zero, width).
+    """(length to the first zero of a condition, place of the zero, width of its interval).
 
-    The width is that of the interval in which the condition was found negative. end: the state at
-    the length. seen: intervals (n, 2) in which the condition is negative there. least: (place,
-    value) of the least value of the condition in an interval. others: intervals in which the
-    condition is negative at a state.
+    The length lies inside a step. The interval is the one in which the condition was found
+    negative. end: the state at the length. seen: intervals (n, 2) in which the condition is
+    negative there. least: (place, value) of the least value of the condition in an interval.
+    others: intervals in which the condition is negative at a state.
     """
     place, width = 0.0, 0.0
     while len(seen):

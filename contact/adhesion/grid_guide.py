@@ -222,7 +222,7 @@ class GridGuide(sie.Kept):
         return np.minimum(out, 1.0)
 
     def _table(self, below: Mask, above: Array) -> Array:
-        """Scaled intervals in which the gap is below the limit.
+        """Scaled intervals in which the gap is below the reach that is used on the grid.
 
         above: the gap less the limit.
         """

@@ -349,7 +349,7 @@ def _searched(
 
 
 def _room(pulled: TractionLoaded, zones: Array) -> tuple[Array, Mask]:
-    """Distance (2, n) of each end to the next obstacle, and whether this is another zone.
+    """Distance (2, n) of each end to the next obstacle; whether the obstacle is another zone.
 
     The other obstacle is the end of its interval.
     """

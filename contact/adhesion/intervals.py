@@ -104,7 +104,7 @@ def below(
 def joined(
     table: Array, joins: Mask, new: list[tuple[float, float]], period: float | None
 ) -> Array:
-    """The intervals and new ones; each is united with the next one where `joins` is set."""
+    """Old and new intervals; an old one is united with the next one where `joins` is set."""
     joins = joins.copy()
     if period is None:
         joins[-1] = False

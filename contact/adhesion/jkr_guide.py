@@ -43,7 +43,7 @@ def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> Cohesiv
 
 
 def _curve_without_range(curve: CohesiveCurve, zones: Array, share: float) -> Curve | None:
-    """The curve of a law without range whose work of adhesion is multiplied by `share`.
+    """The curve of a law without range (JKR), its work of adhesion multiplied by `share`.
 
     None where strips are wider than zones, or there is no such law.
     """
@@ -58,7 +58,7 @@ def _curve_without_range(curve: CohesiveCurve, zones: Array, share: float) -> Cu
 def _with_range(
     curve: CohesiveCurve, short: Curve, tips: State, margin: float
 ) -> CohesiveState | None:
-    """A state under the law with range, built from an equilibrium without range.
+    """A state under the cohesive law, built from an equilibrium without range (JKR).
 
     All its ends are driven one way. margin: fraction of the work left out, or added if negative.
     None where the ends are driven both ways.
@@ -104,7 +104,7 @@ def near_pull_off(
     here: State,
     recede: Callable[[CohesiveCurve, Array, float], CohesiveState | None],
 ) -> CohesiveState | None:
-    """An equilibrium near the least control, guided by a law without range and of more work.
+    """An equilibrium near the least control, guided by a law without range, of larger work.
 
     recede: brings ends driven inward to rest. None where the guide fails.
     """

@@ -65,7 +65,7 @@ class MoveOptions:
 class SampleOptions:
     """Numbers of sample points; extremes between sample points are refined."""
 
-    # Least number of samples between two ends.
+    # Least number of sample points between two ends.
     samples: int = 32
     # Number of sample points of a profile without a resolution, and least number of sample points
     # for the sign of the pressure on a zone.

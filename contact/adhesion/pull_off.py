@@ -86,8 +86,8 @@ def _end(curve: Curve, here: State, past_cut: Callable[[State], float]) -> _End:
     cut.
     """
     for step in steps(curve, curve.settled(here), -1.0, False):
-        # If the curve turns, only the last end of the curve must be located exactly, not an end
-        # before it: `exactly` does so later.
+        # Only the last end of the curve must be located exactly. So a turning point is first
+        # located roughly.
         length = step.turning(False) if step.turns else step.length
         last = step.at(length, False) if step.turns else step.end.at
         if step.turns or step.lets_go or past_cut(step.start.at) < 0.0 < past_cut(last):
@@ -118,7 +118,7 @@ def controls_above(least: float, value: float) -> tuple[float, ...]:
 
 
 def near_the_last(curve: Curve, here: State, recede: Recede = receded) -> State:
-    """An equilibrium near the last one, with only one turning point of the curve between them."""
+    """An equilibrium near the last equilibrium, with one turning point of the curve between."""
     here, high = _bracket(curve, here, recede)
     for _ in range(LIMITS.patience):
         middle = 0.5 * (here.value + high)
