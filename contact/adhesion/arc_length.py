@@ -144,7 +144,7 @@ class Step:
         )
 
     def _cubic(self, length: float) -> Array:
-        """The cubic through both ends of the step with the tangents there."""
+        """The cubic curve through both ends of the step, with the tangents at these ends."""
         square, cube = self._leaves
         return np.asarray(length * self.start.tangent + length**2 * square + length**3 * cube)
 
@@ -193,7 +193,7 @@ class Step:
         )
 
     def _rising(self, at: State) -> float:
-        """Derivative of the control at a state by the length along the tangent at the start."""
+        """Derivative of the control at a state by the length along the tangent of the start."""
         tangent = _tangent(at, self.start.scales)
         return float(tangent[-1] / (tangent @ self.start.tangent))
 
@@ -608,7 +608,7 @@ def _newton(
             matrix = np.vstack((np.column_stack((at.rates, at.by_value)) * here.scales, normal))
             step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
         except np.linalg.LinAlgError:
-            # The matrix is singular if zones can move freely along a level stretch of the profile.
+            # The matrix is singular if a zone can move freely along a level stretch of the profile.
             return None, None
         size = float(np.abs(step).max())
         # The first Newton step must be short compared with the step along the curve. The lower

@@ -2,15 +2,15 @@
 
 The unknown intervals are those where the gap is below the reach of the tension.
 
-    advancing    starts from the intervals of the contact under the start law, or of the surfaces at
+    advancing    starts from the intervals of the contact without adhesion, or of the surfaces at
                  first touch: new intervals begin where the gap falls below the reach, those that
                  meet merge. Under a negative load, or below first touch, the contact first advances
                  under no load, and recedes from there
     receding     starts from an interval so wide that its ends are driven inward; with a period from
                  tension everywhere
 
-A uniform tension everywhere does not deform a half-plane: that contact is the one under the start
-law, with the tension added to the load.
+A uniform tension everywhere does not deform a half-plane: that contact is the one without
+adhesion, with the tension added to the load.
 """
 
 from __future__ import annotations

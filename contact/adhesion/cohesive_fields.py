@@ -38,7 +38,7 @@ class CohesiveFields(ZoneFields):
 
     @property
     def cohesive(self) -> Array:  # type: ignore[override]
-        """The intervals of tension, including the zones within them (m, 2) [m]."""
+        """The intervals (m, 2) [m] of tension, including the zones inside the intervals."""
         units, tension = self.problem.units, self.tension
         if tension.everywhere:
             first = float(self.density.zones.middle[0]) - 0.5 * tension.width

@@ -61,7 +61,7 @@ def pull_off(curve: CohesiveCurve, here: State) -> State:
 
 
 def _highest_within(curve: CohesiveCurve, here: State) -> float:
-    """The largest gap inside the intervals, away from their ends."""
+    """The largest gap inside the intervals of tension, away from the ends of the intervals."""
     assert isinstance(here, CohesiveState)
     (x, gap), period, highest = here.gap_samples, curve.problem.round, 0.0
     for a, b in here.table:

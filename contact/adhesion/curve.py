@@ -149,11 +149,11 @@ class State:
 
     @cached_property
     def growth(self) -> float:
-        """Largest eigenvalue of the rates dr/ds over the weights; negative for a stable state."""
+        """Largest eigenvalue of the residuals' rates, divided by weights; negative if stable."""
         return self.growth_of(np.arange(len(self.residual)))
 
     def growth_of(self, ends: Index) -> float:
-        """Largest eigenvalue of the rates dr/ds divided by the weights if only these ends move."""
+        """Largest eigenvalue of the residuals' rates, divided by weights, if only these ends move."""
         second = self._second(ends)
         values = (
             np.linalg.eigvals(self._driven(ends)).real
@@ -163,7 +163,7 @@ class State:
         return float(values.max(initial=-1.0))
 
     def motions(self, ends: Index) -> tuple[Array, Array]:
-        """(real parts of the eigenvalues, eigenvectors as columns) of the rates over the weights.
+        """(real parts of the eigenvalues, eigenvectors) of the rates divided by the weights.
 
         The rates dr/ds are divided by the scales `weight`. Only the given ends move.
         """
@@ -175,7 +175,7 @@ class State:
         return growth, second[1][:, None] * motions
 
     def _driven(self, ends: Index) -> Array:
-        """The rates dr/ds between these ends, divided by the weights."""
+        """Rates of these ends' residuals by motions of these ends, divided by the weights."""
         return np.asarray(self.rates[np.ix_(ends, ends)] / self.weight[ends, None])
 
     def _second(self, ends: Index) -> tuple[Array, Array] | None:

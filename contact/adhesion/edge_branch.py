@@ -1,6 +1,6 @@
 """Branches of contacts under adhesion without range (JKR): advancing and receding.
 
-    advancing    starts from the zones of the start law, which lie inside the contact, or from first
+    advancing    starts from the zones without adhesion, which lie inside the contact, or from first
                  touch: ends advance under the fixed control, zones begin where the surfaces would
                  overlap, zones that meet merge. Under a negative load, or below first touch, the
                  contact first advances under no load, and recedes from there

@@ -16,7 +16,7 @@ def sample_points(a: float, b: float, spacing: float) -> Array:
 
 
 def within(x: Array, a: float, b: float, period: float | None) -> tuple[Index, Array]:
-    """(indices of the points in (a, b) from left to right, their positions in (a, b))."""
+    """(indices of the points in (a, b) from left to right, positions of these points)."""
     place = wrapped(x, a, period)
     inner = np.flatnonzero((place > a) & (place < b))
     inner = inner[np.argsort(place[inner])]

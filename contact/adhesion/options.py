@@ -36,8 +36,8 @@ class MoveOptions:
     # Factor by which a failed step is shortened, and smallest factor by which a safeguarded length
     # or residual may change.
     least_part: float = 0.3
-    # A length or growth rate is small if it is below this fraction of the one with which it is
-    # compared.
+    # A length or growth rate is small if it is below this fraction of another length or growth rate
+    # with which the code compares it.
     small_part: float = 0.1
     # Largest accepted error of a residual: of a predicted one, or of the wrong sign after an end
     # has passed an equilibrium.

@@ -108,7 +108,7 @@ class Predictor(Kept):
 
     @property
     def size(self) -> Array:
-        """Unit (2n,) of the error of each predicted residual: the first residual, at least 1."""
+        """Unit (2n,) of the error of each residual: the larger of 1 and the residual at the start."""
         return np.maximum(1.0, self.first)
 
     def step(self, limit: Array) -> Array:
@@ -151,7 +151,7 @@ class Predictor(Kept):
         )
 
     def closes(self, gap: Array, adjacent: Array) -> Mask:
-        """Mask of the gaps that will close; each is the gap right of a zone.
+        """Mask (n,) of the zones whose gap on the right will close.
 
         adjacent: width of the narrower one of its two zones.
         """
