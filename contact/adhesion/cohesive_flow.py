@@ -33,7 +33,7 @@ def advanced(
     guide: GridGuide | None = None,
     zones: Array | None = None,
 ) -> CohesiveState:
-    """The least equilibrium that contains these intervals; all ends are first driven outward.
+    """The least equilibrium that contains these intervals, whose ends are all driven outward.
 
     Raises `Closed` if there is none. zones: first guess of the contact, where it may cover some
     intervals.
@@ -71,7 +71,7 @@ def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState
 def receded(
     curve: CohesiveCurve, table: Array, value: float, guide: GridGuide | None = None
 ) -> CohesiveState | None:
-    """The greatest equilibrium inside these intervals; all ends are first driven inward.
+    """The greatest equilibrium inside these intervals, whose ends are all driven inward.
 
     None where contact is lost.
     """

@@ -35,7 +35,7 @@ from sie import Array, Mask
 def advanced(
     curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step
 ) -> State:
-    """The least equilibrium that contains these intervals; all ends are first driven outward.
+    """The least equilibrium that contains these intervals, whose ends are all driven outward.
 
     Raises `Closed` if there is none. rest: largest Newton step, relative to the widths, of ends at
     rest.
@@ -46,7 +46,7 @@ def advanced(
 
 
 def receded(curve: Curve, table: Array, value: float) -> State | None:
-    """The greatest equilibrium inside these intervals; all ends are first driven inward.
+    """The greatest equilibrium inside these intervals, whose ends are all driven inward.
 
     None if all zones are lost.
     """

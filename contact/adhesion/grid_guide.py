@@ -46,7 +46,7 @@ GRID = GridOptions()
 
 @record
 class GridRest:
-    """Scaled intervals at rest (m, 2), ascending, and the zones of contact inside the intervals."""
+    """Scaled intervals at rest (m, 2), ascending, and the zones of contact inside each."""
 
     table: Array
     zones: Array
