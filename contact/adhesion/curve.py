@@ -153,7 +153,7 @@ class State:
         return self.growth_of(np.arange(len(self.residual)))
 
     def growth_of(self, ends: Index) -> float:
-        """Largest eigenvalue of the residuals' rates, divided by weights, if only these ends move."""
+        """Largest eigenvalue of residuals' rates, divided by weights, if only these ends move."""
         second = self._second(ends)
         values = (
             np.linalg.eigvals(self._driven(ends)).real

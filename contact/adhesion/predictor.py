@@ -108,7 +108,7 @@ class Predictor(Kept):
 
     @property
     def size(self) -> Array:
-        """Unit (2n,) of the error of each residual: the larger of 1 and the residual at the start."""
+        """Unit (2n,) of the error of each residual: the residual at the start, or 1 if larger."""
         return np.maximum(1.0, self.first)
 
     def step(self, limit: Array) -> Array:
