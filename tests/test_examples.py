@@ -88,7 +88,7 @@ COUNTS = {
     "own_profile": (6, 72, 1e2, 3e4),
     "own_substrate": (100, 300, 1e6, 1e5),
     "registration": (900, 150, 1e5, 1e5),
-    "rounded_punch": (24, 48, 1e2, 2e5),
+    "rounded_punch": (24, 48, 1e2, 2.5e5),
     "textures": (900, 400, 1e5, 1e6),
     "tilted_punch": (120, 48, 1e3, 1e5),
     "two_zones": (50, 120, 3e4, 1e4),

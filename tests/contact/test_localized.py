@@ -632,3 +632,11 @@ class TestBetweenCorners:
             match="from corner to corner, where every isolated load has their width",
         ):
             self.under(0.03, tol=1e-8)
+
+
+@pytest.mark.parametrize("neighbours", [0, 1])
+def test_a_flat_punch_whose_corners_limit_the_zone_carries_any_load_in_a_strip(neighbours):
+    model = contact.Localized(closure="self-consistent", neighbours=neighbours)
+    punch = contact.Flat(0.9, period=1.0)
+    found = contact.solve(contact.Scene(punch, 1.0, model, mean_pressure=0.01))
+    assert found.zones[0] == pytest.approx([-0.45, 0.45])

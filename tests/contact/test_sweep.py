@@ -165,7 +165,7 @@ def test_a_point_that_fails_says_why_and_the_others_are_solved():
     assert table["failed"].values.tolist() == [False, True, False] and np.isnan(
         table["load"].values[1]
     )
-    assert "border" in str(table["reason"].values[1]) and table["zone_count"].values[
+    assert "beyond the largest" in str(table["reason"].values[1]) and table["zone_count"].values[
         [0, 2]
     ].tolist() == [1, 1]
 

@@ -154,10 +154,11 @@ def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -
             return full
     has_branch = control.load is not None or control.approach is not None
     # In a strip with neighbours, contact never becomes full. The width is then searched along the
-    # contacts from zero load.
+    # contacts from zero load, unless the corners of a punch limit it.
     needs_branch = bool(
         has_branch
         and problem.interaction.neighbours
+        and widest(problem) < problem.corners[1]
         and guess > OPTIONS.almost_full * widest(problem)
     )
     if needs_branch:
