@@ -55,6 +55,9 @@ class ConjugateOptions:
     # The factor for a residual whose Fourier terms fall like those of a jump, or more slowly. At
     # 1e-5 of the period from a corner, the conjugate is 4 times the jump.
     jump_margin: float = 8.0
+    # Terms that do not decay are noise if they are below this part of the largest term. Larger ones
+    # may come from a kink that is not declared.
+    max_noise: float = 1e-9
     no_decay: float = 0.6  # ratio of terms one octave apart, above which they do not decay
 
 
@@ -411,8 +414,7 @@ def _noise(size: Array, scale: float) -> float:
     profile decrease.
     """
     last, before = _last_octaves(size)
-    # Terms larger than sqrt(EPS) times the scale are not noise.
-    return 6 * last if OPTIONS.no_decay * before < last < np.sqrt(EPS) * scale else 0.0
+    return 6 * last if OPTIONS.no_decay * before < last < OPTIONS.max_noise * scale else 0.0
 
 
 def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[[Array], Array]:

@@ -356,7 +356,9 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
     minima = lowest(points, gap, np.flatnonzero(low & (gap[1:-1] > rounding)) + 1)
     lo, hi, found, values, places = points[inner - 1], points[inner + 1], [points], [gap], [place]
     inside = place[inner]
-    while len(lo):
+    for _ in range(SAMPLING.max_zooms):
+        if len(lo) == 0:
+            break
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
         with np.errstate(over="ignore", invalid="ignore"):
             value = _finite(fields.formal_gap(fine.ravel())).reshape(fine.shape)

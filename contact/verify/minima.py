@@ -23,6 +23,9 @@ class SamplingOptions:
     min_points: int = 48  # in an interval: three of them in the first hundredth of a gap
     max_points: int = 2**17  # largest number if the profile states its resolution
     max_guessed_points: int = 4000  # largest number if the resolution is a guess
+    # Zooms around a minimum that touches zero, or at a kink, would not end. Each zoom narrows the
+    # bracket to a quarter or less, so that this many narrow it to 1/16384 or less.
+    max_zooms: int = 7
 
 
 SAMPLING = SamplingOptions()
@@ -69,7 +72,9 @@ def follow(
     """
     negative: list[tuple[int, float, float]] = []
     least = relative = lowest = np.inf
-    while len(zone):
+    for _ in range(SAMPLING.max_zooms):
+        if len(zone) == 0:
+            break
         angle = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 17)
         here = over_root(zone[:, None], angle)
         here = np.where(np.isfinite(here), here, np.inf)
@@ -96,8 +101,7 @@ def zoomed(
 
     A bracket is left out if the parabola through its samples does not fall below the rounding. It
     is also left out if more than one sample is below it: they show how wide the interval of wrong
-    signs is. A single one may stand for an interval much narrower than the spacing. The second
-    difference falls with the square of the spacing, so that the zooms end.
+    signs is. A single one may stand for an interval much narrower than the spacing.
     """
     each, best = np.arange(len(value)), np.clip(np.argmin(value, axis=1), 1, value.shape[1] - 2)
     before, here, after = (value[each, best + k] for k in (-1, 0, 1))

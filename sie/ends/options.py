@@ -53,6 +53,8 @@ class NewtonOptions:
     step_margin : float
         The error of an end is estimated by its next step times this factor, for terms of second
         order.
+    rounding_step : float
+        Steps below this that no longer decrease are round-off.
     stalled_steps : int
         After this number of steps without progress, round-off may be the reason. With `allow_loss`,
         zones with the wrong sign of the density are given up after this number of steps, once the
@@ -90,6 +92,7 @@ class NewtonOptions:
     forcing: float = 1e-3
     first_solution: float = 1e-5
     step_margin: float = 1.5
+    rounding_step: float = 1e-6
     stalled_steps: int = 5
     close_step: float = 0.3
     vanished_part: float = 1e-3

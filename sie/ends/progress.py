@@ -1,6 +1,7 @@
 """Progress of a search for ends: it decides on convergence, with errors, and on failure."""
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -122,20 +123,36 @@ class Progress:
         known = abs(motion.change) <= least * abs(value + motion.change)
         rounding = (motion.noise / width).T
         certain = motion.certain or fraction > 0.0
-        error = rounding + options.step_margin * max(growth, 1.0) * relative.T
+        error = rounding + options.step_margin * max(growth, self._scatter(), 1.0) * relative.T
         return Convergence(certain and (rests or growth > 0) and known, error, rounding)
 
     def _moves_by_rounding(self, delta: Array, width: Array, noise: Array) -> float:
         """Ratio of the largest recent move to the last one if moves are round-off, else 0."""
-        move = self.trace[-1].move
-        quiet = delta < np.clip(100 * noise, HALF_DIGITS * width, 1e-2 * width)
-        by_rounding = (self.stalled >= 2 and move < HALF_DIGITS) or (
+        move, rounding_step = self.trace[-1].move, self.options.rounding_step
+        quiet = delta < np.clip(100 * noise, rounding_step * width, 1e-2 * width)
+        by_rounding = (self.stalled >= 2 and move < 1e-3 * rounding_step) or (
             self.stalled >= self.options.stalled_steps and bool(np.all(quiet))
         )
         if not by_rounding:
             return 0.0
         recent = self.trace[-min(self.stalled + 1, 4) :]
         return max(step.move for step in recent) / max(move, 1e-300)
+
+    def _scatter(self) -> float:
+        """Ratio of the last but one move to the last one if that move was round-off, else 0.
+
+        Near the solution a move is at most about a constant times the square of the move before.
+        A small move beyond that shows the round-off of the data. The last move may be smaller than
+        this round-off by chance, but hardly by a factor of a hundred.
+        """
+        moves = [step.move for step in self.trace]
+        if len(moves) < 4 or moves[-2] > self.options.rounding_step:
+            return 0.0
+        earlier = max(move / max(before, 1e-150) ** 2 for before, move in pairwise(moves[:-2]))
+        if moves[-2] <= 3 * earlier * moves[-3] ** 2:
+            return 0.0
+        ratio = moves[-2] / max(moves[-1], 1e-300)
+        return ratio if ratio < 100 else 0.0
 
     def is_hopeless(self, certain: bool) -> bool:
         """Whether the search will not converge on these zones, so that other zones are needed.
@@ -151,7 +168,7 @@ class Progress:
             return True
         stays = self.stalled >= 3 * options.stalled_steps and self._stays()
         stalled = self.stalled >= options.stalled_steps
-        return stalled and (move < HALF_DIGITS or stays)
+        return stalled and (move < self.options.rounding_step or stays)
 
     def _stays(self) -> bool:
         """Whether the moves did not decrease lately, while the widths hardly changed."""

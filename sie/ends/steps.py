@@ -92,7 +92,7 @@ def newton_step(
         # all zones.
         return _coupled_step(state.whole, moves, residual, options, value_response)
     a, noise_k = np.array(density.edge_slopes), state.intensity_noise
-    safe, weak = _safe_slopes(density, state.natural, options.signs, residual, last)
+    safe, weak = _safe_slopes(density, state.natural, options, residual, last)
     step_for = zones.weight.end_step
     delta = np.where(moves, step_for(residual, safe), 0.0)
     noise = np.where(moves, step_for(noise_k, np.abs(safe)), 0.0)
@@ -144,7 +144,7 @@ def _with_step_models(
 def _safe_slopes(
     density: AnyDensity,
     natural: Array,
-    signs: tuple[float, float],
+    options: NewtonOptions,
     residual: Array,
     last: LastMoves | None,
 ) -> tuple[Array, Mask]:
@@ -156,15 +156,17 @@ def _safe_slopes(
     be a hundred times too large, and the steps a hundred times too short. natural: largest
     coefficient of each zone beyond c_0 (Z,); residual: intensities less the prescribed ones (2, Z).
     """
-    a, side = np.array(density.edge_slopes), np.array(signs)[:, None]
+    a, side = np.array(density.edge_slopes), np.array(options.signs)[:, None]
     size = natural * density.zones.slope_scale / np.sqrt(2)
     least, safe = 1e-8 * size, side * (size + 1e-300)
     weak = side * a <= least
     unsure = weak
     if last is not None:
         # The last step should have removed most of the residual. Where it has not, the measured
-        # change of the residual gives a better slope than the edge slope A.
-        unsure = weak | (np.abs(residual) > 0.5 * np.abs(last.residual))
+        # change of the residual gives a better slope than the edge slope A. Changes by very small
+        # moves may be round-off.
+        measured = np.abs(last.moves) > options.rounding_step * 2 * density.zones.half
+        unsure = weak | (measured & (np.abs(residual) > 0.5 * np.abs(last.residual)))
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             secant = density.zones.weight.secant_slope(residual - last.residual, last.moves)
         usable = np.isfinite(secant) & (side * secant > least)

@@ -14,6 +14,7 @@ from contact.reference.inverse import design
 from contact.search.topology.loop import NewtonSettings, refine_topology
 from contact.search.topology.pressure_form import PressureForm
 from contact.studies.bench.formulations import scaled
+from contact.verify import minima
 from contact.verify.certificate import certify
 
 ZONES = [[-0.4, -0.15], [-0.05, 0.0], [0.1, 0.4]]
@@ -89,3 +90,18 @@ def test_of_many_gaps_each_is_looked_at_beside_its_ends_as_closely_as_one_of_a_f
         looks, gaps, side="right"
     )
     assert within.min() >= 3
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.9, 1.0])
+def test_the_zooms_at_a_kink_that_touches_zero_end(depth):
+    """The second difference at a kink falls with the spacing, and ends as round-off."""
+    rounding = np.array([1e-14])
+    dips = minima.follow(
+        lambda zone, angle: np.abs(angle - 1 / 3) - depth * 1e-14,
+        np.zeros(1, dtype=int),
+        np.array([0.0]),
+        np.array([1.0]),
+        np.ones(1),
+        rounding,
+    )
+    assert dips.negative == []
