@@ -51,7 +51,7 @@ from sie.trees.krylov import gmres
 
 @record
 class Moved:
-    """Direct effect of motions of ends on the density, before the response of the equation.
+    """Direct effect of motions of ends on the density, without the response of the equation.
 
     coefficients: those that act on other zones like the singular densities (unknowns, ...);
     own_level: change of the level of the same zone (Z, ...); own: change of the intensities at both
@@ -143,7 +143,8 @@ class IteratedMotions(FreeEnds):
         self.width = self.zones.half[self.zone]
 
     def _applied(self, folded: Array, d: Array) -> tuple[Array, Array]:
-        """(rows of the equation and its conditions, intensities K at the free ends).
+        """Left sides of the equation and conditions, and intensities K, for a response and motions
+        d.
 
         folded: unknowns of the response; d: motions of the free ends.
         """
@@ -201,7 +202,8 @@ class IteratedMotions(FreeEnds):
         return np.asarray(np.einsum("zab,bz->az", np.abs(self._local), k))
 
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
-        """(changes of the intensities at the free ends, changes of the levels) caused by motions d.
+        """Changes of the free ends' intensities and of the levels (potentials' constants) by
+        motions d.
 
         The levels are those of the solved zones. The values of the side conditions do not change.
         """
@@ -279,7 +281,9 @@ class IteratedMotions(FreeEnds):
             return np.asarray(out - by_value * (normal @ out) / (normal @ by_value))
 
         def along(d: Array) -> Array:
-            """The part of a motion d that keeps the condition on the ends."""
+            """The component of a motion d of the ends that does not violate the condition on the
+            ends.
+            """
             return (
                 d if normal is None else np.asarray(d - normal * (normal @ d) / (normal @ normal))
             )
@@ -312,7 +316,7 @@ class IteratedMotions(FreeEnds):
 
 @dataclass(frozen=True, eq=False)
 class EndRates:
-    """Derivatives of the intensities and the levels with respect to motions of the free ends.
+    """Derivatives of intensities and levels (potentials' constants) by motions of the free ends.
 
     The values of the side conditions do not change. The right end of a mirrored pair stands for
     both ends.
@@ -347,7 +351,7 @@ class EndRates:
 
 
 def end_rates(state: State) -> EndRates:
-    """Derivatives of intensities and levels by motions of the free ends of a solved state.
+    """Compute the derivatives in `EndRates`, for motions of the free ends of a solved state.
 
     Parameters
     ----------
@@ -418,7 +422,7 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
 
 
 def end_motions(state: State, change: Array) -> tuple[Array, Array]:
-    """Motions of the free ends that change the intensities by given amounts, and level changes.
+    """Motions of free ends, and changes of the potentials' constants, for given intensity changes.
 
     The values of the side conditions do not change. For very many ends the motions are found by
     iteration, since the matrix of all rates would be too large.

@@ -207,7 +207,7 @@ def find_ends(
 
 
 class _Search:
-    """State of one search for the ends: zones, value of the open condition, and progress."""
+    """One search for the ends: the present zones, an unknown condition value, and the progress."""
 
     def __init__(
         self,
@@ -223,8 +223,8 @@ class _Search:
         gaps = modes.gaps(zones, equation.kernel)[1]
         self.progress = Progress(options, tolerance, zones.b - zones.a, gaps, start.initial_error)
         self.sizes = _sizes_at_first(equation, zones, start.modes_like)
-        # The density caused by a unit change of the open condition's value; None if not yet
-        # computed.
+        # The density caused by a unit change of the value of the open condition (the side condition
+        # whose value is an unknown). It is None if it has not been computed yet.
         self.value_response: AnyDensity | None = None
         self.last: LastMoves | None = None
 
@@ -254,8 +254,8 @@ class _Search:
         A state is inexact if its tolerance is larger than that of a final solution.
         """
         sizes, progress = self.sizes, self.progress
-        # An iterative solver gets the open condition's value in its right side, so `with_value`
-        # needs no second solve.
+        # The right side of an iterative solver contains the value of the open condition (the side
+        # condition whose value is an unknown). So no second solve is needed for this value.
         sizes.linear, sizes.value = progress.linear, self.value
         sizes.rough = sizes.linear > ITERATION.correction
         decay = self.decay
@@ -273,7 +273,7 @@ class _Search:
         return state, loose, is_released
 
     def _state(self, decay: float) -> AnyState:
-        """The solution on the present zones, for the present value of the open condition."""
+        """The solution on the present zones, for the present guess of an unknown condition value."""
         state = solve_zones(self.equation, self.zones, decay, self.sizes)
         opened = self.equation.open_condition
         if opened is None or self.value == 0.0 or state.iterated:
@@ -340,8 +340,9 @@ class _Search:
             motion, rest = checked
         opened = self.equation.open_condition
         if opened is not None and not state.iterated:
-            # With LU factors the last change of the open value costs almost nothing. An iterative
-            # solver would need another solution.
+            # The last Newton step also changes the value of the open condition (the side condition
+            # whose value is an unknown). With LU factors the solution for the new value costs
+            # almost nothing. An iterative solver would have to solve again.
             state, self.value = (
                 state.with_value(opened, motion.change),
                 self.value + motion.change,
@@ -378,7 +379,7 @@ class _Search:
     def _with_iterated_errors(
         self, state: State, motion: NewtonStep, rest: Convergence
     ) -> tuple[NewtonStep, Convergence] | None:
-        """(last step with its growth rate, convergence with errors of the iterative motions).
+        """(last step with its growth rate, error estimates that include the iteration's errors).
 
         The result is None if the intensities do not determine the ends.
         """

@@ -64,7 +64,7 @@ class Progress:
     leaving: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
     def continue_with(self, zones: Zones, gaps: Array, kept: Index) -> None:
-        """Continue with the zones and gaps that remain; kept: old indices of these zones."""
+        """Continue with the remaining zones and gaps; `kept` has the old indices of these zones."""
         self.first_width = np.maximum(self.first_width[kept], zones.b - zones.a)
         self.first_gap = np.maximum(self.first_gap[kept], gaps)
         self.closing, self.leaving = self.closing[kept], self.leaving[kept]
@@ -118,7 +118,8 @@ class Progress:
         self.stalled = self.stalled + 1 if move > 0.5 * self.best else 0
         self.best = min(self.best, move)
         growth = self._moves_by_rounding(delta, width, motion.noise)
-        # If round-off keeps the ends moving, it also keeps the open condition's value changing.
+        # If round-off keeps the ends moving, the value of the open condition (the side condition
+        # whose value is an unknown) keeps changing too.
         least = max(self.tolerance, 1e-14, growth * move if growth else 0.0)
         known = abs(motion.change) <= least * abs(value + motion.change)
         rounding = (motion.noise / width).T
@@ -127,7 +128,7 @@ class Progress:
         return Convergence(certain and (rests or growth > 0) and known, error, rounding)
 
     def _moves_by_rounding(self, delta: Array, width: Array, noise: Array) -> float:
-        """Ratio of the largest recent move to the last one if moves are round-off, else 0."""
+        """Ratio of the largest recent move to the last one; 0 unless the moves are round-off."""
         move, rounding_step = self.trace[-1].move, self.options.rounding_step
         quiet = delta < np.clip(100 * noise, rounding_step * width, 1e-2 * width)
         by_rounding = (self.stalled >= 2 and move < 1e-3 * rounding_step) or (
@@ -139,7 +140,7 @@ class Progress:
         return max(step.move for step in recent) / max(move, 1e-300)
 
     def _scatter(self) -> float:
-        """Ratio of the last but one move to the last one if that move was round-off, else 0.
+        """Ratio of the second last move to the last; 0 unless the second last move was round-off.
 
         Near the solution a move is at most about a constant times the square of the move before.
         A small move beyond that shows the round-off of the data. The last move may be smaller than

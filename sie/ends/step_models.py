@@ -128,8 +128,8 @@ class StepAtJumps:
         width, steps = zones.b - zones.a, plain.copy()
         rises = heights > 0
         inside, outside = _nearest(zones, at[rises], heights[rises], self.period)
-        # Where the edge slope A is not reliable, a jump of g outside the end still limits the step:
-        # the end stops soon after the jump.
+        # Where the edge slope A is not reliable, a jump of the right side outside the zone still
+        # limits the step. The end stops soon after this jump.
         guided = (slopes > 0) | ((not of_density) & (k > 0) & (outside[0] < width))
         closest = np.minimum(inside[0], outside[0])
         bent = (closest < np.minimum(width, _FARTHEST_JUMP * np.abs(plain))) & guided
@@ -161,8 +161,8 @@ class StepAtJumps:
         if not of_density:
             c_in = c_in * np.sqrt(np.clip(1 - r / width, 0.0, 1.0))
         r, y = np.clip(r, 1e-300, width), np.clip(y, 1e-300, width)
-        # (c, here) belongs to the jump that contributes to the edge slope A; (c_other, there)
-        # belongs to the jump that the end reaches if it moves the other way.
+        # (c, here) belongs to the jump that contributes to the edge slope A. (c_other, there)
+        # belongs to the jump that the end reaches in the opposite direction.
         (c, here), (c_other, there), sign = (
             ((c_out, y), (c_in, r), -1.0) if of_density else ((c_in, r), (c_out, y), 1.0)
         )

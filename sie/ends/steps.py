@@ -19,7 +19,7 @@ from sie.states.state import State
 
 @record
 class Branch:
-    """Residual and stability of the ends in one step, computed if intensities are prescribed.
+    """Largest difference from prescribed intensities in one step, and growth of displaced ends.
 
     They show which of several roots the search approaches. residual: largest difference from the
     prescribed intensities; growth: largest real part of the eigenvalues that determine stability.
@@ -88,8 +88,8 @@ def newton_step(
     k = np.array(density.intensities)
     residual = np.where(moves, k - zones.intensities, 0.0)
     if zones.follow_ends:
-        # With prescribed intensities other than zero no gaps are treated as slits, so `whole` has
-        # all zones.
+        # If prescribed intensities are not zero, no gap is treated as a slit. Then `whole` is the
+        # state on the given zones.
         return _coupled_step(state.whole, moves, residual, options, value_response)
     a, noise_k = np.array(density.edge_slopes), state.intensity_noise
     safe, weak = _safe_slopes(density, state.natural, options, residual, last)
@@ -199,7 +199,8 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
     if state.density.slit_count or not np.isfinite(corners).any():
         return rounding
-    # If an end is at a corner up to round-off, its exact distance from the corner determines it.
+    # If an end is at a corner up to round-off, the exact distance from the corner determines the
+    # end.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
     cornered, g = state.whole.density.jumps.kinked, state.whole.system.g
     # The smooth part of the right side has the coefficients g_k. The sum of k |g_k| is an upper
@@ -217,7 +218,8 @@ def bordered(
     slope: Array,
     largest: tuple[float, float] = (np.inf, np.inf),
 ) -> tuple[Array, float]:
-    """(steps of the ends, change of the open value) that satisfy the condition on the ends.
+    """Steps of the ends, and the change of a condition's unknown value, for a condition on the
+    ends.
 
     delta: steps (2, Z) at the present value; slope: steps caused by a unit change of the value;
     largest: largest steps inward and outward, relative to the width of the zone. The damped steps
@@ -259,7 +261,7 @@ def _coupled_step(
     options: NewtonOptions,
     value_response: AnyDensity | None,
 ) -> NewtonStep:
-    """Newton step for prescribed intensities, with the Jacobian of the intensities by the ends.
+    """Newton step for prescribed intensities, from the derivatives of intensities by all ends.
 
     The right end of a mirrored pair stands for both. If the state was found by iteration, the
     growth rate is not computed (nan), since it costs more than the step.

@@ -28,7 +28,7 @@ from sie.slits.plane import SlitPlane
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, outside_slit
 
 # Distance from a wide zone, divided by the zone's half width. Farther away, the first
-# `min_slack_modes` coefficients of the slack give the slack's field to round-off.
+# `min_slack_modes` coefficients of the slack (the unknown in a slit) give its field to round-off.
 _FAR = excess_of(DIGITS / OPTIONS.min_slack_modes)
 
 
@@ -111,7 +111,8 @@ class SlitDensity(DensityBase):
     # The methods below give the series of functions on the slits.
     @cached_property
     def series(self) -> list[list[Array]]:
-        """Series of sigma = s sqrt(1 - t^2) on each slit, with slack s and zone coordinate t.
+        """Series of sigma = s sqrt(1 - t^2) on each slit; s is the slit's unknown, t a zone
+        coordinate.
 
         If `bounded_ends`, traces of the intensity K at the slits' ends are removed.
         """
@@ -119,7 +120,7 @@ class SlitDensity(DensityBase):
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
     def _of_slits(self, power: int) -> list[list[Array]]:
-        """Series of sigma / X^power on each slit; sigma = s X, slack s, X = sqrt(1 - t^2)."""
+        """Series of s X^(1 - power) on each slit, with the slit's unknown s and X = sqrt(1 - t^2)."""
         return [
             [slit.over(d, power) for slit, d in zip(here.slits, row, strict=True)]
             for here, row in zip(self.slits, self.series, strict=True)
@@ -127,7 +128,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _tilde(self) -> list[list[Array]]:
-        """Series of sigma / X^2 = s / X on each slit, with slack s and X = sqrt(1 - t^2).
+        """Series of s / X on each slit, with the slit's unknown s (slack) and X = sqrt(1 - t^2).
 
         X times the Cauchy transform of sigma / X^2 is the density P[s] that the slack causes,
         except for its part (alpha + beta t) / X.
@@ -137,12 +138,12 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def sigma(self) -> Density:
-        """The slack s times sqrt(1 - t^2) of the wide zone, on all slits, as a density."""
+        """The unknown s in the slits (slack) times sqrt(1 - t^2) of the wide zone, as a density."""
         return self._on_slits(self.series)
 
     @cached_property
     def _slack(self) -> Density:
-        """The slack s on all slits, represented as a density."""
+        """The slack s (the unknown in the slits) on all slits, represented as a density."""
         return self._on_slits(self._of_slits(1))
 
     def _on_slits(self, series: list[list[Array]]) -> Density:
@@ -156,7 +157,9 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _edged(self) -> Density:
-        """The smooth part of the density plus the unbounded part that the slack causes."""
+        """The smooth part of the density plus the unbounded part caused by the slits' unknown
+        (slack).
+        """
         alpha, beta = (part.copy() for part in self.smooth.singular)
         for here, row in zip(self.slits, self.series, strict=True):
             for slit, d in zip(here.slits, row, strict=True):
@@ -249,7 +252,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
-        """Edge slopes A (coefficients of sqrt(d)) of slack times sqrt(1 - t^2) at each slit's ends.
+        """Coefficients of sqrt(d), at each slit's ends, of the slit's unknown times sqrt(1 - t^2).
 
         They include the slack psi of jumps in the slit (see `sie.slits.kinks`).
         """
@@ -387,7 +390,7 @@ class SlitDensity(DensityBase):
             out[piece] = here
         return out
 
-    # The methods below give the fields and the slack at points of the real line.
+    # The methods below give the fields, and the slack (the unknown in a slit), at real points.
     def _into_wide(self, x: Array) -> Array:
         """x moved by periods into the period that begins at the first wide zone's left end."""
         return wrapped(x, self.geometry.wide.a[0], self.kernel.period)
@@ -398,7 +401,7 @@ class SlitDensity(DensityBase):
         return len(self.geometry.slits)
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x is in a slit, integral of the slack s from the slit's left end to x)."""
+        """(whether x is in a slit, integral from the slit's left end to x of the slit's unknown s)."""
         place = self._into_wide(np.asarray(x, dtype=float))
         slack = self._slack
         inside = slack.locate(place)[2]
@@ -408,7 +411,9 @@ class SlitDensity(DensityBase):
         return inside, opened
 
     def slack(self, place: Array) -> Array:
-        """The slack s at places on the wide zones; the slack is zero off the slits."""
+        """The slack s (the unknown in a slit) at places on the wide zones; it is zero off the
+        slits.
+        """
         out = self._slack(place)
         for kink, _, some, left, right in self._in_kinks(place):
             out[some] += kink.slope(left, right)
@@ -442,8 +447,9 @@ class SlitDensity(DensityBase):
         place = self._into_wide(flat)
         if not potential:
             return np.asarray((out - self.slack(place)).reshape(x.shape))
-        # On a wide zone, the density that the slack causes adds a potential: the zone's mean
-        # opening minus the opening at x. The opening is the integral of the slack.
+        # The slack is the unknown in a slit, and the opening at x is the integral of the slack up
+        # to x. On a wide zone, the density that the slack causes adds a potential. This potential
+        # is the mean of the opening over the zone minus the opening at x.
         i = np.maximum(np.searchsorted(self.geometry.wide.a, place, side="right") - 1, 0)
         on = (place >= self.geometry.wide.a[i]) & (place <= self.geometry.wide.b[i])
         out += np.where(on, self.mean_openings[i] - self.opening(place)[1], 0.0)
@@ -451,7 +457,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def mean_openings(self) -> Array:
-        """Mean over each wide zone of the integral of the slack s."""
+        """Mean over each wide zone of the integral of the slack s (the unknown in the slits)."""
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slits, self.series, strict=True):
             out[here.zone] = here.mean_row @ np.concatenate(row) + (
@@ -461,7 +467,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _slack_density(self) -> Density:
-        """The density that the slack causes, from its first coefficients only.
+        """The density caused by the first coefficients of the slack (the unknown in the slits).
 
         It is given on the wide zones with slits, and holds far from them.
         """
@@ -472,7 +478,8 @@ class SlitDensity(DensityBase):
         return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 
     def _add_slits(self, x: Array, out: Array, potential: bool) -> None:
-        """Correct the field `out` close to wide zones with slits, and close to images of them.
+        """Correct the field `out` close to wide zones with slits, and close to their periodic
+        images.
 
         There the first coefficients of the slack s are too few. Their field is subtracted, and
         off the zone the closed form is added.
@@ -499,7 +506,8 @@ class SlitDensity(DensityBase):
                     out[some[off]] += what(seen, here, row)
 
     def _transform(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Transform, off the wide zone, of the density P[s] that the slack in its slits causes.
+        """Transform outside a wide zone of the density caused by the slack s (the unknown in its
+        slits).
 
         It is (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau.
         """
@@ -516,7 +524,8 @@ class SlitDensity(DensityBase):
             return np.asarray(total / seen.root)
 
     def _potential(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Potential, off the wide zone, of the density P[s] that the slack in its slits causes.
+        """Potential outside a wide zone of the density caused by the slack s (the unknown in its
+        slits).
 
         It is -w sum s_k rho^k / k, summed in closed form over each slit.
         """
@@ -538,7 +547,7 @@ class SlitDensity(DensityBase):
 
 
 def _closed(d: Array) -> Array:
-    """The coefficients d of sum d_l T_l / sqrt(1 - z^2) after its unbounded part is removed.
+    """The coefficients d of sum d_l T_l / sqrt(1 - z^2) after the sum's unbounded part is removed.
 
     It follows from (1 - z^2) U_k = (T_k - T_(k+2)) / 2.
     """

@@ -99,7 +99,7 @@ class SlitKink(Kept):
             self.rest + self.half * right,
         )
 
-    # The methods below give the slack psi that the jump causes in the slit.
+    # The methods below give psi, the known part of the slit's unknown (slack) due to the jump.
     @cached_property
     def _weights(self) -> tuple[float, ...]:
         """The coefficients e_0 ... e_q of the sum in `mixed`, for the jump's order q."""
@@ -116,7 +116,7 @@ class SlitKink(Kept):
         )
 
     def slope(self, left: Array, right: Array) -> Array:
-        """The slack psi at distances from the slit's ends, in half widths of the slit.
+        """The part psi of the slit's unknown, at distances from the slit's ends in its half widths.
 
         At the jump itself it is the mean of the values on both sides.
         """
@@ -125,7 +125,9 @@ class SlitKink(Kept):
         return np.asarray(self.jump * (own - self.mixed(_spread_powers(left, right))))
 
     def opening(self, left: Array, right: Array) -> Array:
-        """Integral of the slack psi from the slit's left end, divided by the slit's half width."""
+        """Integral of the part psi of the unknown from the slit's left end, over the slit's half
+        width.
+        """
         place, q = np.maximum(left - self._jump_distances[0], 0.0), self.order
         integrals = (b / k for k, b in enumerate(_spread_powers(left, right)) if k)
         return np.asarray(
@@ -134,7 +136,7 @@ class SlitKink(Kept):
 
     @property
     def at_ends(self) -> float:
-        """Coefficient J of the slack psi = -+(J/pi) sqrt(2 delta), delta: distance from the end.
+        """Coefficient J in psi = -+(J/pi) sqrt(2 delta), at a distance delta from the slit's end.
 
         delta is the distance from the end, divided by the slit's half width.
         """
@@ -142,7 +144,7 @@ class SlitKink(Kept):
 
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
-        """Quadrature rule for integrals over the slit with the slack psi as weight.
+        """Quadrature rule for integrals over the slit, with psi (see `slope`) as weight.
 
         (distances from the left end, and from the right end of the wide zone, angles in that zone,
         weights W); int psi f dt = sum W f.
@@ -157,31 +159,36 @@ class SlitKink(Kept):
 
     @cached_property
     def _over_root(self) -> Array:
-        """Quadrature weights for integrals of psi f / (pi X); psi: slack, X = sqrt(1 - t^2)."""
+        """Quadrature weights for integrals of psi f / (pi X), with X = sqrt(1 - t^2) of the wide
+        zone.
+        """
         from_left, from_right, _, weight = self.seen
         return np.asarray(weight / root_weight(from_left, from_right) / np.pi)
 
     @property
     def total(self) -> float:
-        """Integral of the slack psi over the slit, divided by pi and by the slit's half width."""
+        """Integral of psi (see `slope`) over the slit, divided by pi and by the slit's half width."""
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:
-        """Coefficients s_k, k = 0 ... count, of the jump's slack psi on the wide zone."""
+        """Coefficients s_k on the wide zone, k = 0 ... count, of the part psi of the slit's
+        unknown.
+        """
         _, _, angle, weight = self.seen
         return np.asarray(2 / np.pi * np.sin(np.arange(count + 1)[:, None] * angle) @ weight)
 
     @property
     def mean_opening(self) -> float:
-        """Mean on the wide zone of the integral of the slack psi, divided by the half width."""
+        """Mean over the wide zone of the integral of psi (see `slope`), over the zone's half width."""
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi
 
-    # The methods below give the density P[psi] that the slack psi causes on the wide zone.
+    # The methods below give the density that psi, the known part of the slit's unknown, causes on
+    # the wide zone.
     @cached_property
     def edge(self) -> tuple[float, float]:
-        """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the slack's density."""
+        """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the density that psi causes."""
         from_left, from_right, _, _ = self.seen
         return float(self._over_root @ (0.5 * (from_left - from_right))), float(
             self._over_root.sum()
@@ -220,7 +227,7 @@ class SlitKink(Kept):
         )
 
     def in_slit(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """sqrt(1 - t^2) times the density of the jump and of the slack psi, at places in a slit.
+        """sqrt(1 - t^2) times the density caused by the jump and by psi (see `slope`), in the slit.
 
         The density is (h/pi)(t - s)^q kappa + P[psi]. from_left, from_right: distances from the
         wide zone's ends; z: the same places in the coordinate of this slit.
@@ -235,12 +242,13 @@ class SlitKink(Kept):
     def outside_slit(
         self, from_left: Array, from_right: Array, outside: Array, past: Mask
     ) -> Array:
-        """The density that the slack psi causes, without its unbounded part, outside the slit.
+        """The bounded part of the density that psi (see `slope`) causes, at points outside the
+        slit.
 
         outside: distance from the slit in its half widths; past: whether a point is right of it.
         """
-        # Far from the slit the closed forms for order 2 lose digits by cancellation. The slack is
-        # integrated numerically there.
+        # Far from the slit the closed forms for order 2 lose digits by cancellation. The integral
+        # over psi (see `slope`) is computed numerically there.
         if self.order == HIGHEST and np.any(outside > SEPARATION):
             out, far = np.empty(outside.shape), outside > SEPARATION
             out[far] = self._summed(from_left[far], from_right[far], outside[far], past[far])

@@ -46,8 +46,9 @@ from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits
 
-# The field of the slack follows to round-off from the first `min_slack_modes` coefficients of the
-# slack. This holds where |rho| = |zeta - sqrt(zeta^2 - 1)| is below this limit.
+# The field of the slack (the unknown in a slit) follows to round-off from the first
+# `min_slack_modes` coefficients of the slack. This holds where |rho| = |zeta - sqrt(zeta^2 - 1)| is
+# below this limit.
 _FAR = float(np.exp(-DIGITS / OPTIONS.min_slack_modes))
 # Number of panels of the vertical path of integration. Each panel is half as high as the panel
 # above it, and the lowest panel is as high as round-off.
@@ -77,7 +78,7 @@ class SlitPlane:
         return np.where(z.imag < 0, np.conj(out), out)
 
     def _transform(self, x: Array, y: Array, what: What) -> Complex:
-        """Transform or its derivative at x + i y; close to slits, closed forms replace `slack`."""
+        """Transform or its derivative at x + i y, with closed forms close to slits."""
         whole, wide = self.whole, self.geometry.wide
         x = whole.into_period(x)
         out = whole.plane(complex_of(x, y), what)
@@ -135,7 +136,9 @@ class SlitPlane:
 
 
 def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Complex, Complex]:
-    """Transform of sigma (slack times sqrt(1 - t^2)) on a zone's slits, and its derivative."""
+    """Transform, and its derivative, of sigma (a slit's unknown times sqrt(1 - t^2)) on a zone's
+    slits.
+    """
     value, slope = np.zeros((2, len(x)), dtype=complex)
     first = np.zeros(len(x), dtype=np.intp)
     for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
@@ -147,7 +150,7 @@ def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Compl
 
 
 def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Complex:
-    """Transform, or its derivative by zeta, of the density that a jump's slack psi causes.
+    """Transform, or its derivative by zeta, of the density that psi (see `SlitKink.slope`) causes.
 
     It holds off the wide zone. seen, inner: the points relative to the wide zone and to the slit.
     """

@@ -58,10 +58,10 @@ class SlitOptions:
     # derivative, relative to the narrower adjacent zone. This limit is stricter than `max_gap`,
     # because a spline may have hundreds of such jumps.
     max_gap_with_jumps: float = 0.003
-    # Largest number of modes of the unknown slack in one slit.
+    # Largest number of modes of the unknown function (slack) in one slit.
     max_modes: int = 512
-    # Least number of coefficients of the slack from which the slack's field far from the wide zone
-    # is computed.
+    # Least number of coefficients of the slack (the unknown in a slit) from which the slack's field
+    # far from the wide zone is computed.
     min_slack_modes: int = 48
     # Largest accepted change of the solution in the last step of the iteration, relative to the
     # solution's largest coefficient. A smaller change is added to the stated error. A larger change
@@ -127,15 +127,15 @@ class SlitGeometry(Kept):
 
 
 def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> SlitGeometry | None:
-    """The geometry in which narrow gaps between zones are slits of wide zones, or None.
+    """The geometry with narrow gaps as slits of wide zones; None if no gap can be a slit.
 
     It is None if there are no narrow gaps, or if the equation does not allow slits. before: whether
     the gap after each zone was a slit in a previous solution on similar zones. Such a gap stays a
     slit while it is about as narrow.
     """
     kernel = equation.kernel
-    # A right-side term of unknown amplitude (`column`) that may be singular between zones cannot be
-    # used on a wide zone.
+    # A term of the right side with unknown amplitude may be singular between zones. Such a term
+    # cannot be used on a wide zone.
     general = len(equation.forcing.jumps.singular_at) > 0 or any(
         column.resolution.modes is None and not column.resolution.smooth_between
         for column in equation.columns
@@ -196,7 +196,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:
-    """Whether the zones have a common level, and no side condition concerns a single zone.
+    """Whether the potential has one constant on all zones, and no condition is for a single zone.
 
     Only with one common level does the slack integrate to zero over each slit. A user's own
     condition may be about single zones, and there are fewer wide zones than given ones.
@@ -292,7 +292,8 @@ class Slit(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r: for the slit's series d, r @ d is the zone's mean of the slack's integral.
+        """Row vector r; for a slit's series d of the slack, r @ d is the zone's mean of its
+        integral.
 
         The weight of the mean is 1 / sqrt(1 - t^2).
         """
@@ -300,13 +301,15 @@ class Slit(Kept):
         return self.width * self.means((self.theta - middle) / self.x_root)
 
     def slack_matrix(self, count: int) -> Array:
-        """Matrix from the slit's series d to the zone's slack coefficients s_k, k <= count."""
+        """Matrix from a slit's series d to coefficients s_k of the slit's unknown (slack) on the
+        zone.
+        """
         k = np.arange(count + 1)[:, None]
         return 2 * self.half * self.means(np.sin(k * self.theta) / self.x_root)
 
 
 def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
-    """Transform (1/pi) int sigma / (t - tau) dtau of a slit's series, at points t off the slit.
+    """Transform (1/pi) int sigma / (t - tau) dtau of a slit's series for sigma, off the slit.
 
     d: series of sigma. excess: |z| - 1 at the points, the distance from the slit in its half
     widths; sign: 1 right of the slit, -1 left of it.
@@ -432,8 +435,8 @@ class Slits(Kept):
         """
         if self.zone not in jumps.by_zone:
             return np.zeros(self.offset[-1])
-        # Jumps in other zones contribute nothing. Jumps in slits are left out of `rest`; they are
-        # added as `kinks`.
+        # Jumps in other zones contribute nothing. Jumps in slits are not part of `rest`, since they
+        # are added as `kinks`.
         rest = jumps.chosen(
             np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
         )
@@ -455,13 +458,15 @@ class Slits(Kept):
 
         out = self._rows(values)[:, 0]
         for i, kink in self.kinks:
-            # The integral of the whole slack over the slit is zero. The integral of the known slack
-            # psi of the jump therefore goes to the right side.
+            # The integral of the slack (the unknown in a slit) over the slit is zero. The jump
+            # causes a known part psi of the slack. The integral of psi therefore goes to the right
+            # side.
             out[self.offset[i]] -= kink.total
         return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
-        """Coefficients of U_(l-1) of functions on each slit, below a row of zeros for each slit.
+        """Coefficients of U_(l-1) of functions on each slit; before those of a slit, a row of
+        zeros.
 
         The first row of each slit stands for the condition on the integral of its slack.
         """
@@ -484,8 +489,8 @@ class Slits(Kept):
             for j, other in enumerate(self.slits):
                 columns = slice(self.offset[j], self.offset[j + 1])
                 if i == j:
-                    # The first row is the integral of the slack over the slit. The other rows pick
-                    # the coefficient d_l of U_(l-1).
+                    # The first row is the integral of the slack (the unknown in a slit) over the
+                    # slit. The other rows pick the coefficient d_l of U_(l-1).
                     matrix[self.offset[i], columns] = slit.means(1 / slit.x_root)
                     matrix[rows, columns] = np.eye(slit.modes, slit.modes + 1, 1)
                     continue
@@ -500,7 +505,8 @@ class Slits(Kept):
 
     @cached_property
     def slack_matrix(self) -> Array:
-        """Matrix from the series d of all slits to the coefficients s_k of the slack on the zone.
+        """Matrix from the series d of all slits to coefficients s_k of their unknown (slack) on the
+        zone.
 
         k = 0 ... max(modes, min_slack_modes).
         """
@@ -511,7 +517,7 @@ class Slits(Kept):
 
     @cached_property
     def slack_of_kinks(self) -> Array:
-        """Coefficients s_k, on the wide zone, of the slack that comes from jumps in slits."""
+        """Coefficients s_k on the wide zone of the known part of the slits' unknown, due to jumps."""
         count = max(self.modes, OPTIONS.min_slack_modes)
         return np.sum(
             [np.zeros(count + 1), *(kink.slack_coefficients(count) for _, kink in self.kinks)],
@@ -520,10 +526,12 @@ class Slits(Kept):
 
     @property
     def mean_of_kinks(self) -> float:
-        """Mean over the zone of the integral of the slack psi that jumps in slits cause."""
+        """Mean over the zone of the integral of psi, the part of the slits' unknown due to jumps."""
         return self.w * sum(kink.mean_opening for _, kink in self.kinks)
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r: r @ (series d of all slits) is the zone's mean of the slack's integral."""
+        """Row vector r; with the series d of all slits, r @ d is the zone's mean of the slack's
+        integral.
+        """
         return np.concatenate([slit.mean_row for slit in self.slits])
