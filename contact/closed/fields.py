@@ -27,7 +27,7 @@ from sie import Array, Index, nearest_image
 
 
 class ClosedFields(ZoneFields):
-    """Fields of one load on one zone, which reaches from -half_width to half_width."""
+    """Fields of one load on one zone, which extends from -half_width to half_width."""
 
     scene: Scene
     zone: ClosedZone

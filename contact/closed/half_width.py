@@ -75,7 +75,8 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         carried = float(_carried(problem, control, np.array([math.exp(logarithm)]))[0])
         return math.log(carried / control.value) if carried > 0 else -math.inf
 
-    # A power law between half width and controlled quantity is a straight line in the logarithms.
+    # The controlled quantity is about a power of the half width, so it is interpolated as a
+    # straight line in the logarithms.
     known = {
         math.log(a): math.log(carried / control.value)
         for a, carried in ((low, at_low), (high, at_high))
@@ -90,7 +91,7 @@ def widest(problem: Problem) -> float:
 
 
 def _carried(problem: Problem, control: Control, a: Array) -> Array:
-    """The controlled load or approach at half widths a; -inf after its first maximum."""
+    """The controlled load or approach at each half width a; -inf beyond its first maximum."""
     period, poles = problem.period, len(problem.kernel.poles)
     if period is not None and poles > 1:
         sine = np.sin(np.pi * a / period)
@@ -129,7 +130,7 @@ def carried_by(problem: Problem, control: Control, a: float) -> float:
 
 
 def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
-    """(half widths, controlled load or approach) from zero load to the first maximum."""
+    """(half widths, controlled load or approach at each) from zero load to the first maximum."""
     limit = widest(problem)
     if not math.isfinite(limit):
         limit = 1e3 * guess_half_width(problem, control)

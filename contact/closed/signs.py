@@ -31,7 +31,7 @@ from sie import Array
 
 
 def signs(zone: ClosedZone) -> tuple[Value, Value]:
-    """(whether the signs of pressure and gap are certainly right, least sampled gap [m]).
+    """(whether pressure and gap certainly have the right signs, least sampled gap [m]).
 
     The gap is inf where its slope is positive everywhere outside, so that it was not sampled.
     """
@@ -60,7 +60,7 @@ def _pushes(zone: ClosedZone) -> Value:
 
 
 def least_inside(zone: ClosedZone) -> tuple[float, int]:
-    """(least sample of p / sqrt(1 - t^2), in units of E*/2; number of samples), for one load."""
+    """(least sample of p / sqrt(1 - t^2) in units of E*/2, number of samples), for one load."""
     if zone.problem.corner is not None:
         return float(zone.punch), 0
     looks = table(zone.nodes // 2)

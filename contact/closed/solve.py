@@ -36,8 +36,8 @@ from contact.verify.certificate import Certificate
 from contact.verify.law_checks import has_checks, held_to_law
 
 # If a larger fraction of the period is in contact, the general search is used. It solves for the
-# gap and so keeps the digits of the gap's width. Insensitive: 0.9 to 0.999 differ in those digits
-# only.
+# gap and so keeps the digits of the gap's width. The choice is uncritical, as results for limits
+# from 0.9 to 0.999 differ in those digits only.
 WIDEST = 0.95
 _NOTE = "one interval: the signs of its series, inside and outside"
 
@@ -78,7 +78,7 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
 
 
 def _asks_for_pressure_only(law: Law, E_star: float) -> bool:
-    """Whether the law prescribes only a positive pressure that vanishes at the ends."""
+    """Whether the law only requires a positive pressure that vanishes at the ends of zones."""
     return (
         law.routes.module is None
         and law.equilibria.unique
@@ -106,7 +106,7 @@ def _is_half_plane(scene: Scene) -> bool:
 
 
 def solve_closed(scene: Scene, tol: float) -> Solution | None:
-    """The closed solution of a scene with one symmetric zone; None if anything is in doubt."""
+    """The closed solution of a scene with one symmetric zone; None if a check is in doubt."""
     start = time.perf_counter()
     held = scene.control_object.held(scene)
     problem = None if held is None else one_zone_problem(scene)

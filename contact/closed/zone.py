@@ -78,7 +78,7 @@ class OneZoneProblem:
         return float(self.map.y(self.limit)) if math.isfinite(self.limit) else math.inf
 
     def slopes(self, y: Array) -> Array:
-        """The right side G = f'/w (slope f', weight w) at y, without the part of the kink."""
+        """The right side G = (slope f' without the kink's part) / (weight w) at y."""
         x, weight = self.map.at(y)
         slope = np.asarray(self.profile.slope(x), dtype=np.float64)
         return np.asarray((slope - 0.5 * self.kink) / weight)
@@ -93,7 +93,7 @@ class OneZoneProblem:
         return factor * np.arctanh(half), factor / ((1.0 - half) * (1.0 + half))
 
     def mean_height(self, half: Value) -> Value:
-        """Mean over the zone of the height f - min f [m], with respect to the angle arccos t."""
+        """Mean of the height f - min f [m] over the zone, with respect to the angle arccos t."""
         t, weights = _quarter_turn()
         height = np.asarray(self.profile.height(self.map.at(column(half) * t)[0]))
         return (height - lowest(self.profile)).dot(weights)
@@ -153,7 +153,7 @@ class ClosedZone:
 
     @property
     def growth(self) -> Value:
-        """Outward motion [m] of an end while the load grows by a factor e; 0 at corners."""
+        """Outward motion [m] of an end for each unit of ln(load); 0 at corners."""
         problem, way = self.problem, self.problem.map
         if problem.corner is not None:
             return 0.0 * self.half

@@ -37,7 +37,7 @@ LOOKS = 2**10
 def first_order(
     context: SolveContext, scaled: ScaledScene, found: SolvedZones | None = None
 ) -> SolvedZones:
-    """The strip's zones; the nominal pressure is the isolated load divided by the period.
+    """The strip's zones, for a nominal pressure equal to the isolated load divided by the period.
 
     The isolated load is that of the profile alone with the same total width.
 
@@ -73,7 +73,7 @@ def first_order(
             return outcome
         if isinstance(outcome.refusal, OutOfRange):
             raise outcome.refusal
-        # More zones may come into contact, so the search for several zones follows.
+        # More zones may come into contact. The search for several zones follows.
         context.record_failure("one zone by its width", outcome)
         return several.found(pressure, zones)
     with context.plan.timed("isolated reference"):
@@ -83,7 +83,7 @@ def first_order(
 
 
 def _is_asperity(problem: Problem, zones: Array) -> bool:
-    """Whether there is one contact zone in which the profile has at most one local minimum."""
+    """Whether there is a single zone, and the profile has at most one local minimum in it."""
     if len(zones) != 1:
         return False
     inside = np.linspace(float(zones[0, 0]), float(zones[0, 1]), LOOKS)

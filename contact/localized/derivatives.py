@@ -23,7 +23,8 @@ from sie import Array, Mask, record
 class DerivativeOptions:
     """Options of the derivatives, which are used in Newton's method and in small stated errors."""
 
-    # Tolerance of the densities: the error of a difference over 2 * shift stays below shift^2.
+    # Tolerance of the densities, for which the error of a difference over 2 * shift stays below
+    # shift^2.
     tolerance: float = 1e-11
     shift: float = 1e-3  # of the centre in a central difference, relative to the gap at the border
 

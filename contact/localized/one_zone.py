@@ -39,7 +39,7 @@ class WidthOptions:
 
     @property
     def converged_step(self) -> float:
-        """Step at which Newton's method stops, relative to the width.
+        """Step, relative to the width, below which Newton's method stops.
 
         The derivatives then correct the remaining error, to about the square of this step.
         """
@@ -47,13 +47,13 @@ class WidthOptions:
 
     @property
     def at_maximum(self) -> float:
-        """Relative length of the bracket of the width that suffices at a maximum of the load."""
+        """Relative width of the bracket at which the search for a maximum of the load ends."""
         return math.sqrt(self.converged_step)
 
 
 @record
 class _AtWidth:
-    """The contact of the strip and the contact of its profile alone, both with the same width.
+    """Two contacts of the same width: that of the strip, and that of its profile alone.
 
     present, wanted: the controlled quantity, and its given value. slope, by_load: rates of the
     controlled quantity with the width and with the load. following: rates of centre, nominal

@@ -59,7 +59,7 @@ class ClosureOptions:
 
 
 class SeveralZones:
-    """The search for the nominal pressure; `strip` solves the strip under a given pressure."""
+    """The search for the nominal pressure; `strip` solves the strip under a trial pressure."""
 
     def __init__(self, context: SolveContext, scaled: ScaledScene, strip: Strip) -> None:
         self.context, self.scaled, self.strip, self.options = (
@@ -125,7 +125,7 @@ class SeveralZones:
         return np.asarray(np.linalg.solve(matrix, [-miss, 0.0, 0.0]))
 
     def _solved(self, at: TwoContacts, rates: ContactRates, ends: Array) -> SolvedZones:
-        """The strip's zones, with the rate of the nominal pressure and the errors of ends."""
+        """The strip's zones, with the errors of their ends and the rate of the nominal pressure."""
         follows = rates.following
         fields = replace(
             at.strip.fields,

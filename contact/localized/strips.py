@@ -91,7 +91,7 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
 def _moved(
     context: SolveContext, scaled: ScaledScene, found: SolvedZones, step: float, expected: Array
 ) -> SolvedZones:
-    """The zones after a step of the strip's centre; the step is halved until zones are found."""
+    """The zones after the strip's centre has moved; the step is halved until zones are found."""
     problem, table = found.fields.problem, found.free.density.zones.table
     for _ in range(SEARCH.max_attempts):
         there = problem.about(problem.centre + step)

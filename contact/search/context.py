@@ -89,8 +89,8 @@ class SceneCache(sie.Kept):
         return {}
 
 
-# A solver takes a scene, its tolerance, a progress callback, a warm start and a cache. It returns
-# the scene's solution.
+# A solver takes a scene, its tolerance, a progress callback, a similar solution to start from, and
+# a cache. It returns the scene's solution.
 Solver = Callable[[Scene, float, Progress | None, Solution | None, SceneCache], Solution]
 
 # Tolerance of the zone ends and of the density, divided by the wanted error of the solution. This
@@ -131,7 +131,7 @@ class SolveContext:
         cache: SceneCache | None = None,
         **others: Any,
     ) -> SolveContext:
-        """The context of a scene with a new plan. others: further fields of the context."""
+        """The context of a scene with a new plan. others: further fields of the new context."""
         made = plan(scene)
         made.decide(
             "solver",
@@ -177,7 +177,7 @@ class SolveContext:
         return self.scene.law.equilibria.several and self.scene.held(Quantity.HALF_WIDTH) is None
 
     def with_warm_start(self, solution: Solution | None) -> SolveContext:
-        """A copy of this context with another warm start."""
+        """A copy of this context that starts from another similar solution."""
         return replace(self, warm_start=solution)
 
     def control(self, problem: Problem) -> Control:
@@ -207,7 +207,7 @@ class SolveContext:
         self.plan.tried.append(f"{strategy}: {failure.reason}")
 
     def error(self, failure: Failure, problem: Problem) -> ContactError:
-        """The error to raise if no strategy is left; the error contains the best state reached."""
+        """The error to raise if no strategy is left; the error contains the best result reached."""
         if failure.at_border:
             return OutOfRange(failure.reason)
         free = failure.free

@@ -102,7 +102,7 @@ def _edge(holds, inside: float, outside: float) -> float:  # type: ignore[no-unt
 
 
 def _level_from(profile: Profile, half_width: float) -> float:
-    """Distance [m] from x = 0 up to which a symmetric profile is level.
+    """Distance [m] from x = 0 up to which the height of a symmetric profile is constant.
 
     It is 0 if the profile is not level up to `half_width`.
     """
@@ -110,7 +110,7 @@ def _level_from(profile: Profile, half_width: float) -> float:
     def is_level(x: Array) -> Mask:
         return np.asarray(np.asarray(profile.slope(x)) == 0)
 
-    # At the edge of the level part, the profile's slope may be that on the outer side. The last
+    # At the edge of the flat part, the profile's slope may be that on the outer side. The last
     # sample therefore lies just inside `half_width`.
     if not is_level(half_width * np.append(np.arange(1, 32) / 32, 1 - TOLERANCES.rounding)).all():
         return 0.0

@@ -53,7 +53,8 @@ def found(context: SolveContext) -> Outcome:
         ):
             refused = outcome
         if strategy is _from_previous_zones:
-            # The warm start has the same zones. Newton's method would fail on them once more.
+            # The last solution has the same zones as the failed search. Newton's method would fail
+            # on them once more.
             context = context.with_warm_start(None)
     assert refused is not None and refused.refusal is not None
     raise refused.refusal
@@ -73,7 +74,7 @@ def _full_contact(context: SolveContext, refused: Failure | None) -> Outcome | F
 
 
 def _from_previous_zones(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """Newton's method from the zones extrapolated along a curve of values of the control."""
+    """Newton's method from the zones extrapolated from solutions at other values of the control."""
     return NOT_APPLICABLE if _tilt_and_load_unknown(context) else from_previous(context)
 
 
@@ -143,7 +144,7 @@ def _tilt_and_load_unknown(context: SolveContext) -> bool:
 
 
 def _loads_may_help(context: SolveContext, refusal: OutOfRange | NotConverged) -> bool:
-    """Whether a search over loads may reach an approach whose contact the grid does not find.
+    """Whether solutions under trial loads are tried if the grid finds no contact at the approach.
 
     On a lone body, the lowest point of a coarse grid may lie above the profile's lowest point by
     more than the approach. On a period the grid does find the lowest point, but may miss narrow

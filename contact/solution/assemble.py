@@ -42,7 +42,7 @@ def zone_solution(
     branch: str | None = None,
     find_pull_off: Callable[[ZoneFields], PullOff] | None = None,
 ) -> Solution:
-    """The solution from zones; raises NotConverged, with it, if its error is too large.
+    """The solution from zones; raises NotConverged with the solution if its error is too large.
 
     branch, find_pull_off: see `Solution`.
     """
@@ -161,7 +161,7 @@ def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan:
 
 
 def lawful(solution: Solution) -> Solution:
-    """Return the solution; raise NotConverged, with it, if the solution violates the law."""
+    """Return the solution; raise NotConverged with the solution if it violates the law."""
     scene, certificate = solution.scene, solution.certificate
     checked = held_to_law(certificate, scene.law, solution.fields, scene.given_load)
     if checked is certificate:
@@ -254,7 +254,7 @@ def _record_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
 def _checked(
     tol: float, solution: Solution, free: sie.Free, of: str, positions: float = 0.0, cause: str = ""
 ) -> Solution:
-    """Return the solution; raise NotConverged, with it, if its error or the law forbids it.
+    """Return the solution; raise NotConverged with it if the error or the law forbids it.
 
     The error has to be at most the tolerance. cause: main cause of the error, in words, if the law
     or the profile adds most of it.

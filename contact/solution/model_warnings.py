@@ -130,7 +130,7 @@ def _slope_warnings(solution: Solution) -> tuple[str, ...]:
     with np.errstate(all="ignore"):
         slopes = np.asarray(profile.slope(_places_on_zones(solution)), dtype=float)
         inside = np.abs(slopes - tilt if tilt else slopes)
-    # For a few places, argmax and item are faster than max.
+    # For a few places, argmax and item together are faster than max.
     steepest = inside.item(inside.argmax()) if inside.size else 0.0
     if not math.isfinite(steepest):
         steepest = float(inside.max(initial=0.0, where=np.isfinite(inside)))
@@ -174,7 +174,7 @@ def _pressure_warnings(solution: Solution) -> tuple[str, ...]:
 
 
 def _places_on_zones(solution: Solution, per_zone: int = 8) -> Array:
-    """Places on all zones, the same number on each zone."""
+    """Places on all zones; every zone has the same number of places."""
     return np.asarray(np.asarray(solution.zones).dot(_weights_of_ends(per_zone)).ravel())
 
 

@@ -126,7 +126,7 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     low, high = float(heights.min()), float(heights.max())
     reach = high - low or max(abs(high), 1e-12)
     up, letter = prefix(max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach)
-    # The height of a body is infinite outside the body's sharp corners. There the outline is drawn
+    # A body's height is infinite outside the body's sharp corners. There the outline is drawn
     # outside the panel.
     outline, surface = np.where(seen, body, high + reach), np.where(below, surface, low - reach)
     ceiling = high + (0.22 if seen.all() else 0.6) * reach
@@ -140,7 +140,7 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     weight = 2.6 if len(zones) <= FIGURE.max_zones else 1.8
     axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
     axes.set(ylim=(floor * up, ceiling * up), ylabel=f"height [{letter}m]")
-    # The label is placed above a point in contact, as the body covers that place for any outline.
+    # The label is placed above a point in contact, as the body covers that point for any outline.
     middle = float(zones[len(zones) // 2].mean()) if len(zones) else float(0.5 * (x[0] + x[-1]))
     where = float(np.clip((middle - x[0]) / (x[-1] - x[0]), 0.06, 0.94))
     for place, height, side, style in (

@@ -15,7 +15,7 @@ from sie import Array
 
 
 class Borne(NamedTuple):
-    """Share of the load that intervals of one kind carry. highest: whether one holds the peak."""
+    """Share of the load on intervals of one kind; `highest` if the pressure peak is on one."""
 
     place: str
     kind: Any

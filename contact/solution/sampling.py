@@ -131,7 +131,8 @@ def _parts_between_kinks(solution: Solution, zones: Array) -> Array:
 
 def peak_position(solution: Solution, x: Array, pressure: Array) -> float:
     """The middle of the zone with the peak pressure; in full contact, the place of the peak."""
-    # Among peaks that differ only by round-off, the peak nearest to the middle of x is taken.
+    # Among peaks that differ only by round-off, the peak nearest to the middle of the positions x
+    # is taken.
     highest = x[pressure >= (1.0 - 1e-9) * np.max(pressure)]
     peak = float(highest[np.argmin(np.abs(highest - 0.5 * (x[0] + x[-1])))])
     for left, right in zones_within(solution, float(x[0]), float(x[-1])):

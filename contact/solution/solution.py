@@ -301,7 +301,7 @@ class Solution(sie.Kept):
 
     @property
     def cohesive(self) -> Array:
-        """Intervals [m], (m, 2), in which the gap is below the reach of the law's tension.
+        """Intervals [m], (m, 2), in which the gap is so small that the law's tension acts.
 
         They include the contact inside them. Around the contact the pressure is minus the tension.
         The table is empty under laws without tension outside the contact.

@@ -32,7 +32,7 @@ def show_table(
     for row in rows:
         table.add_row(*row)
     width = None if sys.stdout.isatty() else file_width
-    # Square brackets in a reason or a unit are text here, not markup of rich.
+    # Square brackets in a reason or a unit are plain text here, not markup of the package rich.
     require("rich.console").Console(
         file=sys.stdout, width=width, markup=False, highlight=False
     ).print(table)

@@ -398,7 +398,7 @@ def _finite(gap: Array) -> Array:
 
 
 def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, float]]:
-    """Intervals around the runs of failed samples in (lo, hi), up to the next good samples."""
+    """Intervals around runs of failed samples in (lo, hi), up to the next samples that pass."""
     return [
         (
             float(x[max(s - 1, 0)]) if s else lo,

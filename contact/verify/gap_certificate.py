@@ -135,8 +135,8 @@ def _sampled(fields: GapFields) -> _Samples:
     step = x[1] - x[0]
     # In the middle of a zone, samples at even angles are as dense as the evenly spaced positions.
     counts = np.clip(np.pi * half / step, 2 * SAMPLING.min_points, SAMPLING.max_points).astype(int)
-    # Within one shortest length of the profile from a gap, the pressure varies more than the
-    # profile does.
+    # Closer to a gap than the profile's shortest length, the pressure varies more than the profile
+    # does.
     is_wide = half > 2 * near_end
     wide = np.flatnonzero(is_wide)
     inside = located(zones, x)[0]

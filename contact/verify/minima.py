@@ -93,7 +93,7 @@ def follow(
 def zoomed(
     at: Array, value: Array, rounding: Array, others: tuple[Any, ...]
 ) -> tuple[Array, Array, tuple[Any, ...]]:
-    """Narrower brackets around the least sample of each row, for rows that need more samples.
+    """Narrower brackets around the least sample of each row, if the row needs more samples.
 
     at, value: places and values of the samples (k, n). rounding: that of the values (k,). others:
     arrays (k,) to be reduced to the rows that remain. Returns the lower and upper ends of the
@@ -113,7 +113,7 @@ def zoomed(
 
 
 def lowest(x: Array, value: Array, at: Index) -> Array:
-    """Positions, values and half second derivatives (n, 3) of the minima near the samples `at`.
+    """For each minimum near the samples `at`: position, value and half second derivative.
 
     They are taken from the parabolas through each sample and its neighbours.
     """
@@ -166,15 +166,16 @@ def signs_on(
         )
 
     counts = _rounded_up(counts)
-    # Minima in all intervals: index of the interval, angles before and after, scale, rounding.
+    # For each minimum: index of its interval, the two angles around it, the scale, and the rounding
+    # of the values.
     followed: list[tuple[Index, Array, Array, Array, Array]] = []
     for n in np.unique(counts):
         group = np.flatnonzero(counts == n)
         theta = (np.arange(n) + 0.5) * np.pi / n
         value, rounding, scale = sampled(group, theta)
         points += value.size
-        # Close to ends and to other intervals the values tend to zero. There a negative value no
-        # larger than its rounding is not a failure.
+        # Close to the ends of an interval, and close to other intervals, the values tend to zero.
+        # There a negative value no larger than its rounding is not a failure.
         least = min(
             least, float(np.where(np.abs(value) <= rounding[:, None], np.abs(value), value).min())
         )

@@ -240,7 +240,7 @@ class _Extension:
 
 @record
 class GridState:
-    """A contact on the grid. iterations: number of conjugate gradient iterations."""
+    """A contact on the grid. iterations: number of conjugate gradient iterations that it took."""
 
     pressure: Array
     gap: Array
@@ -306,7 +306,7 @@ def solve_grid(
 
 
 def turning_rate(state: GridState, x: Array) -> float:
-    """The rate d moment / d tilt of a contact, with the load and the contact set fixed.
+    """The rate of the moment with the tilt, while the load and the contact set are fixed.
 
     It is the moment of the pressure under the shape -x. Motions of the ends have no effect at first
     order, as the pressure is zero there.
@@ -428,9 +428,10 @@ class _Run:
                 tol = finer
                 continue
             gap = u + self.shape - level
-            # The largest error, `error`, is that of the steepest peaks. In a flat region next to
-            # these peaks, wrong pressures are smaller. If only points with pressure below -error
-            # were dropped, the end of the flat region would move by only one cell in each solve.
+            # The largest error of the pressure, `error`, occurs at the steepest peaks. In a flat
+            # region next to these peaks, wrong pressures are smaller. If only points with pressure
+            # below -error were dropped, the end of the flat region would move by only one cell in
+            # each solve.
             drop = mask & (p < 0.0)
             add = self.allowed & ~mask & (gap < -error * self.influence.h / self.influence.E)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))
@@ -455,7 +456,7 @@ class _Run:
         )
 
     def compliance(self, state: GridState) -> float:
-        """The rate d level / d load at a fixed contact set.
+        """The rate d level / d load, where the level is displacement plus height in the contact.
 
         The motion of the ends has no effect at first order, as the pressure is zero there.
         """

@@ -37,9 +37,9 @@ class NestedGridOptions:
     # Number of cells for each smallest length of a shape. The pressure has up to some 6 zeros in
     # such a length.
     per_feature: int = 16
-    # If a shape contains more smallest lengths than this, the grid takes most of the time. Half as
-    # many cells for each length are then used. About one zone in a hundred is then missed; the
-    # first check of signs adds these zones.
+    # If a shape contains more smallest lengths than this, the solution on the grid takes most of
+    # the time. Half as many cells for each length are then used. About one zone in a hundred is
+    # then missed; the first check of signs adds these zones.
     many_features: int = 2**15
 
     @property
@@ -52,7 +52,7 @@ class NestedGridOptions:
 class WindowOptions:
     """The search for an interval of the line (window) that an isolated contact fills well."""
 
-    # Width of the contact divided by the width of the next window. A window is accepted if
+    # Width of the contact divided by the width of the next window. A window is accepted if the
     # contact fills at least half and at most twice this fraction of the window.
     filled: float = 0.375
 
@@ -468,6 +468,6 @@ class _Window:
         return window
 
     def _compliance(self, state: GridState) -> float:
-        """The rate d level / d load with the contact set fixed, computed as for a flat punch."""
+        """The rate d level / d load of a flat punch; level: displacement plus height in contact."""
         flat = np.where(state.contact, 0.0, np.inf)
         return solve_grid(flat, state.influence, load=1.0, tol=SEARCH.rough).level

@@ -82,7 +82,9 @@ def window_at_load(
 
 
 def first_window(profile: Profile) -> Window | None:
-    """First search interval: as large as the details of a profile known on the whole line."""
+    """First search interval, as large as the profile's details. It is None if their size
+    is unknown, or if the profile is not known on the whole line.
+    """
     size = profile.resolution
     return None if size is None or profile.extent is not None else (-size, size)
 

@@ -36,7 +36,7 @@ class AtTilt:
     def of(
         cls, tilt: float, window: tuple[float, float], state: GridState, fineness: float
     ) -> "AtTilt":
-        """The contact at a tilt, from its solution `state` on a grid. fineness: here in cells."""
+        """The contact at a tilt, from its solution `state` on a grid. fineness: in grid cells."""
         h = state.influence.h
         x = np.asarray(window[0] + h * (np.arange(state.influence.n) + 0.5), dtype=np.float64)
         centre = float(state.pressure @ x) * h / state.load

@@ -78,12 +78,12 @@ def from_previous(context: SolveContext) -> Outcome | Failure:
 
 
 def _has_grid(context: SolveContext, control: Control) -> bool:
-    """Whether a single grid gives a first guess; if no load is given, several are needed."""
+    """Whether one grid gives a first guess; unless a load is given, several grids are needed."""
     return context.scene.profile.period is not None and control.load is not None
 
 
 def _decide(context: SolveContext, way: str, changes: int) -> None:
-    """Record in the plan where the first guess comes from, and the number of changed zones."""
+    """Record in the plan the source of the first guess, and how many zones came or went."""
     because = "{} zones come or go from the last value"
     context.plan.decide("first guess", way, because, changes, OPTIONS.max_changes)
 

@@ -99,7 +99,7 @@ def search(context: SolveContext, scaled: ScaledScene, start: Array | None = Non
 def _similar_solution(
     context: SolveContext, scaled: ScaledScene, start: Array | None
 ) -> Outcome | Failure:
-    """The contact from the zones of a similar solution; given up early if they are too far off."""
+    """The contact from the zones of a similar solution; a Failure if they are too far off."""
     if start is None:
         return NOT_APPLICABLE
     problem, control = scaled.problem, scaled.control

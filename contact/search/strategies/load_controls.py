@@ -44,7 +44,7 @@ OPTIONS = LoadControlOptions()
 
 
 def at_approach(context: SolveContext, nearness: float) -> Solution:
-    """A solution under the load that gives the wanted approach, to a relative error `nearness`.
+    """A solution under a load that gives the wanted approach, to the relative error `nearness`.
 
     Raises OutOfRange if no load has that approach.
     """

@@ -51,7 +51,7 @@ class KnownLoads:
 
 
 def approach(solution: Solution) -> tuple[float, float]:
-    """The approach [m] of a solution and the rate d approach / d load.
+    """The approach [m] of a solution, and the derivative of the approach by the load.
 
     With a datum in the logarithm the rate may be negative.
     """
@@ -60,7 +60,7 @@ def approach(solution: Solution) -> tuple[float, float]:
 
 
 def contact_fraction(solution: Solution) -> tuple[float, float]:
-    """The contact fraction of a solution and the rate of this fraction with the load."""
+    """The contact fraction of a solution, and the derivative of this fraction by the load."""
     assert solution.contact_fraction is not None
     return solution.contact_fraction, solution.fields.widening_rate
 
@@ -121,7 +121,7 @@ class _Bracket:
 
     @property
     def last(self) -> Solution | None:
-        """The newest solution, None at the beginning."""
+        """The newest solution of the search; None before the first one."""
         return self.solutions[-1] if self.solutions else None
 
     @property

@@ -28,12 +28,12 @@ class Change:
 
     @property
     def of_gap(self) -> bool:
-        """Whether the gap becomes zero where the zones change; otherwise the pressure does."""
+        """Whether the gap becomes zero at the change (birth, death), and not the pressure."""
         return self.kind in ("birth", "death")
 
     @property
     def ahead(self) -> bool:
-        """Whether the exact change is found with the zones that exist before the change.
+        """Whether the zones before the change (birth, merger ...) serve to find its exact place.
 
         The condition of the change is smooth with the zones without the one that begins, or with
         the two as one.

@@ -35,7 +35,7 @@ class CurvePoint(sie.Kept):
 
     @property
     def fields(self) -> ZoneFields | GapFields | None:
-        """The fields of the solution if they give rates of the ends, else None."""
+        """The fields of the solution, if they are those of zones or of gaps; else None."""
         fields = self.solution.fields
         return fields if isinstance(fields, ZoneFields | GapFields) else None
 
@@ -133,7 +133,7 @@ def extrapolated(previous: tuple[CurvePoint, ...], at: float) -> tuple[Array, in
 
 
 def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
-    """The last points on the curve with the same units, at different values, the nearest first."""
+    """The last solutions with the same units at different values of the control, nearest first."""
     last, known = previous[-1], [previous[-1]]
     for one in reversed(previous[:-1]):
         if (
@@ -184,7 +184,7 @@ def _hermite(away: Array) -> tuple[Array, Array]:
 
 
 def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, Array]:
-    """Index of each interval's partner in `other`, or -1, and the partner's shift by periods.
+    """For each interval, the index of its partner in `other` (-1 if none) and the shift by periods.
 
     Partners overlap each other and no third interval.
     """

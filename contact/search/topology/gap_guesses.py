@@ -104,7 +104,7 @@ class GapGuesses:
         return np.array([[place - half, place + half]])
 
     def _placed(self, seen: Array, mean: float) -> Array:
-        """The gaps `seen`; very narrow ones are replaced by gaps about a maximum of the relief."""
+        """The gaps `seen`; gaps about maxima of the relief replace very narrow ones."""
         out = []
         for row in seen:
             if row[1] - row[0] < NARROW * self.step:
@@ -159,7 +159,7 @@ class GapGuesses:
             np.clip(np.roll(self.value, -shift), -highest, highest),
         )
         first, last = np.array(runs_of(above)).T
-        # The relief crosses the mean pressure between two samples; the crossing is interpolated.
+        # The relief crosses the mean pressure between two samples. The crossing is interpolated.
         before, after = value[first - 1] - mean, value[(last + 1) % len(x)] - mean
         a = x[first] - self.step * (value[first] - mean) / (value[first] - mean - before)
         b = x[last] + self.step * (value[last] - mean) / (value[last] - mean - after)

@@ -195,7 +195,7 @@ def refine_topology(
 
 
 class _Loop(Generic[Kind]):
-    """The rounds of one search, with the state that one round passes to the next."""
+    """The rounds of one search, with what one round hands over to the next."""
 
     def __init__(
         self,
@@ -212,7 +212,7 @@ class _Loop(Generic[Kind]):
         self.removals = 0
 
     def rounds(self, table: Array) -> Iterator[Kind]:
-        """Yield results that pass, first at the wanted tolerance and then at the smallest one."""
+        """Yield results whose signs pass, first at the wanted and then at the least tolerance."""
         self._begin_roughly(len(table))
         free: sie.Free | None = None
         done = 0
@@ -295,7 +295,7 @@ class _Loop(Generic[Kind]):
         )
 
     def _without_lost(self, free: sie.Free) -> tuple[Array, bool]:
-        """The intervals that did not vanish, and whether this solve does not count as a round.
+        """The intervals that did not vanish, and whether this solve is not counted as a round.
 
         Intervals that vanished are dropped, those that met are merged. Among very many intervals
         some vanish in almost every rough solve, so that such a solve does not count.
@@ -326,7 +326,7 @@ class _Loop(Generic[Kind]):
         return Round(free, fields, certificate, number, self.control, newton.tolerance)
 
     def _next(self, here: Round[Kind]) -> Round[Kind] | Array:
-        """The round itself if it passes the check, else the intervals of the next round."""
+        """The round if its signs pass the check, else the intervals of the next round."""
         if self.newton.tolerance > self.wanted:
             return self._after_rough(here)
         if not here.free.converged:
