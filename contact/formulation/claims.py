@@ -125,7 +125,7 @@ def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=4)
 def _rules(count: int) -> tuple[Array, Array]:
-    """Nodes between 0 and 2, and weights of Gauss's rule on this interval in 1, 2 and 3 parts.
+    """Nodes and weights of Gauss's rule on (0, 2), undivided or divided in 2 or 3 parts.
 
     Each number of parts has its column of weights.
     """
@@ -189,13 +189,13 @@ class _Panels:
 
     @property
     def difference(self) -> Array:
-        """Difference of rise and integral on each panel; zero where it is not finite."""
+        """Rise of the height minus integral of the slope on each panel; 0 if not finite."""
         out = self.rise - self.integral
         return np.where(np.isfinite(out), out, 0.0)
 
 
 def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
-    """Largest relative error of the slope that several parts of a panel confirm; a description."""
+    """Largest relative error of the slope that parts of a panel confirm, and a description."""
     which = np.flatnonzero(np.abs(panels.difference) > panels.doubt)
     if not len(which):
         return 0.0, ""

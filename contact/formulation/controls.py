@@ -108,7 +108,7 @@ class Load(Control):
 
 @dataclass(frozen=True)
 class Approach(Control):
-    """Control by the approach, which is minus the level of every zone."""
+    """Control by the approach, which must have the given value at every zone."""
 
     name, counted_in = "approach", "height"
     quantity = Quantity.APPROACH
@@ -173,7 +173,7 @@ class Width(Control):
 
 @dataclass(frozen=True)
 class _SpringLevel(sie.Condition):
-    """The condition that the level of every zone, minus `give` times the load, has a value."""
+    """The condition that approach plus `give` times the load is -`value` at every zone."""
 
     value: float
     give: float

@@ -57,7 +57,7 @@ def moved_ends(
     response: sie.AnyDensity | None = None,
     tolerance: float = 0.0,
 ) -> Array:
-    """Outward rate of each end (2, Z) by the value of a side condition; 0 for fixed ends.
+    """Derivative of each end's outward motion (2, Z) by a side condition's value; 0 if fixed.
 
     It is 2 K / A, with the intensity K of the response and the edge slope A, as in a Newton step.
     For ends of prescribed intensity it follows from the rates of the intensities. response: the
@@ -86,7 +86,7 @@ def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
 
 
 def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
-    """The solution on given zones for a unit of nominal pressure outside a strip."""
+    """The solution on given zones for a unit of nominal pressure outside the model's strip."""
     equation = sie.Equation(
         problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential())
     )
@@ -150,9 +150,9 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def stiffness(self) -> float | None:
-        """Derivative of load by approach [N/m^2], at the given tilt or moment; or None.
+        """Derivative of load by approach [N/m^2]; None if the approach is None.
 
-        It is None without an approach.
+        The given tilt or moment stays constant.
 
         The ends are kept fixed where their motion does not change the density at first order. In
         the first-order localized model the nominal pressure changes with the load at the rate
@@ -185,7 +185,7 @@ class ZoneFields(sie.Kept):
 
     @property
     def bending(self) -> float:
-        """Intensity of the density's largest coefficients, relative to the prescribed intensity."""
+        """Largest intensity by one coefficient of the density, over the prescribed intensity."""
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         return float(
@@ -239,7 +239,7 @@ class ZoneFields(sie.Kept):
 
     @property
     def mean_displacement(self) -> float:
-        """Scaled mean displacement over a period: the compression of the body, or 0."""
+        """Scaled mean displacement over a period; 0 if the substrate has no `compression`."""
         return self.problem.compression * self.density.total / self.problem.repeat_length
 
     def end_remainders(self, table: Array, order: Index) -> Array | None:
@@ -276,10 +276,12 @@ class ZoneFields(sie.Kept):
         return np.where(self.inside(x), 0.0, self.formal_gap(x))
 
     def formal_gap(self, x: Array) -> Array:
-        """The scaled gap by its formula everywhere; its values on the zones show the error."""
+        """The scaled gap from F - V + lambda C + level, also on the zones.
+
+        On the zones, the values of this formula show the error. The symbols are those of `gap`.
+        """
         gap = np.asarray(self.standing_shape(x) + self.level + self._relative_displacement(x))
-        # In a narrow gap, the difference above loses digits. There `opening` is used, which is not
-        # a difference.
+        # In narrow gaps, this difference loses digits. There `opening` replaces the difference.
         narrow, opening = self.density.opening(x)
         return np.where(narrow, opening, gap) if narrow.any() else gap
 
@@ -301,7 +303,7 @@ class ZoneFields(sie.Kept):
         return float(self.density.amplitudes[-1])
 
     def _relative_displacement(self, x: Array) -> Array:
-        """Scaled displacement without the level: potential and terms of unknown amplitude."""
+        """Scaled displacement up to a constant: terms of unknown amplitude minus the potential."""
         return self._raised(x, self.density.potential(x))
 
     def _raised(self, x: Array, potential: Array) -> Array:
@@ -366,7 +368,7 @@ class ZoneFields(sie.Kept):
             yield float(right), float(left), True, True
         first, last = float(zones.a[0]), float(zones.b[-1])
         if problem.interaction.strip:
-            # Only the gap within the strip counts, since the next strip lies outside the border.
+            # Only the gap within the strip of the localized model counts.
             lo, hi = (
                 problem.centre - 0.5 * problem.repeat_length,
                 problem.centre + 0.5 * problem.repeat_length,
@@ -413,7 +415,7 @@ class ZoneFields(sie.Kept):
 
     def _scaled(self, x: ArrayLike) -> Array:
         # Move x into the period about the zones, where density, strip and kinks were evaluated. The
-        # period of the scene is used, as the density of a strip has no period.
+        # period of the scene is used, as the density in a localized model's strip has no period.
         zones = self.density.zones
         middle = 0.5 * float(zones.a[0] + zones.b[-1])
         return nearest_image(

@@ -96,7 +96,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def corners(self) -> tuple[float, float]:
-        """Scaled corners at which the profile ends, or borders of a strip; else infinite."""
+        """Scaled corners where the profile ends, or borders of the model's strip; else infinite."""
         lo, hi = -np.inf, np.inf
         if self.profile.support is not None:
             lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
@@ -153,8 +153,8 @@ class Problem(sie.Kept):
                 rounding=profile.slope_rounding / units.slope,
             ),
         )
-        # The given pressure outside a strip is part of the equation's right side. Near the border
-        # of the strip, that part varies on arbitrarily short lengths.
+        # The given pressure outside the strip of a localized model is part of the right side. Near
+        # the border of the strip, this part of the right side varies on arbitrarily short lengths.
         if not self.amplitude:
             return whole
         return replace(
@@ -165,7 +165,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def algebraic(self) -> sie.AlgebraicPoints | None:
-        """Algebraic points of the scaled slope, from those of the profile; None if none."""
+        """Points near which the scaled slope is a power of the distance; None if there are none."""
         points, units = np.asarray(self.profile.algebraic_points), self.units
         if not len(points):
             return None
@@ -202,7 +202,7 @@ class Problem(sie.Kept):
         return shape + self.raised(x) if self.amplitude else shape
 
     def raised(self, x: Array) -> Array:
-        """Scaled displacement that a given nominal pressure outside a strip causes."""
+        """Scaled displacement by a given nominal pressure outside the localized model's strip."""
         primitive = self.columns[0].primitive
         assert primitive is not None and self.amplitude is not None
         return np.asarray(self.amplitude * primitive(x))
@@ -242,7 +242,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def compression(self) -> float:
-        """Scaled displacement by a unit of scaled uniform pressure; 0 if there is none."""
+        """Scaled displacement by a unit of uniform pressure; 0 if there is no `compression`."""
         return (self.operator.compression or 0.0) / self.units.length
 
     def bearing(

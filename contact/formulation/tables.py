@@ -39,7 +39,7 @@ def outward(before: Array, after: Array) -> Array:
 
 
 def located(table: Array, x: Array) -> tuple[Index, Mask]:
-    """For each place: the last interval that begins at or before it; whether that contains it.
+    """Last interval that begins at or before each place, and whether it contains the place.
 
     Places before all rows get row 0.
     """

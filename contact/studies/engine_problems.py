@@ -61,7 +61,7 @@ class Parts(sie.Condition):
 
 
 class Steps(Parts):
-    """Condition that prescribes differences of the levels of neighbouring zones."""
+    """Condition that prescribes steps of the constant potential (level) between zones."""
 
     levels = True
 
@@ -156,7 +156,7 @@ class Design:
         return -self.orientation(zone) * int(self.signs[zone, 1]) * self.integral(a, b, weight)
 
     def step(self, zone: int) -> float:
-        """Level of the next zone minus the level of this zone."""
+        """Constant potential (level) of the next zone minus that of this zone."""
         return self.orientation(zone) * self.integral(self.ends[zone, 1], self.ends[zone + 1, 0])
 
     def intensity(self, zone: int, side: int) -> float:
@@ -236,7 +236,7 @@ def _end(design: Design, zone: int, side: int, moves: bool) -> sie.End:
 
 
 def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equation:
-    """Return the equation of a designed density: kernel, right side and `index` conditions."""
+    """Return the equation of a designed density, with `index` side conditions."""
     g = np.polynomial.Polynomial(design.polynomial())
     rise, zones = g.integ(), range(len(design.ends))
     kernel = sie.cauchy() if design.period is None else sie.hilbert(design.period)

@@ -133,7 +133,7 @@ State = TypeVar("State", bound=AdhesiveZone)
 
 
 class Equilibria(Generic[State]):
-    """The curve of equilibria of one profile, with a parameter that grows with the contact.
+    """The curve of equilibria of one profile, with a parameter that grows with the zone.
 
     Turning points cut the curve into branches. `stable` is the first stable branch, `narrow` the
     one before it and `wide` the one after it. `last` is the branch at the end of the curve.
@@ -198,7 +198,7 @@ class Equilibria(Generic[State]):
         return roots(lambda s: self._rate(s, machine_compliance), self._samples())
 
     def pull_off(self, machine_compliance: float = inf) -> State:
-        """The state at which the surfaces separate on unloading.
+        """The equilibrium at which the surfaces separate on unloading.
 
         Raises OutOfRange if no state is stable.
         """
@@ -257,7 +257,7 @@ class Equilibria(Generic[State]):
         ]
 
     def advancing(self, load: float) -> State | None:
-        """The state reached from first touch at zero load by changing the load.
+        """The equilibrium reached from first touch at zero load by changing the load.
 
         None means full contact; OutOfRange past pull-off.
         """
@@ -267,7 +267,7 @@ class Equilibria(Generic[State]):
         return self._lowered(parts[: reached[0] + 1], load) if reached else None
 
     def receding(self, load: float) -> State | None:
-        """The state reached by lowering the load from the largest contact.
+        """The equilibrium reached by lowering the load from the largest contact.
 
         None means full contact; OutOfRange past pull-off.
         """
@@ -281,7 +281,7 @@ class Equilibria(Generic[State]):
     stays_closed = False
 
     def _lowered(self, parts: list[tuple[float, float, float, float]], load: float) -> State:
-        """The state at `load` on the last of the branches `parts` that reaches this load."""
+        """The equilibrium at `load` on the last one of the branches `parts` with this load."""
         for lo, hi, least, most in reversed(parts):
             if least <= load <= most:
                 return self._carrying(load, root(lambda s: self.at(s).load - load, lo, hi))

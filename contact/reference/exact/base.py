@@ -137,7 +137,7 @@ class PressedBody(ExactContact):
         return -unit * log_of(sine(half_width, self.period), cosine(half_width, self.period))
 
     def _approach_by_parts(self) -> float:
-        """Approach minus load times punch compliance: int P d(-C), load P, compliance C."""
+        """Approach minus load P times punch compliance C, which is the integral int P d(-C)."""
         raise NotImplementedError
 
     def _approach(self) -> float:

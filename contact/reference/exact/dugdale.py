@@ -261,7 +261,7 @@ class DugdaleZone(_DugdaleState):
 
 @dataclass(frozen=True)
 class MetDugdaleZone(_DugdaleState):
-    """State whose cohesive intervals fill the gap: a frictionless zone under uniform tension.
+    """An equilibrium with tension on the whole gap: a frictionless zone plus uniform tension.
 
     A uniform tension leaves the gap as it is, and P = P_0 - s L with the frictionless load P_0. The
     work of adhesion is at least the stress times the gap at L/2. Energies are in `AdhesiveZone`,

@@ -141,7 +141,7 @@ class _JKREquilibria(Equilibria[JKRZone]):
 
     @property
     def jump_in(self) -> JKRZone:
-        """The state at zero load that the contact jumps to at first touch."""
+        """The equilibrium at zero load that the contact jumps to at first touch."""
         return self.at_load(0.0)
 
 

@@ -162,9 +162,9 @@ class AdhesiveDesign(GivenZones):
         return np.stack(modes if n % 2 else [*modes, np.ones_like(x)], axis=-1)
 
     def _integrals(self, i: int) -> tuple[Any, Any]:
-        """Integral of |X| R over interval i in two parts, for R = M + poles (head of this module).
+        """Integrals of |X| M and of |X| times the poles over interval i (head of this module).
 
-        The parts are a row for the coefficients of M, and a number for the poles.
+        The first is a row with one entry for each coefficient of M, the second a number.
         """
         dl, dr, weight = self._extended.nodes(i)
         weight = weight * self._extended.root(i, dl, dr)
@@ -174,9 +174,9 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _zone_integrals(self) -> tuple[Any, Any]:
-        """Loads of all zones in two parts, of M and of the poles in R = M + poles.
+        """Loads of all zones from the function M, and loads from the poles, of R = M + poles.
 
-        The first part, (n, count), has one column for each coefficient of M; the second is (n,).
+        The first array, (n, count), has one column for each coefficient of M; the second is (n,).
         """
         half = np.longdouble(self.E_star) / 2
         each = [

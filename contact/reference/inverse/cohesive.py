@@ -238,15 +238,14 @@ class CohesiveDesign:
 
     @cached_property
     def _count(self) -> int:
-        """Number of conditions on the polynomial M other than `rise` and a given load."""
+        """Number of conditions on the polynomial M, without those on `rise` and on the load."""
         return 3 * len(self.cohesive) - 1 + sum(strip.direction == 0 for strip in self._strips)
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
-        """Slope of the gap at points t of one gap, in two parts.
+        """Slope of the gap at points t: the part from the polynomial M, and that from the tension.
 
-        The first part has one column for each coefficient of the polynomial M. The second part is
-        caused by the tension. The artanh of the strips in this gap is left out; `_gap_parts`
-        integrates it.
+        The first part has one column for each coefficient of M. The artanh of the strips in this
+        gap is left out; `_gap_parts` integrates it.
         """
         by_tension = np.zeros(t.shape)
         for strip in self._strips:
@@ -258,10 +257,10 @@ class CohesiveDesign:
         return modes, self._tension * by_tension
 
     def _gap_parts(self, gap: int, start: float, stop: Array) -> tuple[Array, Array]:
-        """The gap at points `stop`, (P,), in two parts: integrals of the slope from `start`.
+        """The gap at points `stop`: the part from the polynomial M, and that from the tension.
 
-        The first part has one column for each coefficient of the polynomial M. The second part is
-        caused by the tension. The point `start` is the end of a zone.
+        Both are integrals of the slope from `start`, the end of a zone. The first has one row for
+        each of the P points, and one column for each coefficient of M.
         """
         u, weight = _gauss(_OPTIONS.nodes)
         half = 0.5 * (stop - start)[:, None]

@@ -231,7 +231,8 @@ def random_cohesive_problem(
     after = [*ends[1:, 0], ends[-1, 1] + hull]
     left = [_first_at(free, *ab, reach) for ab in zip(ends[:, 0].tolist(), before, strict=True)]
     right = [_first_at(free, *ab, reach) for ab in zip(ends[:, 1].tolist(), after, strict=True)]
-    # Two zones share a cohesive interval if the gap between the zones stays below the reach.
+    # Two zones share a cohesive interval if the gap between the zones stays below `reach`, the
+    # largest gap with tension.
     rows = [[left[0], 0.0]]
     for k in range(count - 1):
         if left[k + 1] > right[k]:
@@ -250,7 +251,7 @@ def random_cohesive_problem(
 
 
 def _first_at(free: DesignedContact, start: float, stop: float, reach: float) -> float:
-    """First x from `start` to `stop` at which the gap equals the reach; `stop` if no x does."""
+    """First x from `start` to `stop` at which the gap is `reach`; `stop` if there is none."""
     x = start + (stop - start) * np.linspace(0.0, 1.0, 2001)[1:] ** 2
     above = np.flatnonzero(free.gap(x) > reach)
     if len(above) == 0:

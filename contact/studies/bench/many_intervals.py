@@ -40,7 +40,7 @@ COLUMNS = (
 
 
 class OnSprings(sie.Condition):
-    """Condition that every zone stands on a spring: the load of a zone lowers its level."""
+    """Condition that every zone stands on a spring, which the load of the zone compresses."""
 
     def count(self, zones: sie.Zones) -> int:
         return len(zones.solved)

@@ -112,7 +112,7 @@ def rows(
     longest: float,
     tolerances: tuple[float, ...] = (1e-4, 1e-6, 1e-8, 1e-10),
 ) -> Iterator[Row]:
-    """Run a peer code on ever finer grids, until a run takes longer than `longest` seconds.
+    """Run another code (peer) on ever finer grids, until a run takes longer than `longest` s.
 
     The run at the last tolerance gives the error of the grid. (At 1e-12 tamaas does not stop on
     large grids.) A looser tolerance is used if the error then grows by at most a tenth.
@@ -127,7 +127,8 @@ def rows(
         if tight is None:
             continue
         row = tight
-        # The loosest tolerance that does not increase the error is used, which favours the peer.
+        # The loosest tolerance that does not increase the error is used. This favours the other
+        # code (peer) in the comparison of times.
         for tolerance in tolerances[:-1]:
             loose = _measured(peer, case, x, heights, tolerance, 0.05)
             if (
@@ -168,6 +169,6 @@ def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> floa
 
 
 def require_both() -> None:
-    """Raise MissingExtra, with the name of the extra, unless the two peer codes are installed."""
+    """Raise MissingExtra, with the extra's name, unless both other contact codes are installed."""
     require("tamaas")
     require("ContactMechanics")

@@ -48,7 +48,7 @@ def precision(rows: list[Row], path: Path) -> None:
 
 
 def peers(rows: list[Row], path: Path) -> None:
-    """Draw errors of p(x) against time, for the solver and the peers, one panel for each scene."""
+    """Draw errors of p(x) against time for the solver and other codes, a panel for each scene."""
     figure, panels = _panels(rows, "error of p at equal x, over the peak")
     for scene, axis in panels.items():
         for method, (colour, marker) in {OURS: ("tab:blue", "o"), **_PEERS}.items():

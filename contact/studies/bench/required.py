@@ -32,7 +32,7 @@ def table(
     solves: float,
     peers: Sequence[str],
 ) -> Table:
-    """The table of all required figures; comparisons with peers are left out if no peer ran."""
+    """The table of all required figures; those on other codes are left out if no code ran."""
     single = [case.name for case in cases if case.single]
     figures = [_millisecond(rows, single), _floor(floors, solves), *_estimates(rows)]
     if peers:
@@ -45,7 +45,7 @@ def table(
 
 
 def _hundredfold(rows: list[Row], single: Sequence[str], peers: Sequence[str]) -> Figure:
-    """Return the figure of speed: time of the faster peer / ours, at an error of p(x) of 1e-4.
+    """Return the figure of speed: time of the faster other code / ours, at an error of 1e-4.
 
     If no peer reaches the error, a lower bound is returned: the longest run of each peer is taken,
     and the shorter one of these times.
@@ -135,7 +135,10 @@ def _floor(floors: list[Scaled], solves: float) -> Figure:
 
 
 def _estimates(rows: list[Row]) -> list[Figure]:
-    """Return two figures: how often true <= stated error, and stated <= 100 max(true, 1e-13)."""
+    """Return two figures: how often the stated error is a bound, and how often it is sharp.
+
+    It is sharp if it is at most 100 max(true error, 1e-13).
+    """
     mine = [
         (row.error, row.stated)
         for row in rows

@@ -33,7 +33,7 @@ class Progress(Protocol):
 
 
 def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> list[Table]:
-    """Measure errors against time, peers, and cost against size; write files to `folder`."""
+    """Measure errors against time, also of other codes, and cost against size; write files."""
     chosen: Sequence[peers.Peer] = peers.PEERS if with_peers else ()
     if with_peers:
         peers.require_both()
@@ -87,7 +87,7 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
 
 
 def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
-    """Run the solver, the localized models and the peers on one scene."""
+    """Run the solver, the localized models and other contact codes (peers) on one scene."""
     rows = list(precision.ours(case, quick))
     if case.localized:
         rows += precision.hierarchy(case, quick)
@@ -97,7 +97,7 @@ def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
 
 
 def _asks_peers(case: Case) -> bool:
-    """Whether the peers can solve the scene: the peers solve frictionless contact only."""
+    """Whether other contact codes (peers) can solve the scene, which must be non-adhesive."""
     return case.law.routes.gaps
 
 

@@ -83,9 +83,9 @@ def _under_tension(
 ) -> Extreme:
     here, by_load = curve.at_load(load), _condition(curve, load, part)
     # The round-off of the ends is relative to the zone, but the pressure varies over the narrow
-    # strip of tension. This ratio of widths is the first factor. The end of the strip follows from
-    # the reach (work / stress), which is rounded too. The second factor is therefore the condition
-    # with respect to the work.
+    # strip of tension. The ratio of the two widths is the first factor. The end of the strip
+    # follows from work / stress, which is rounded too. The second factor is therefore the condition
+    # number of the result with respect to the work.
     narrow = (
         here.half_width
         / (here.cohesive_end - here.half_width)
@@ -121,7 +121,7 @@ def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
 
 
 def _condition(curve: Curve, load: float, part: float, by: str = "load") -> float:
-    """Change of the result divided by the relative change of the load or of `curve.by`.
+    """Change of the result divided by the relative change of the load or the attribute `by`.
 
     The result is a difference quotient with the step 1e-3 `part`, where `part` is the relative
     distance of the load from a turning point.

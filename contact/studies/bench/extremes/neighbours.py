@@ -43,9 +43,10 @@ def gaps() -> Iterator[Extreme]:
                 why,
                 hair=gap,
             )
-    # Between two gaps of width g there is a zone of width r. At a distance x from its left end the
-    # pressure is about (x (r - x))^2, which is g^2 r^2 at x = g. An error eps of this pressure
-    # moves an end by eps/(g r^2), that is by eps/(g r^3) times the width r.
+    # A zone of width r lies between two gaps of width g. If the gaps were closed, the pressure at a
+    # distance x from the zone's left end would be about (x (r - x))^2. The slope of this pressure
+    # at x = g is about g r^2. So an error eps of the pressure moves an end by about eps/(g r^2),
+    # which is eps/(g r^3) times the width r.
     for gap in (1e-3, 1e-5):
         yield Extreme(
             group,
