@@ -173,7 +173,7 @@ class Step:
 
     @property
     def turns_once(self) -> bool:
-        """Whether the control has a single extreme in the step: there the growth rate is zero.
+        """Whether the control has exactly one extreme in the step; the growth rate is zero there.
 
         If not, there are several extremes and the step is too long.
         """
@@ -193,7 +193,7 @@ class Step:
         )
 
     def _rising(self, at: State) -> float:
-        """Derivative of the control at a state by the length along the tangent of the start."""
+        """Derivative of the control by the length along the tangent at the step's start."""
         tangent = _tangent(at, self.start.scales)
         return float(tangent[-1] / (tangent @ self.start.tangent))
 
@@ -387,7 +387,10 @@ def _to_corner(curve: Curve, here: CurvePoint, end: int) -> State | None:
 
 
 def _to_change(step: Step) -> Step:
-    """The step, cut where an end is freed; `after` is set if an end is pinned or freed."""
+    """The step, cut where an end leaves a sharp corner.
+
+    `after` is set if an end leaves its corner or is pinned at a corner.
+    """
     at = step.end.at
     if at.corners is None:
         return step
@@ -418,7 +421,7 @@ def _least_pinned_drive(at: State) -> float:
 
 
 def let_go(step: Step) -> Array:
-    """The intervals from which ends jump off sharp corners at the end of a step."""
+    """Intervals at a step's end; ends that leave their sharp corners are moved a little inward."""
     assert step.after is not None
     return step.after.moved(
         -MOVES.short_move * step.after.widths * (step.end.at.pinned & ~step.after.pinned)

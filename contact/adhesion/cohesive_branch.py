@@ -237,7 +237,7 @@ def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
 def _sampled_farther(
     curve: CohesiveCurve, fields: ZoneFields, gap_samples: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """Samples of the gap of a body without period, out to where the gap exceeds the reach.
+    """Samples of a non-periodic body's gap, out to where it exceeds the reach of the tension.
 
     Under a light load this place is far from the contact.
     """
@@ -263,7 +263,7 @@ def _sampled_farther(
 
 
 def _touch_intervals(scaled: ScaledScene, curve: CohesiveCurve) -> tuple[Array, Array]:
-    """(intervals where the gap of touching surfaces is below the reach, zones to start from)."""
+    """(intervals where the gap at first touch is below the tension's reach, starting zones)."""
     problem, (lo, hi) = scaled.problem, scaled.problem.units.scaled(np.array(scaled.cell))
     profile, length, corners, round_ = (
         problem.profile,
@@ -315,7 +315,7 @@ def _touch_intervals(scaled: ScaledScene, curve: CohesiveCurve) -> tuple[Array, 
 def _receded(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The contact reached from a wide interval about the advancing contact, as ends recede.
+    """The contact reached as ends recede from an interval wider than the advancing contact.
 
     The ends of that interval, and of wider ones, are driven inward.
     """
@@ -485,7 +485,7 @@ def _solved_at_corners(
 
 
 def all_zones(pulled: TractionLoaded, zones: Array) -> sie.Zones:
-    """The zones with the kind of each end, which is singular at a sharp corner."""
+    """The zones with the kinds of their ends; an end at a sharp corner is of kind SINGULAR."""
     left, right = (
         [sie.SINGULAR if place == corner else pulled.end for place in ends]
         for ends, corner in zip(zones.T, pulled.corners, strict=True)

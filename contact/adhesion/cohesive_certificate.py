@@ -70,7 +70,7 @@ def certified(
     here: CohesiveState | None,
     fields: CohesiveFields | None = None,
 ) -> Certificate:
-    """The certificate of the frictionless contact, completed by checks of reach and stability.
+    """The frictionless contact's certificate, with checks of the tension's reach and stability.
 
     here: None where the tension acts everywhere, on these fields.
     """
@@ -172,7 +172,10 @@ def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> 
 
 
 def _steepness(density: AnyDensity) -> Array:
-    """Largest slope (Z,) of each zone's pressure, away from the zone's ends, times its width."""
+    """Largest slope (Z,) of the pressure in each zone, times the zone's width.
+
+    Places near the ends of the zone are left out.
+    """
     out = np.zeros(len(density.zones))
     for zone, count in enumerate(np.minimum(density.sampling, SAMPLES.profile_samples).tolist()):
         theta = np.linspace(LIMITS.least_angle, np.pi - LIMITS.least_angle, count)

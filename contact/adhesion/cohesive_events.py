@@ -88,7 +88,7 @@ class CohesiveEvents(Events):
         return ("merge" if fewer else "birth") if rises else ("death" if fewer else "split")
 
     def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:
-        """The first jump inside a step: away from the tension's ends, the gap crosses the reach.
+        """The first jump in a step, where the gap crosses the reach of the tension.
 
         Places next to the ends of the tension do not count.
         """
@@ -170,7 +170,10 @@ class CohesiveEvents(Events):
         return place, -most
 
     def vanishing(self, here: State, sense: float) -> Jump | None:
-        """The event at the end of a curve where a zone of contact shrinks to a point, or None."""
+        """The event at which a contact zone shrinks to a point; None if no zone does.
+
+        The event lies at the end of a curve.
+        """
         curve = self.curve
         assert isinstance(here, CohesiveState)
         if sense > 0.0 or len(here.zones) == 0:
@@ -283,8 +286,8 @@ class CohesiveEvents(Events):
             if not ahead:
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
-            # With the zones from one end of the step, the change may be located a little past the
-            # other end of the step.
+            # Computed with the zones of one end of the step, the change of the zones may lie a
+            # little past the other end of the step.
             for past in (0.0, MOVES.small_part, arc_length.ARC_OPTIONS.longest_step):
 
                 def formally(u: float, part: float = 1.0 + past) -> CohesiveState:
@@ -316,7 +319,7 @@ class CohesiveEvents(Events):
         high: tuple[float, CohesiveState],
         least: float | None = None,
     ) -> Iterator[Jump]:
-        """Generate the changes of the zones between two states.
+        """Generate the jumps at which zones begin, merge, split or vanish between two states.
 
         states_from: the states ahead of one state, or behind it, with the same zones. least:
         smallest range that is halved if several zones change in it; by default a small part.

@@ -99,7 +99,7 @@ def guide_of(curve: CohesiveCurve, zones: int, table: Array | None) -> GridGuide
 
 
 def guide_down(curve: CohesiveCurve, zones: int, table: Array) -> GridGuide | None:
-    """The result of `guide_of` for zones that recede from equilibrium; None for few zones."""
+    """The grid that predicts where receding zones come to rest; None if there are few zones."""
     return guide_of(curve, zones, table) if zones > MOVES.few_zones else None
 
 
@@ -254,7 +254,7 @@ def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) ->
 def intervals_left(
     curve: CohesiveCurve, value: float, zones: Array, gap_samples: tuple[Array, Array]
 ) -> Array:
-    """The intervals of tension that are left once the gap somewhere in a period exceeds reach.
+    """The intervals of tension left once the gap somewhere exceeds the reach of the tension.
 
     Raises ContactLost where no contact is left.
     """
@@ -266,7 +266,10 @@ def intervals_left(
 def _widened(
     curve: CohesiveCurve, table: Array, zones: Array, covered: EndsCovered, by: float
 ) -> Array:
-    """The intervals, with the strips of tension next to covered ends widened by a factor."""
+    """The intervals of tension; strips whose ends are covered by contact are widened.
+
+    by: the factor by which these strips are widened.
+    """
     width, gaps, zones = np.diff(table, axis=1)[:, 0], curve.gaps(table), curve.fitted(zones, table)
     strips = np.column_stack((width, width))
     i = interval_of(zones, table)
@@ -287,7 +290,7 @@ def _widened(
 
 
 def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """Old and new intervals; two are joined if the gap is below the reach all the way between.
+    """The old and new intervals of tension, joined where all of the gap between is below reach.
 
     None if nothing changed.
     """
@@ -322,7 +325,7 @@ def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
 
 
 def _intervals_cut(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """The intervals without the parts where the gap exceeds the reach.
+    """The intervals of tension, without places where the gap exceeds the tension's reach.
 
     Parts that begin at an end are not removed: that end recedes over them. None if nothing changed.
     """

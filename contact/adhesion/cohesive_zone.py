@@ -280,7 +280,7 @@ class CohesiveCurve(Curve):
         return np.asarray(new)
 
     def nearest(self, table: Array, value: float) -> PastState:
-        """The known state with as many intervals and the nearest ends, else the last one known."""
+        """The known state with equally many intervals and the nearest ends; else the last known."""
 
         def away(one: PastState) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)
@@ -534,8 +534,8 @@ class CohesiveCurve(Curve):
         if self.control.load is not None:
             values[first, :-1], values[first, -1] = self.stress, 1.0
         else:
-            # Under a fixed approach, the right side of every zone's row contains minus the
-            # control's value.
+            # Under a fixed approach, the side condition of each zone has minus the control's value
+            # on its right side.
             values[first : first + len(density.zones)] = np.append(
                 np.full(len(free), -self.yields * self.stress), -1.0
             )

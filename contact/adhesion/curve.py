@@ -149,11 +149,17 @@ class State:
 
     @cached_property
     def growth(self) -> float:
-        """Largest eigenvalue of the residuals' rates, divided by weights; negative if stable."""
+        """Largest eigenvalue of the scaled rates dr/ds of the residuals r; negative if stable.
+
+        Here s are the motions of the ends. The rates are divided by the scales `weight`.
+        """
         return self.growth_of(np.arange(len(self.residual)))
 
     def growth_of(self, ends: Index) -> float:
-        """Largest eigenvalue of residuals' rates, divided by weights, if only these ends move."""
+        """Largest eigenvalue of the scaled rates dr/ds, if only the given ends move.
+
+        The rates of the residuals r by the motions s are divided by the scales `weight`.
+        """
         second = self._second(ends)
         values = (
             np.linalg.eigvals(self._driven(ends)).real
@@ -163,9 +169,10 @@ class State:
         return float(values.max(initial=-1.0))
 
     def motions(self, ends: Index) -> tuple[Array, Array]:
-        """(real parts of the eigenvalues, eigenvectors) of the rates divided by the weights.
+        """(real parts of eigenvalues, eigenvectors) of the scaled rates dr/ds of the residuals r.
 
-        The rates dr/ds are divided by the scales `weight`. Only the given ends move.
+        Here s are the motions of the ends. The rates dr/ds are divided by the scales `weight`. Only
+        the given ends move.
         """
         second = self._second(ends)
         if second is None:
@@ -175,7 +182,7 @@ class State:
         return growth, second[1][:, None] * motions
 
     def _driven(self, ends: Index) -> Array:
-        """Rates of these ends' residuals by motions of these ends, divided by the weights."""
+        """Rates of the given ends' residuals by motions of these ends, divided by `weight`."""
         return np.asarray(self.rates[np.ix_(ends, ends)] / self.weight[ends, None])
 
     def _second(self, ends: Index) -> tuple[Array, Array] | None:
@@ -318,14 +325,14 @@ class Curve:
 
     @property
     def formally(self) -> "Curve":
-        """The curve without tests of the contact's signs: here the curve itself makes no tests.
+        """This curve itself, since it makes no tests of the signs of pressure and gap.
 
-        `CohesiveCurve` overrides this property.
+        Signs are tested by `CohesiveCurve`. `CohesiveCurve` overrides this property.
         """
         return self
 
     def has_right_zones(self, here: State) -> bool:
-        """Whether the contact passes the sign tests that `formally` skips; here always."""
+        """Whether the signs of pressure and gap are right; not tested here, so always True."""
         return True
 
     def within(self, table: Array) -> Array:

@@ -108,7 +108,10 @@ class Events:
         return None
 
     def off_curve(self, here: State, value: float) -> Iterator[Jump | PathState] | None:
-        """For a state without free ends, its events up to a jump or the value; otherwise None."""
+        """The events of a state without free ends; None for a state with free ends.
+
+        The events end with a jump, or with the path state at the value.
+        """
         return None
 
     def grown(self, table: Array, value: float) -> PathState:
@@ -162,7 +165,7 @@ class Events:
         return ("merge" if rises else "death") if after.count < before.count else "jump"
 
     def jump(self, here: State, place: float, after: PathState, rises: bool) -> Jump:
-        """The jump from an equilibrium to the path state `after`; `place`: where it begins."""
+        """The jump from an equilibrium to the path state `after`; the jump begins at `place`."""
         before = PathState(here.value, here)
         return Jump(self.kind(before, after, rises), place, before, after)
 
@@ -224,12 +227,12 @@ def first_zero(
     least: Callable[[State, float, float], tuple[float, float]],
     others: Callable[[State], Array],
 ) -> tuple[float, float, float]:
-    """(length to the first zero of a condition, place of the zero, width of its interval).
+    """(arc length in the step, position x, width in x) of the first zero of a condition.
 
-    The length lies inside a step. The interval is the one in which the condition was found
-    negative. end: the state at the length. seen: intervals (n, 2) in which the condition is
-    negative there. least: (place, value) of the least value of the condition in an interval.
-    others: intervals in which the condition is negative at a state.
+    The condition is a function of the position and of the arc length. The interval is the one in
+    which the condition was found negative. end: the state at the length. seen: intervals (n, 2) in
+    which the condition is negative there. least: (place, value) of the least value of the condition
+    in an interval. others: intervals in which the condition is negative at a state.
     """
     place, width = 0.0, 0.0
     while len(seen):

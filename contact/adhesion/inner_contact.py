@@ -46,7 +46,10 @@ class ContactLost(NoState):
 
 
 class EndsCovered(NoState):
-    """Error: zones of contact cover ends of intervals of tension; ends: their mask (2m,)."""
+    """Error: zones of contact cover ends of intervals of tension.
+
+    ends: mask (2m,) of the covered ends.
+    """
 
     def __init__(self, ends: Mask) -> None:
         super().__init__("contact reaches the end of an interval of tension")

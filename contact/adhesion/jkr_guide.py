@@ -43,7 +43,7 @@ def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> Cohesiv
 
 
 def _curve_without_range(curve: CohesiveCurve, zones: Array, share: float) -> Curve | None:
-    """The curve of a law without range (JKR), its work of adhesion multiplied by `share`.
+    """The curve of equilibria of a law without range (JKR), with `share` of the adhesion work.
 
     None where strips are wider than zones, or there is no such law.
     """
@@ -104,9 +104,10 @@ def near_pull_off(
     here: State,
     recede: Callable[[CohesiveCurve, Array, float], CohesiveState | None],
 ) -> CohesiveState | None:
-    """An equilibrium near the least control, guided by a law without range, of larger work.
+    """An equilibrium near the least control, found with the help of a law without range (JKR).
 
-    recede: brings ends driven inward to rest. None where the guide fails.
+    The law without range has a larger work of adhesion. recede: brings ends driven inward to rest.
+    None where the guide fails.
     """
     short = _curve_without_range(curve, here.contact, 1.0 + MOVES.margins[0])
     if short is None:

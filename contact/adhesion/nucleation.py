@@ -115,7 +115,10 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
 def changes_between(
     before: CohesiveState, after: CohesiveState, period: float | None
 ) -> list[Change]:
-    """Changes of the zones between two states, with the places to search for new zones."""
+    """Births, mergers, splits and deaths of zones between two states, with their places.
+
+    For births and deaths, the place is the interval in which the zone is sought.
+    """
     if len(before.zones) == len(after.zones) and all(
         len(overlapping(before.zones, a, b, period)) == 1 for a, b in after.zones
     ):

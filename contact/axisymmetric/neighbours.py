@@ -86,7 +86,11 @@ class NeighbourKernel:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Neighbours of one kind around a spot: kernel or None, circle's radius A or 0, and density."""
+    """Neighbours of one kind around a spot: near ones as a sum, far ones as a mean pressure.
+
+    kernel: the sum over single neighbours; None if there are none. circle: radius A outside which
+    the pressure is the mean one; 0 if all neighbours are summed.
+    """
 
     kernel: NeighbourKernel | None = None
     circle: float = 0.0

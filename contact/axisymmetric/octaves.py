@@ -132,7 +132,7 @@ class PowerFit:
 
     @classmethod
     def of(cls, octave: Octave) -> "PowerFit | None":
-        """The power law fitted to value and slope at an octave's lower end; None unless both > 0.
+        """Power law with an octave's value and slope at its lower end; None unless both are > 0.
 
         Its deviation in the rest of the octave is taken as its error below the octave.
         """

@@ -56,9 +56,10 @@ class Kind:
 
 @dataclass(frozen=True)
 class Source:
-    """Effect of one kind of spots on another: weighted values of its transform w, and a kernel.
+    """Effect of one kind of spots on another, as a weighted sum of a kernel over nodes.
 
-    Here w is the transform of the source's own displacement (head of this module).
+    The weights contain the transform w of the displacement. Here w is the transform of the source's
+    own displacement (head of this module).
     """
 
     nodes: Array
@@ -66,7 +67,7 @@ class Source:
     kernel: NeighbourKernel
 
     def value(self, x: Array) -> Array:
-        """The part of e(x), the effect of all neighbours, that this kind causes."""
+        """The contribution of this kind of spots to e(x), the effect of all neighbours at x."""
         return both_sides(self.kernel.value, x, self.nodes) @ self.weighted / (2.0 * pi)
 
     def slope(self, x: Array) -> Array:
@@ -97,7 +98,7 @@ class Surface:
         )
 
     def kept_slope(self, x: ArrayLike) -> Array:
-        """Slope of the part that single neighbours cause; smooth up to the neighbours' edges."""
+        """Slope of the effect of singly summed neighbours; smooth up to the neighbours' edges."""
         return sum((source.slope(np.asarray(x)) for source in self.sources), np.zeros(np.shape(x)))
 
 

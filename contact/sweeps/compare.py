@@ -72,7 +72,7 @@ def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> 
 
 
 def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
-    """Relative deviation of a positive quantity from its value in the exact model, or None."""
+    """Deviation of a quantity relative to its value in the exact model; None if undefined."""
     if attempt.solution is None or exact.solution is None:
         return None
     measure = total_width if quantity == "total_width" else attrgetter(quantity)

@@ -274,10 +274,11 @@ class _Path:
     def _event(
         self, change: Change, low: Solution, high: Solution, beyond: tuple[float, ...] = ()
     ) -> Event | None:
-        """The event of one change; None if the event's condition does not change sign.
+        """The event of one change of the zones (e.g. a merger), where a condition becomes zero.
 
-        The condition is evaluated at both loads, and beyond them by the relative distances
-        `beyond`: near an event the certificate accepts signs that are wrong by round-off.
+        None if the condition does not change sign. The condition is evaluated at both loads, and
+        beyond them by the relative distances `beyond`: near an event the certificate accepts signs
+        that are wrong by round-off.
         """
         side, other = (low, high) if change.ahead else (high, low)
         condition = _Condition(side.fields, change)
@@ -305,10 +306,11 @@ class _Path:
 
 
 def _just_beyond(change: Change, side: Solution, other: Solution) -> float | None:
-    """A load close to the event, between the event and `other`, predicted from `other`; or None.
+    """A load just beyond the event, predicted by the rates of the ends; None if they predict none.
 
-    The square of the width of a zone (a gap) is linear in the logarithm of the load as the zone
-    appears (the gap closes). Its rate gives the load at which the width is zero.
+    The load is predicted from the solution `other`. The square of the width of a zone (a gap) is
+    linear in the logarithm of the load as the zone appears (the gap closes). Its rate gives the
+    load at which the width is zero.
     """
     found, period = ends_and_rates(other), other.scene.period
     if found is None:

@@ -16,8 +16,8 @@ from contact.model.scene import Scene
 
 Value = float | int | str
 
-# The parts of a scene that have one table each. The profile is not among them, as it may have two
-# tables.
+# The parts of a scene that have one table each in a scene file. The profile is not among them, as
+# it may have two tables.
 PARTS = ("interaction", "substrate", "law")
 MODULUS = "material.E_star"
 # The branch is not a key of scene files: it chooses among several equilibria of one scene.
