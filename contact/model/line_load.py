@@ -42,14 +42,14 @@ class LineLoadOptions:
 
 
 OPTIONS = LineLoadOptions()
-# Number of halvings from the largest wavenumber to the smallest. Panels of q halve and panels of r
-# double this often.
+# Number of halvings from the largest wavenumber to the smallest. The panels of the wavenumber q
+# halve, and those of the distance r double, this often.
 _HALVINGS = int(np.log2(WAVES.max() / WAVES.min()))
 
 
 @record
 class SmoothPart:
-    """The smooth part m of a line load's kernel, its primitive M and the primitive N of M, as
+    """The smooth part m of a line load's kernel, with its first and second primitives M and N, as
     functions of the distance r [m].
 
     first: end of the first panel [m]; the next ones double in width. m, M, N: Chebyshev
@@ -68,8 +68,8 @@ class SmoothPart:
 
     @classmethod
     def of(cls, symbol: Symbol, grounded: bool) -> SmoothPart:
-        """The smooth part for a symbol L(q), q in 1/m, of a body with a base (`grounded`) or
-        without.
+        """The smooth part of a body's kernel for the symbol L(q), q in 1/m. grounded: whether the
+        body has a base.
         """
         top = _shortest(symbol)
         if top is None:
@@ -161,7 +161,9 @@ def _longest(symbol: Symbol) -> float:
 
 
 def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
-    """A function that computes the kernel's smooth part m(r) at distances r [m] by quadrature."""
+    """A function that computes the smooth part m(r) of the kernel at distances r [m], by
+    quadrature.
+    """
     # The long-wave limit of the symbol L is subtracted. If L grows without bound for long waves and
     # has no limit, 1 is subtracted.
     first, next_ = np.asarray(symbol(WAVES[:2]))

@@ -78,7 +78,7 @@ class Operator(sie.Kept):
 
     @property
     def is_periodic(self) -> bool:
-        """Whether the pressure of all periods acts, so that a harmonic pressure gives a harmonic
+        """Whether the pressure of all periods acts. A harmonic pressure then gives a harmonic
         displacement.
         """
         return self.period is not None and not self.interaction.strip
@@ -94,8 +94,8 @@ class Operator(sie.Kept):
 
     @cached_property
     def symbol(self) -> Symbol | None:
-        """The symbol L(q): the surface's compliance relative to a half-plane's, at wavenumber q
-        [1/m]. None if the interaction gives a kernel without a symbol.
+        """The symbol L(q): the compliance of the surface relative to that of a half-plane, at
+        wavenumber q [1/m]. It is None if the interaction gives a kernel without a symbol.
         """
         if not self.is_own:
             return self.substrate.symbol
@@ -107,8 +107,8 @@ class Operator(sie.Kept):
 
     @cached_property
     def excess(self) -> Array | None:
-        """L_n - 1, with L_n the symbol at the harmonic n of the period, up to the last value that
-        is not zero. None without a symbol.
+        """L_n - 1 for the symbol L_n at the harmonic n of the period, up to the last value that is
+        not zero. It is None if there is no symbol.
         """
         if not self.is_periodic or self.symbol is None:
             return None
@@ -149,13 +149,13 @@ class Operator(sie.Kept):
     @property
     def compression(self) -> float | None:
         """Displacement under a uniform pressure p, divided by 2 p / E* [m]; None if the substrate
-        gives none.
+        does not define this displacement.
         """
         return None if self.is_own else self.substrate.compression
 
     @property
     def smooth_part(self) -> SmoothPart:
-        """Smooth part of the kernel of a line load on the substrate."""
+        """Smooth part of the kernel of a line load on the substrate: the kernel minus 1/r."""
         return self.substrate.smooth_part
 
     @property
@@ -168,7 +168,8 @@ class Operator(sie.Kept):
 
     @property
     def datum(self) -> float | None:
-        """Distance at which the displacement by a line load is zero [m]; None without an approach.
+        """Distance [m] from a line load at which the load causes no displacement; None if the
+        approach is undefined.
 
         It is for bodies that do not repeat.
         """
@@ -204,7 +205,8 @@ class Operator(sie.Kept):
         )
 
     def _line_kernel(self, period: float | None, unit: float) -> sie.Kernel:
-        """The kernel 1/r and the smooth part of a line load, repeated for the images of a strip.
+        """The kernel 1/r of a line load plus its smooth part, both repeated for the images of a
+        strip.
 
         The potential vanishes at the datum, or far away on a body with a base.
         """
@@ -223,7 +225,7 @@ class Operator(sie.Kept):
         return plain + sie.Smooth(value, potential, of_lag=True, length=smooth.length / unit)
 
     def _datum_constant(self, datum: float | None) -> float:
-        """Constant that makes the potential of a line load vanish at the datum [m].
+        """Constant that makes the potential of a line load zero at the distance of the datum [m].
 
         It is 0 on a body with a base, whose potential vanishes far away.
         """
@@ -334,7 +336,9 @@ class Operator(sie.Kept):
 
     @cached_property
     def strip_rest(self) -> Rest | None:
-        """Smooth potential of a strip and its images, up to a constant; None on a half-plane."""
+        """Smooth part of the potential of a strip and its images, up to a constant; None on a
+        half-plane.
+        """
         if self.is_own or self.smooth_part.is_zero:
             return None
         return partial(_cells, self.smooth_part.primitive, self.kernel(1.0).poles, 0.0)
@@ -348,14 +352,16 @@ def _lines(
     x: Array,
     xi: Array,
 ) -> Array:
-    """The sum of a function `of` at the lengths x - xi - s [m] over all poles s, times a factor."""
+    """Sum over all poles s of a function `of` at the lengths x - xi - s [m], multiplied by a
+    factor.
+    """
     lag = x - xi
     total = sum((of((lag - pole) * unit) for pole in poles), np.zeros(np.shape(lag)))
     return np.asarray(factor * total)
 
 
 def _plus_constant(of: Callable[[Array], Array], constant: float, r: Array) -> Array:
-    """The sum of a function `of` at the distance r and a constant."""
+    """The function `of` at the distance r, plus a constant."""
     return np.asarray(of(r) + constant)
 
 
@@ -390,8 +396,8 @@ def _rest(kernel: sie.Kernel, period: float | None, lag: Array, width: float = 0
     found = _smooth_rest(kernel, period, lag)
     near = np.flatnonzero(np.abs(lag) < _OPTIONS.near_cells * width)
     if len(near):
-        # A source may lie less than a cell below the surface. Then the value at the middle of a
-        # cell does not represent the cell.
+        # A source may lie less than the width of a cell below the surface. Then the value at the
+        # middle of a cell does not represent the cell.
         places, weights = _crowded_nodes()
         found[near] = (
             _smooth_rest(kernel, period, (lag[near][:, None] + width * places).ravel()).reshape(
@@ -435,7 +441,7 @@ def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
 
 @record
 class BeyondStrip:
-    """The term of the right side for a unit nominal pressure outside a strip, in scaled lengths.
+    """The term of the right side due to a unit nominal pressure outside a strip, in scaled lengths.
 
     half: half width of the strip. unit: of lengths [m], for the smooth part and the compression.
     """
@@ -448,7 +454,7 @@ class BeyondStrip:
     compression: float | None
 
     def slope(self, x: Array) -> Array:
-        # During Newton steps, zones may extend over the border of the strip: the term must stay
+        # During Newton steps, zones may extend over the border of the strip. The term must stay
         # finite there.
         y, inside = x - self.centre, 1 - 4 * np.finfo(np.float64).eps
         out = 2 / np.pi * np.arctanh(np.clip(y / self.half, -inside, inside))

@@ -86,7 +86,7 @@ class Control(Named):
         """Raise SceneError if the control and the rest of the scene do not go together."""
 
     def held(self, scene: Any) -> Held | None:
-        """The quantity that the solver prescribes directly. If the result is None, the solver
+        """The quantity that the solver prescribes directly; None if there is none. The solver then
         searches for a load at which the method `of` gives the prescribed value.
         """
         return None if self.quantity is None else Held(self.quantity, self.value)

@@ -81,8 +81,8 @@ class Interaction(Named):
         return False
 
     def kernel(self, period: float | None, unit: float) -> sie.Kernel:
-        """The interaction's own kernel, a function of x - xi in scaled lengths. Most models do not
-        define this method and use the substrate's kernel.
+        """The interaction's own kernel, a function of x - xi in scaled lengths. A model without
+        this method uses the substrate's kernel.
         """
         raise NotImplementedError(
             f"{type(self).__name__} has no kernel of its own: that of the substrate acts"
@@ -97,26 +97,30 @@ class Interaction(Named):
         )
 
     def columns(self, period: float | None, centre: float) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with unknown amplitudes, about the centre of the strip. If a
-        model with a `strip` does not define this method, the model has one term: that of the
-        nominal pressure outside the strip.
+        """Terms of the right side with unknown amplitudes, with lengths measured from the centre of
+        the strip. A model that has a `strip` and does not define this method has one term, that of
+        the nominal pressure outside the strip.
         """
         return ()
 
     def side_conditions(self, period: float | None) -> tuple[sie.Condition, ...]:
-        """Conditions that determine the amplitudes: one condition for each term in `columns`."""
+        """Conditions that determine the amplitudes of the terms in `columns`, one condition for
+        each term.
+        """
         return ()
 
     def placed_columns(
         self, period: float | None, centre: float, scaled: Scaled
     ) -> tuple[sie.Forcing, ...]:
-        """Terms of unknown amplitude that depend on places of the profile. `scaled` converts such
-        places [m] to scaled lengths. By default, the result of `columns`.
+        """Terms of unknown amplitude that depend on places of the profile. The function `scaled`
+        converts these places [m] to scaled lengths. If a model does not define this method, the
+        terms are those of `columns`.
         """
         return self.columns(period, centre)
 
     def placed_conditions(self, period: float | None, scaled: Scaled) -> tuple[sie.Condition, ...]:
-        """Conditions that depend on places of the profile, which `scaled` converts. By default,
-        the result of `side_conditions`.
+        """Conditions that depend on places of the profile, which `scaled` converts to scaled
+        lengths. If a model does not define this method, the conditions are those of
+        `side_conditions`.
         """
         return self.side_conditions(period)

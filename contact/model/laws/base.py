@@ -40,8 +40,8 @@ class PressureRange:
 
 @dataclass(frozen=True)
 class Equilibria:
-    """Whether there is one equilibrium contact at each value of the control, and the law from
-    which a branch of several equilibria starts.
+    """Whether there is one equilibrium contact at each value of the control. If there are several,
+    a branch of them starts from the contact under another law (`start`).
 
     unique: right signs of pressure and gap make a contact the only one. start: where there are
     several, the law whose contact lies within the one that is reached by growing; a branch is
@@ -147,8 +147,8 @@ class Law(Named, sie.Kept):
 
     @cached_property
     def equilibria(self) -> Equilibria:
-        """Whether the equilibrium contact is unique, and the law from which a branch of several
-        equilibria starts.
+        """Whether the equilibrium contact is unique. If there are several, a branch of them starts
+        from the contact under another law.
         """
         return Equilibria(bool(self.convex), self.bare)
 
@@ -175,13 +175,14 @@ class Law(Named, sie.Kept):
 
     @property
     def reach(self) -> float:
-        """Gap [m] above which the surfaces do not attract each other; 0 if they attract only in
-        contact.
+        """Gap [m] above which the surfaces do not attract each other; 0 if they attract each other
+        only in contact.
         """
         return 0.0
 
     def without_range(self, share: float) -> "Law | None":
-        """A law of adhesion without range that has this share of this law's work of adhesion.
+        """The law of adhesion without range whose work of adhesion is this fraction of that of the
+        present law.
 
         Contacts under the law approach those under the returned one where its strips of tension
         are narrow. None if there is no such law.
@@ -189,7 +190,7 @@ class Law(Named, sie.Kept):
         return None
 
     def work_of_adhesion(self, E_star: float) -> float:
-        """Work [J/m^2] of separating a unit of length against edge intensity and tension."""
+        """Work [J/m^2] of separating a unit of length against the edge intensity and the tension."""
         return pi / E_star * self.intensity(E_star) ** 2 + self.tension * self.reach
 
     def surface_energy(self, fields: Any, width: float) -> float:
@@ -202,7 +203,7 @@ class Law(Named, sie.Kept):
         return -pi / E_star * self.intensity(E_star) ** 2 * width
 
     def refuses(self, scene: Any) -> str | None:
-        """Reason why the law does not go with a scene, as the end of a sentence; None if it does.
+        """Reason why the law cannot be used with a scene, as the end of a sentence; None if it can.
 
         The scene (`contact.Scene`) has a control that the law allows.
         """
@@ -210,7 +211,7 @@ class Law(Named, sie.Kept):
 
     def fault(self, fields: Any, load: float | None) -> str:
         """Reason why a solution violates the law although the signs, the load balance and the gap
-        are right. Empty if the solution does not violate the law.
+        are right. The text is empty if the solution does not violate the law.
 
         fields: `contact.formulation.protocol.Fields`. load: the given load in the units of
         `fields.problem.units`; None if the scene gives another control.

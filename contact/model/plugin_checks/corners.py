@@ -62,8 +62,8 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float, float] | None:
-    """Place and jump of a corner near s, estimated from ever shorter distances h; None if there is
-    no corner.
+    """Place and jump of a corner near s, from differences over ever shorter distances h; None if
+    there is no corner.
 
     The jump of a bend that is only sharp falls with the distance, that of round-off grows.
     """
@@ -161,8 +161,8 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
 
 
 def _roughness(function: Callable[[Array], Array], x: Array) -> tuple[Array, int]:
-    """Deviation of each group of seven successive values from a smooth function, and a group's
-    width in steps.
+    """For each seven successive values, their deviation from a smooth function; and the width of
+    seven values in steps.
     """
     values = np.asarray(function(x), dtype=np.float64)
     groups = np.lib.stride_tricks.sliding_window_view(values, len(PLACES))

@@ -19,7 +19,7 @@ from contact.model.profiles.derive import DETAIL
 from contact.model.profiles.noise import ROUND_OFF
 from sie import Array
 
-# Columns of the arrays that have one row for each place.
+# Names of the columns of the arrays that have one row for each place.
 _COLUMNS = {
     "kinks": ("position", "jump of the slope"),
     "jumps": ("position", "order", "jump of that derivative"),
@@ -152,7 +152,8 @@ def _places(profile: Profile) -> Array:
     spread = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 3))
     if ends is not None:
         return np.asarray(0.5 * (ends[0] + ends[1]) + (ends[1] - ends[0]) * spread)
-    # The size of the shape is unknown: the places are at distances in the ratios 1, 1e-4 and 1e-8.
+    # The size of the shape is unknown. The places are therefore at distances in the ratios 1, 1e-4
+    # and 1e-8.
     return np.asarray((profile.resolution or 1.0) * spread * ROUND_OFF ** (np.arange(3) / 3))
 
 

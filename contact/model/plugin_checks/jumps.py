@@ -45,10 +45,11 @@ class CheckOptions:
 
 
 CHECKS = CheckOptions()
-# Number of successively halved steps, down to round-off.
+# Number of steps, each half of the one before, down to round-off.
 _HALVINGS = int(-np.log2(ROUND_OFF))
-# Step of the differences that show the second derivative, relative to the checked interval. Also
-# the smallest distance from which a corner is examined, relative to the first such distance.
+# Step of the differences that show the second derivative, relative to the checked interval. A
+# corner is examined from ever shorter distances, and this is also the ratio of the smallest to the
+# first of them.
 BEND_STEP = np.sqrt(ROUND_OFF)
 
 
@@ -71,7 +72,7 @@ class JumpEstimates:
 
 
 def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0) -> JumpEstimates:
-    """Estimated jumps at places, from values at distances up to `reach` (one number for each
+    """Estimated jumps at places, from values at distances of at most `reach` (one number for each
     place).
 
     nearest: the shortest step, for places that are not known to the last digit.
@@ -166,9 +167,8 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
         step = BEND_STEP * width
         room = room_around(found, np.concatenate((declared, found, ends)), width, periodic)
         seen = jumps_at(profile, found, room, nearest=100 * step)
-        # The slopes of the two sides, continued to a place next to the jump, differ by the distance
-        # from the jump times the jump. Their quotient gives the distance, by which the place is
-        # corrected.
+        # Next to the jump, the slopes of both sides, each continued, differ by about the jump times
+        # the distance from it. Their quotient gives this distance, by which the place is corrected.
         distance = seen.height[:, 0] / np.where(seen.height[:, 1] == 0, np.inf, seen.height[:, 1])
         found = found - np.where(np.abs(distance) < 10 * step, distance, 0.0)
         seen = jumps_at(profile, found, room, nearest=step / 100)
@@ -233,7 +233,7 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) -> float:
-    """The fraction of the declared powers that the differences do not show: the least one for a
+    """The fraction of the declared powers that the differences do not show, as the least over a
     sequence of halved steps.
 
     It is 0 where round-off hides the powers, or hides them before smooth parts have vanished.
@@ -245,8 +245,8 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
     weights = np.array([(-1.0) ** k * comb(order, k) for k in range(order + 1)])
     found = []
     for j in range(_HALVINGS):
-        # The differences leave out s itself: if a power is low, the round-off of s changes its
-        # value there.
+        # The differences leave out the place s itself. If a power is low, the round-off of s
+        # changes the value at s.
         y = abs(room) / (order + 1) * 0.5**j * np.arange(1, order + 2)
         values = np.asarray(function(s + np.sign(room) * y), dtype=np.float64)
         declared = float(weights @ (y[:, None] ** power @ size))
@@ -259,7 +259,7 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
 
 
 def room_around(places: Array, others: Array, width: float, periodic: bool) -> Array:
-    """Distance around each of the places within which there is none of the places `others`."""
+    """For each place, a distance within which there is none of the places `others`."""
     others = np.concatenate((others, others - width, others + width)) if periodic else others
     others = np.concatenate(([-np.inf], np.sort(others), [np.inf]))
     before = others[np.searchsorted(others, places - _one_place(width)) - 1]

@@ -128,7 +128,7 @@ def _require_regular(kernel: sie.Kernel) -> None:
     half = 0.5 * np.sqrt(CHECKS.same)
     rise = potential(_LAGS + half, zero) - potential(_LAGS - half, zero)
     within = half * np.asarray(regular(_LAGS[:, None] + half * nodes, zero)) @ weights
-    # The rise is a difference of two potentials, and has the round-off of the potentials.
+    # The rise of the potential is a difference of two potentials, and has their round-off.
     size = ROUND_OFF * float(np.abs(potential(_LAGS, zero)).max())
     _require_same(rise, within, "smooth part", "is not the derivative in x of its potential", size)
 
@@ -172,8 +172,8 @@ def _value(kernel: sie.Kernel, lag: Array) -> Array:
 
 def _require_same(one: Array, other: Array, what: str, fault: str, rounding: float = 0.0) -> None:
     """Raise a SceneError that names the fault if two arrays differ by more than round-off."""
-    # A sum of large parts may vanish at one place: the difference is compared with the largest
-    # value at all places.
+    # A sum of large terms may vanish at one place. The difference is therefore compared with the
+    # largest value at all places.
     difference, size = np.abs(np.asarray(one) - other), np.abs(np.asarray(other))
     if not np.all(difference <= CHECKS.same * size.max() + rounding):
         k = int(np.argmax(difference))

@@ -26,7 +26,7 @@ from sie import Array
 
 
 class Fault(ContactError, AssertionError):
-    """Error raised for a plug-in that contradicts itself; its `report` is the complete list of
+    """Error raised for a plug-in that contradicts itself; `report` is the complete list of its
     faults.
     """
 
