@@ -79,7 +79,7 @@ class Solution:
 
     @property
     def levels(self) -> Array:
-        """Means over the solved zones of the potential minus the right side's primitive (n,)."""
+        """Mean, over each solved zone (n,), of the potential minus the right side's primitive."""
         return self.state.levels
 
 

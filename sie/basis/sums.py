@@ -81,7 +81,9 @@ class Grouped:
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Index of each zone in `count` and `first`; zones past all items get the last index."""
+        """Index of each zone in `count` and `first`; zones after the last item's zone get the last
+        index.
+        """
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:

@@ -46,12 +46,13 @@ class ModeOptions:
     # ones. If the right side is singular close to the zone, the first number is larger, so that the
     # coefficients decay to round-off.
     first_nodes: int = 16
-    # The decay of a zone's coefficients is judged only if it has at least this number of nodes for
-    # each jump.
+    # The decay of a zone's coefficients is judged only if the zone has at least this number of
+    # nodes for each jump.
     nodes_per_piece: int = 4
-    # Largest number of coupled modes of a zone. It is the last of `COUPLED_SIZES` instead for a
-    # regular kernel that needs more, and next to narrow gaps with fixed ends. Zones with moving
-    # ends do not need more, since narrow gaps between them are treated as slits.
+    # Largest number of modes of a zone that are coupled to other zones. For a regular kernel that
+    # needs more modes, and next to narrow gaps with fixed ends, the last of `COUPLED_SIZES` applies
+    # instead. Zones with moving ends do not need more, since narrow gaps between them are treated
+    # as slits.
     max_modes: int = 768
     # If the matrix would have more entries than this, no zone gets more than `max_modes` modes.
     max_matrix_numbers: float = 4e7
@@ -69,7 +70,7 @@ COUPLED_SIZES = np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 1
 
 
 def most(kernel: Kernel) -> int:
-    """Largest number of coupled modes of a zone, for the given kernel."""
+    """Largest number of modes of a zone that are coupled to other zones, for the given kernel."""
     return OPTIONS.max_modes if np.isinf(kernel.length) else int(COUPLED_SIZES[-1])
 
 
@@ -84,7 +85,7 @@ def enough(kernel: Kernel, tolerance: float) -> float:
 
 @record
 class Growth:
-    """History of each zone's last field coefficients in successive solves with more modes.
+    """Last coefficients of the other zones' field on each zone, in solves with more and more modes.
 
     m: numbers of modes of the last solution (Z,); tails: sizes of the last coefficients with the
     last three numbers of modes, the newest last (3, Z); floor: noise of a user's functions, which
@@ -123,7 +124,9 @@ class Growth:
 
 
 def least(zones: Zones, kernel: Kernel) -> Index:
-    """First number of coupled modes of each zone for a user's regular part of the kernel."""
+    """First number of modes of each zone that are coupled to other zones, for a user's regular part
+    of the kernel.
+    """
     lengths = zones.half / kernel.length
     return np.maximum(
         OPTIONS.first_nodes, np.ceil(OPTIONS.first_modes_per_root * np.sqrt(lengths))
@@ -170,7 +173,7 @@ def most_own(zones: Zones) -> int:
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
-    """Number m of coupled modes of each zone, at least `least`, from the decay of fields.
+    """Number m of modes of each zone that are coupled to other zones, from the fields' decay.
 
     With it, rho^m of the nearest end of another zone is below the tolerance.
     """
@@ -248,7 +251,8 @@ def sample(
     # The largest of many coefficients that are noise is about four times their standard deviation.
     noise = np.maximum(jumps.rounding(len(zones)), 4 * np.sqrt(2) * forcing.resolution.rounding)
     found: list[tuple[Index, Array]] = []
-    # For each zone: the last two numbers of nodes, and the sizes of the last coefficients for them.
+    # These are, for each zone, the last two numbers of nodes and the sizes of the last coefficients
+    # for these numbers.
     sizes, tails = np.ones((len(zones), 2)), np.full((len(zones), 2), -np.inf)
     calm = np.zeros(len(zones), dtype=np.intp)
     pending = zones.solved
@@ -369,13 +373,13 @@ def _values(
 
 
 def conformal_radius(left: Array, right: Array) -> Array:
-    """Conformal radius R from the distances of both neighbours, at most one of them infinite."""
+    """Conformal radius R for half-lines at two distances from a zone, of which one may be infinite."""
     with np.errstate(divide="ignore"):
         return np.asarray(4 / (1 / left + 1 / right))
 
 
 def felt(left: Array, right: Array) -> tuple[Array, Array]:
-    """Weights of the levels of the left and right neighbour in the potential between them.
+    """Weights of both neighbours' constant potentials (levels) in the potential between them.
 
     They are harmonic measures (see the head of this file), and their sum is one.
     """

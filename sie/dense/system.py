@@ -70,7 +70,7 @@ class Layout:
 
     @cached_property
     def given(self) -> Mask:
-        """Mask of the entries of a (zones, max m + 1) table that are unknowns."""
+        """Mask of the entries that are unknowns in a (zones, max m + 1) table of coefficients."""
         return np.asarray(np.arange(int(self.m.max()) + 1) <= self.m[:, None])
 
     def padded(self, y: Array) -> Array:
@@ -286,7 +286,9 @@ class System(Rows):
         self.lowest[chosen] = np.where(inner, widened(of_g, count), self.lowest[chosen])
 
     def equation_rows(self) -> tuple[Array, Array]:
-        """(matrix, right side) of the rows of the equation that are kept."""
+        """(matrix, right side) of the equation's rows that are kept (half of all for symmetric
+        zones).
+        """
         layout, zones = self.layout, self.zones
         if len(self.own) == 0:  # no zone has coupled modes: only the totals are unknown
             return np.zeros((0, layout.size)), np.zeros(0)
@@ -364,7 +366,7 @@ class System(Rows):
         return moments_of(panels, zones, self.equation.kernel, table, ForcingJumps.none())
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
-        """(equation rows, levels) of a density, from its moments on the panels."""
+        """(equation rows, levels) due to the kernel's regular part, from a density's panel moments."""
         assert self.panels is not None
         spread = self.panels.spread(self.targets.x)
         rows = self.projected(self.panels.at(spread, moments, False))
@@ -374,7 +376,9 @@ class System(Rows):
 
     @cached_property
     def diagonal(self) -> Index:
-        """Index of the unknown c_k for each row of the equation that is kept."""
+        """Index of the unknown c_k for each row of the equation that is kept (see
+        `MirrorSymmetry`).
+        """
         return self.own[self.kept]
 
     @cached_property
@@ -479,7 +483,8 @@ class System(Rows):
 
     @cached_property
     def beyond(self) -> Array:
-        """Known coefficients of the density, for the intensities K (all zones, n + 1).
+        """Known coefficients of the density on all zones, used in the intensities K: (zones, n +
+        1).
 
         Above m they are those of the right side. Up to m they correct for jumps whose coefficients
         the unknowns include.
@@ -496,7 +501,7 @@ class System(Rows):
 
     @cached_property
     def wants_levels(self) -> bool:
-        """Whether any side condition contains levels."""
+        """Whether any side condition contains levels (means of the potential minus the primitive)."""
         return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
 
     @property
@@ -504,23 +509,24 @@ class System(Rows):
         return self.levels()[1]
 
     def level_changes(self, y: Array) -> Array:
-        """The part of the levels that is linear in the unknowns y."""
+        """The part, linear in the unknowns y, of the levels (means of potential minus primitive)."""
         return np.asarray(self.levels()[0] @ y)
 
     @property
     def integrated(self) -> bool:
-        """Whether differences of levels are computed as integrals of g.
+        """Whether differences of zones' levels are computed as integrals of the right side g.
 
         Then they do not have the round-off of its primitive.
         """
         return False
 
     def level_rounding(self, y: Array) -> Array | float:
-        """Root mean square round-off of the potentials in each level."""
+        """Root mean square round-off of the potentials in each zone's level (see `Rows.levels`)."""
         return 2.2e-16 * root_of_squares(self.levels()[0], y)
 
     def levels(self) -> Linear:
-        """Levels of the solved zones, as (rows, constants) in the unknowns; see `Rows`.
+        """Mean of the potential minus the right side's primitive on each solved zone, as (rows,
+        constants).
 
         The mean of a zone's own potential is w c_0 log(w / 2), with the half width w. The mean of
         the primitive of g follows from its values at the ends and from the coefficients of g, since

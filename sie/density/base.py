@@ -60,7 +60,7 @@ class DensityBase(Kept):
         return by_angle(lambda left, right: self.at(zone, left, right), angle)
 
     def change_sizes(self, zone: Any, angle: Array) -> tuple[Array, Array, Array]:
-        """Sizes, at angles of zones, of the density and its changes by motions of both ends.
+        """Sizes of the density, and of its changes by motions of both ends, at angles on zones.
 
         The changes are those by motions of the ends, see `Density.sensitivity`.
         """
@@ -80,7 +80,8 @@ class DensityBase(Kept):
         return out
 
     def locate(self, x: ArrayLike) -> tuple[Array, Index, Mask]:
-        """(x moved by periods, index of the zone of x, whether x is inside this zone).
+        """(x moved by whole periods, index of the last zone that starts before x, whether x is in
+        it).
 
         x is moved to lie right of the first zone's left end; the zone is the last one that starts
         before x.
@@ -143,7 +144,7 @@ class DensityBase(Kept):
         return self._in_plane(z, "derivative")
 
     def _in_plane(self, z: ArrayLike, what: What) -> NDArray[Any]:
-        """Transform (or its derivative, or potential) at complex z; NaN where z is not finite."""
+        """Transform, its derivative, or potential at complex z; NaN where z is not finite."""
         points = np.asarray(z, dtype=complex)
         out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
         out[finite] = self.plane(points[finite], what)

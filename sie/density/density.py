@@ -67,7 +67,7 @@ class Density(Series):
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x lies in a slit, integral of the slack from the slit's left end to x).
+        """(whether x lies in a slit, integral of the slit's unknown from its left end to x).
 
         This density has no slits: false and zero everywhere.
         """
@@ -92,8 +92,9 @@ class Density(Series):
         )
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
-            # If the reach alone determines the modes of the regular part (see `Kernel.sure`), the
-            # far sums of the tree include this part.
+            # If the kernel's reach (the distance from a source to the regular part's nearest
+            # singular point) alone determines the modes of the regular part, the far sums of the
+            # tree include this part.
             regular = None if self.kernel.sure else regular
         else:
             every = partial(from_zones, self, zone=zone, shift=shift, potential=potential)

@@ -65,7 +65,7 @@ class Plane:
         self.total = float(np.pi * (c[:, 0] @ zones.half))
 
     def __call__(self, z: Complex, what: What) -> Complex:
-        """Transform (or its derivative, or potential) at complex points z (n,), in any period."""
+        """The transform, its derivative, or the potential at complex points z (n,) in any period."""
         x, y = z.real, np.abs(z.imag)
         place = self.density.into_period(x)
         out = self.poles(place, y, what)
@@ -183,7 +183,9 @@ class Plane:
 
     @cached_property
     def _of_jumps(self) -> Array:
-        """First coefficients of T_l / sqrt(1 - t^2) of the jumps on each zone, for far points."""
+        """First coefficients of T_l / sqrt(1 - t^2) in the density of each zone's jumps, for far
+        points.
+        """
         return self.density.jumps.t_coefficients(self.density.zones, int(JUMPS.far_terms[0]))
 
     # The methods below give the part of the fields that the kernel's regular part causes.

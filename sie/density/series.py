@@ -70,7 +70,8 @@ class Series(DensityBase):
 
     @cached_property
     def bounded(self) -> tuple[Array, Array, Array]:
-        """(alpha, beta, u): series = (alpha + beta t) / X + X sum u_k U_k, X = sqrt(1 - t^2).
+        """(alpha, beta, u) of the series (alpha + beta t) / X + X sum u_k U_k, with X = sqrt(1 -
+        t^2).
 
         X = sqrt(1 - t^2).
         """
@@ -128,7 +129,8 @@ class Series(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """(largest density, largest change by motion of the left end, of the right end).
+        """(largest density, its largest change if the left end moves, if the right end moves) by
+        zone.
 
         Changes are those at equal normalised position by a motion of an end, divided by the motion
         relative to the zone's width. Values closer to singular ends and kinks than
@@ -221,7 +223,8 @@ class Series(DensityBase):
 
     @cached_property
     def panel_moments(self) -> tuple[Panels | Skeleton, Array] | None:
-        """(panels of the kernel's regular part, moments of the density on them), or None.
+        """(panels of the kernel's regular part, moments of the density); None if there are no
+        panels.
 
         It is None if the regular part is not computed by panels.
         """

@@ -85,7 +85,9 @@ class TwoLevelPreconditioner:
         folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / scale
 
     def _scalars(self, folded: Array) -> Array:
-        """Values of conditions on several zones, and of the constant if levels are absolute."""
+        """Values of the conditions on several zones, and of a condition on the potentials'
+        constant.
+        """
         system = self.system
         y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
@@ -98,8 +100,8 @@ class TwoLevelPreconditioner:
             assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
-            # This value leaves out the contribution of the constant, the first column of the basis;
-            # `__call__` adds it.
+            # This value does not contain the contribution of the constant, which is the first
+            # column of the basis. `__call__` adds this contribution.
             out.append(self.coarse.lowered * total)
         return np.array(out)
 

@@ -155,18 +155,22 @@ class IterativeSystem(System):
 
     @cached_property
     def levelled(self) -> bool:
-        """Whether there is a condition on potentials with one row for each zone."""
+        """Whether a condition on potentials has one row for each zone, or for each pair of
+        neighbours.
+        """
         return self.of_zones is not None and self.of_zones.of_levels
 
     @cached_property
     def of_zones(self) -> ByZone | None:
-        """The condition with one row for each zone, or each pair of neighbours, if any."""
+        """The condition with one row for each zone or pair of neighbours; None if there is none."""
         found = (by_zone(c, self.zones) for c in self.equation.conditions)
         return next((one for one in found if one is not None), None)
 
     @cached_property
     def springs(self) -> Array:
-        """Ratio of the factors of c_0 and of the level in each zone's own condition, else 0."""
+        """Factor of c_0 over the factor of the level in each zone's own condition; 0 if this has no
+        level.
+        """
         own = self.of_zones
         none = np.zeros(len(self.zones.solved))
         return (
@@ -184,7 +188,7 @@ class IterativeSystem(System):
 
     @cached_property
     def step_constants(self) -> Array:
-        """Differences of `level_constants` between neighbouring zones.
+        """Differences of `level_constants` (known parts of levels) between neighbouring zones.
 
         They are computed without the cancellation of large values.
         """
@@ -268,7 +272,7 @@ class IterativeSystem(System):
         return self.applied(y)[1].level
 
     def level_rounding(self, y: Array) -> Array | float:
-        """Estimated round-off of the zones' levels.
+        """Estimated round-off of each zone's level (mean of the potential minus the primitive).
 
         If a condition on levels applies to each zone by itself, the round-off is that of the sum of
         all terms of a level. These are at most all totals times the logarithm of the farthest
@@ -295,7 +299,8 @@ class IterativeSystem(System):
         steps = 2.2e-16 * apart + (
             self._across_gaps[1] if self.integrated and not self.rough else 0.0
         )
-        # In a period, the difference across the border is minus the sum of all other differences.
+        # With a period, the difference across the border of the period is minus the sum of all
+        # other differences.
         border = float(root_of_squares(steps[None])[0])
         felt_left, felt_right = felt(
             *(

@@ -49,7 +49,7 @@ _POTENTIAL_TERMS = SPLINES.coefficients_per_knot * SPLINES.min_density_jumps
 
 @record
 class Logarithms:
-    """Right-side terms: J/pi times the kernel's potential, for jumps J of the density.
+    """Logarithmic terms of the right side, J/pi times the kernel's potential for density jumps J.
 
     Lambda is the potential of the kernel. at: positions s; weight: J/pi; own: the zone that
     contains s, or -1; near: the terms whose s lies outside a zone but close to it.
@@ -113,7 +113,7 @@ class Logarithms:
 
 @record
 class DensityJumps(ForcingJumps):
-    """Jumps J of the density's q-th derivatives, with heights J w^q / q! (w: half width).
+    """Jumps J of the density's q-th derivatives, stored as J w^q / q! with the half width w.
 
     logarithms: terms of the right side by all jumps of order 0, inside zones or not.
     """
@@ -184,7 +184,8 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give the density that the jumps cause.
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Integral from the left end of each jump's density / (half width * height / pi).
+        """For each jump, integral of its density from the zone's left end, over (half width height
+        / pi).
 
         It is integrated from the end on the same side of s. For t > s,
 
@@ -205,7 +206,8 @@ class DensityJumps(ForcingJumps):
 
     @cached_property
     def _totals(self) -> Array:
-        """Integral of each jump's density over its zone / (half width * height / pi).
+        """For each jump, integral of its density over the zone, divided by (half width * height /
+        pi).
 
         w is the half width of the zone and h the height of the jump.
         """

@@ -252,7 +252,8 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
-        """Coefficients of sqrt(d), at each slit's ends, of the slit's unknown times sqrt(1 - t^2).
+        """Coefficients of sqrt(distance), at a slit's ends, of the slit's unknown times sqrt(1 -
+        t^2).
 
         They include the slack psi of jumps in the slit (see `sie.slits.kinks`).
         """

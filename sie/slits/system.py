@@ -37,7 +37,7 @@ from sie.trees.krylov import gmres
 
 @record
 class Opened(Trial):
-    """Changes that the slack s in the slits makes to the quantities in side conditions.
+    """Changes of the quantities in side conditions by the slack s (the unknown in the slits).
 
     The changes are known numbers, so that all matrices are zero. slack: coefficients s_k of the
     slack in every wide zone that has slits; mean_opening: mean of the integral of s over each wide
@@ -52,7 +52,8 @@ class Opened(Trial):
         return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """The part of the integrals of weight times density that comes from the slack s.
+        """The part of the integrals of weight times density due to the slack s (the unknown in
+        slits).
 
         The first coefficients of the density are unknowns of the system and contain the share of s
         already. Only the coefficients of s beyond them are added here.
@@ -103,8 +104,9 @@ class SlitSystem(Kept):
             count = min(self.system.g.shape[1], len(c))
             c[: m + 1] = -self.system.taken[here.zone, : m + 1]
             c[m + 1 : count] = -self.system.g[here.zone, m + 1 : count]
-            # The unknown coefficients of the density include those of the slack. The known part of
-            # the slack, which kinks in slits cause, is subtracted here.
+            # The slack is the unknown in a slit. The unknown coefficients of the density include
+            # those of the slack. The part of the slack that jumps in slits cause is known, and is
+            # subtracted here.
             seen = np.where(
                 np.arange(here.modes + 1) <= m, here.slack_of_kinks[: here.modes + 1], 0.0
             )
@@ -143,7 +145,8 @@ class SlitSystem(Kept):
     def solve(
         self, values: Array | None = None, loose: float = 0.0
     ) -> tuple[Array, tuple[Array, ...], float]:
-        """(unknowns of the wide zones, series of all slits, relative last change of the unknowns).
+        """(unknowns of wide zones, series of all slits, relative change of the unknowns in the last
+        step).
 
         values: values of the side conditions, for a zero right side without jumps; None solves the
         equation itself. loose: tolerance of an iteration, if larger than the present one.
@@ -175,7 +178,7 @@ class SlitSystem(Kept):
         def operator(folded: Array) -> Array:
             return np.asarray(folded - base.solver(slit_response(folded)))
 
-        # The effect of a slit falls with the square of (slit's width / distance from the slit). A
+        # The effect of a slit decreases as the square of (slit's width / distance from the slit). A
         # few steps of GMRES therefore suffice.
         folded = start + base.solver(slit_response(start))
         for _ in range(2):  # the second pass corrects the round-off of the first
@@ -188,7 +191,7 @@ class SlitSystem(Kept):
         return folded, self._series(folded, homogeneous), change
 
     def _among_unknowns(self, slack: dict[int, Array]) -> Array:
-        """The slack coefficients s_k as a vector with one entry for each unknown of the system.
+        """Coefficients s_k of the slack (the unknown in slits), one for each unknown of the system.
 
         Each s_k stands at the unknown coefficient of the density that it is added to; the other
         entries are zero.
@@ -201,21 +204,23 @@ class SlitSystem(Kept):
         return s
 
     def slack(self, d: tuple[Array, ...], homogeneous: bool) -> dict[int, Array]:
-        """Coefficients s_k of the slack on every wide zone with slits."""
+        """Coefficients s_k of the slack (the unknown in the slits) on every wide zone with slits."""
         return {
             here.zone: here.slack_matrix @ one + (0.0 if homogeneous else here.slack_of_kinks)
             for here, one in zip(self.slits, d, strict=True)
         }
 
     def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        """Mean over each wide zone of the integral of the slack s."""
+        """Mean over each wide zone of the integral of the slack s (the unknown in the slits)."""
         out = np.zeros(len(self.geometry.wide))
         for here, one in zip(self.slits, d, strict=True):
             out[here.zone] = here.mean_row @ one + (0.0 if homogeneous else here.mean_of_kinks)
         return out
 
     def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        """Change that the slack s makes to the right side of the wide zones' system."""
+        """Change of the right side of the wide zones' system by the slack s (the unknown in the
+        slits).
+        """
         system, base, slack = self.system, self.base, self.slack(d, homogeneous)
         rows, nothing = (
             -self._among_unknowns(slack)[system.diagonal],
@@ -263,7 +268,7 @@ class SlitSystem(Kept):
         )
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
-        """`State.tails` of the wide zones, with the slack taken out of the unknowns."""
+        """`State.tails` of the wide zones, after the slack (the slits' unknown) is subtracted."""
         return field_tails(
             self.system, wide.unknowns - self._among_unknowns(self.slack(d, False)), wide.density
         )
@@ -321,12 +326,14 @@ class SlitState(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved wide zone, including the contribution of the slack in its slits."""
+        """Mean, over each solved wide zone, of the potential minus the right side's primitive."""
         opened = self.slit_system.mean_openings(self.series, False)
         return self.whole.levels + opened[self.geometry.wide.solved]
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of the levels caused by changes `values` of the side conditions."""
+        """Changes of the levels (means of potential minus primitive) for changes of condition
+        values.
+        """
         folded, series, _ = self.slit_system.solve(values)
         opened = self.slit_system.mean_openings(series, True)
         return (

@@ -69,7 +69,7 @@ class Answered(Kept):
 
     @property
     def coupled(self) -> int:
-        """Number of unknowns of the coupled system, which are solved for together."""
+        """Number of unknowns of the system in which all zones are coupled and solved together."""
         return int(self.whole.solver.size)
 
     @property
@@ -112,7 +112,9 @@ class Solved(Answered):
         return self.homogeneous(self.response_unknowns(values, tolerance))
 
     def response_unknowns(self, values: Array, tolerance: float = 0.0) -> Array:
-        """The unknowns of the density `response`, in the order of the system's columns."""
+        """The unknowns of the density `response`, in the order of the columns of the system's
+        matrix.
+        """
         right, iteration = self.right_of(values), self.iteration
         return self.symmetry.unfold(
             self.solver(right) if iteration is None else iteration(right, None, tolerance)
@@ -141,11 +143,13 @@ class Solved(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved zone: the mean of the potential less the right side's primitive."""
+        """Level of each solved zone, the mean of the potential minus the right side's primitive."""
         return self.system.level_changes(self.unknowns) + self.system.level_constants
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of the zones' levels caused by given changes of the side conditions' values."""
+        """Changes of levels (means of potential minus primitive) for given changes of condition
+        values.
+        """
         return self.system.level_changes(self.response_unknowns(values))
 
     @cached_property
@@ -155,22 +159,26 @@ class Solved(Answered):
 
     @property
     def direct(self) -> Factored | None:
-        """The solver if it has LU factors of a matrix, else None."""
+        """The solver if it has LU factors of a matrix; None if it is an iteration."""
         return self.solver if isinstance(self.solver, Factored) else None
 
     @property
     def iteration(self) -> Iterative | None:
-        """The solver if it is an iteration, else None."""
+        """The solver if it is an iteration; None if it has LU factors of a matrix."""
         return self.solver if isinstance(self.solver, Iterative) else None
 
     @property
     def field_tail(self) -> float:
-        """The largest of the field's last coefficients on all zones, see `tails`."""
+        """The largest, over all zones, of the last coefficients of the other zones' field (see
+        `tails`).
+        """
         return float(self.tails.max())
 
     @cached_property
     def level_rows(self) -> Array:
-        """Coefficients (rows, zones) of the solved zones' levels in the rows of the conditions."""
+        """Coefficients of the levels (see `levels`) in the rows of the conditions: (rows, solved
+        zones).
+        """
         zones = self.density.zones
         out = np.zeros((len(self.condition_scale), len(zones.solved)))
         for condition, first in zip(self.equation.conditions, self.condition_index, strict=True):

@@ -45,7 +45,7 @@ def intensity_rounding(state: Solved) -> Array:
 
 
 def _stands_alone(state: Solved) -> bool:
-    """Whether there is only a single zone, and nothing acts on this zone but its own density.
+    """Whether there is only one zone, with no field on it but that of its own density.
 
     There are no images, no regular part of the kernel and no columns, so that nothing but the
     coefficients of the zone is unknown.
@@ -86,7 +86,7 @@ def _of_others(state: Solved) -> Array | float:
 
 
 def _of_levels(state: Solved) -> Array | float:
-    """Effect of the levels' round-off on the intensities K (Z,); 0 if levels are not used."""
+    """Effect on the intensities K (Z,) of the round-off of levels; 0 if no condition uses levels."""
     equation, zones = state.system.equation, state.density.zones
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
@@ -209,7 +209,7 @@ def _low_rows(state: Solved, low: Array) -> tuple[Index, Array]:
 
 
 def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
-    """(round-off of the rows, round-off of the levels of the solved zones).
+    """(round-off of the system's rows, round-off of the solved zones' levels, see `State.levels`).
 
     In the first, rows that contain levels are zero: their round-off is that of the levels.
     """
@@ -275,7 +275,7 @@ def _largest(coefficients: Array) -> Array:
 
 
 def _level_noise(state: Solved) -> Array:
-    """Root mean square round-off of the zones' levels, from potentials and g's primitive."""
+    """Root mean square round-off of each zone's mean of the potential minus the primitive of g."""
     sizes, forcing = state.sizes, state.system.equation.forcing
     if state.system.integrated:
         return np.asarray(state.system.level_rounding(state.unknowns))

@@ -151,7 +151,7 @@ def solve_fixed(
 
 
 def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
-    """Numbers of coupled modes for another solve; None if the present numbers are enough.
+    """Numbers of modes coupled to other zones, for another solve; None if the present ones suffice.
 
     Modes are added to each zone separately, since to give all zones as many as the worst one would
     cost too much. Coefficients below the error of an iteration do not count as tails.

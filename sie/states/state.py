@@ -206,7 +206,8 @@ class State(Solved):
 
     @cached_property
     def _missing_fields(self) -> Array:
-        """Sum of the uncoupled coefficients of the other zones' fields on each zone (Z,).
+        """Sum of the coefficients of the other zones' fields on each zone (Z,) beyond the coupled
+        modes.
 
         They decay geometrically, at a rate that follows from the distance. The fields of a user's
         functions may decay otherwise: then the largest of the last three coefficients is used.
@@ -387,7 +388,8 @@ def residual_errors(
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Last coupled field coefficients of each zone (Z,), divided by the density's largest one.
+    """Last coefficients of the other zones' field on each zone (Z,), over the density's largest
+    one.
 
     The field is that of the other zones and of the columns.
     """
@@ -409,7 +411,8 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
 def _last_of_fields(
     system: System, y: Array, fall: Array | None = None, continued: bool = True
 ) -> Array:
-    """Largest of the last three coupled coefficients of the field on each zone (Z,).
+    """Largest of the last three coefficients, up to mode m, of other zones' field on each zone
+    (Z,).
 
     The field is that of the other zones and the columns. The result is 0 for fewer than 8 modes.
     fall: ratio of successive coefficients; continued: whether each of the three is extrapolated to
