@@ -29,7 +29,7 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class ClaimOptions:
-    """Options for the check of a profile; twice or half of each finds the same false claims.
+    """Options for the check of a profile; twice or half of each value finds the same errors.
 
     panels: number of panels. nodes: number of nodes of Gauss's rule, which is applied to one, two
     and three parts of a panel. A panel that disagrees is divided into as many parts. margin: factor
@@ -62,7 +62,7 @@ _TRUE = Claims()
 
 
 def of(profile: Profile, zones: Array | None = None) -> Claims:
-    """Check a profile over its cell or its extent, or else around zones [m] (n, 2).
+    """Check a profile over its cell or extent; if it is unbounded, around zones [m] (n, 2).
 
     The result is kept with the profile. Raises SceneError where a claim is false.
     """
@@ -82,7 +82,7 @@ def of(profile: Profile, zones: Array | None = None) -> Claims:
 
 
 def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | None:
-    """The interval to check [m]; zones of similar width and place have the same interval."""
+    """The interval to check [m], equal for similar zones; None without a cell and zones."""
     known = profile.support or profile.known
     if known is not None:
         return float(known[0]), float(known[1])
@@ -204,8 +204,8 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     parts = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel())
     difference, size = (of.reshape(count, -1) for of in (parts.difference, parts.size))
     # An undeclared corner makes the quadrature fail on one or two parts of a panel. If the slope is
-    # false, the other parts still show much of the panel's difference of rise and integral. Leaving
-    # out two parts adds the noise of four heights.
+    # false, the rise of the height and the integral of the slope differ on the other parts too.
+    # Leaving out two parts adds the noise of four heights.
     rest = np.argsort(np.abs(difference), axis=0)[:-2]
     difference, size = (
         np.take_along_axis(of, rest, axis=0).sum(axis=0) for of in (difference, size)

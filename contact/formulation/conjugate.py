@@ -320,7 +320,7 @@ def _series_error(coefficients: Array, used: int, rounding: float) -> float:
 
 
 def _last_octaves(size: Array) -> tuple[float, float]:
-    """Root mean square of the terms in the last octave of a series, and in the octave before it."""
+    """Root mean square of the last half of a series' terms, and of the quarter before it."""
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
     return last, before
@@ -401,8 +401,8 @@ class _PeriodicPoles:
                 odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
-                # At an algebraic point itself, the poles that are too close for `poles` still
-                # contribute. Each adds i c / (-i eta), with its coefficient c and its distance eta.
+                # Exactly at an algebraic point, the poles that are too close for `poles` still
+                # contribute. A pole with coefficient c at distance eta adds i c / (-i eta).
                 out[turns == 0.0] -= self.points.left_out(place, 0.5 * self.length).real
         return out.reshape(np.shape(x))
 
@@ -418,7 +418,10 @@ def _noise(size: Array, scale: float) -> float:
 
 
 def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[[Array], Array]:
-    """The profile's own closed form of H f', without logarithms of kinks; linear next to kinks."""
+    """The profile's closed form of the transform H f', without the logarithms of the kinks.
+
+    Next to a kink, it is extrapolated linearly.
+    """
 
     def plain(x: Array) -> Array:
         return np.asarray(profile.slope_conjugate(x)) - logarithms(

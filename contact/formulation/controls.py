@@ -195,7 +195,7 @@ class _SpringLevel(sie.Condition):
 
 @dataclass(frozen=True)
 class _MeanGap(sie.Condition):
-    """The condition that the integral of all gaps + `depth` * mean pressure is given."""
+    """The condition that the integral of all gaps plus `depth` * mean pressure is given."""
 
     opened: sie.ZoneMoments
     depth: float

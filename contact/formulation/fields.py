@@ -72,12 +72,12 @@ def moved_ends(
 
 
 def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
-    """Outward motions (2, Z) of ends without prescribed intensities; 0 for fixed ends.
+    """Outward motions (2, Z) of the ends as `density` is added to `on`; 0 for fixed ends.
 
     The motion of an end is 2 K / A.
 
     K are the intensities of `density`, A the edge slopes of `on`, both on the same zones. The ends
-    move at this rate as multiples of `density` are added to `on`.
+    have no prescribed intensities. They move at this rate as multiples of `density` are added.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(
@@ -352,7 +352,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def largest_shape(self) -> float:
-        """Scaled estimate of the largest displacement on zones: height at ends plus level."""
+        """Scaled estimate of the largest displacement on zones: height at ends plus approach."""
         zones = self.density.zones
         return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(
             self.level
@@ -446,7 +446,7 @@ class ZoneFields(sie.Kept):
         return moved_ends(self.state).T * self.problem.units.length * self.density.total
 
     def rates(self, x: Array) -> tuple[Array, Array]:
-        """Scaled rates by ln(load): outward motion of the ends (n, 2), and the gap at places x.
+        """Scaled derivatives by ln(load) of the ends, outward (n, 2), and of the gap at x.
 
         The rates only start a search, so that the response is computed to a few digits.
         """

@@ -89,7 +89,7 @@ class FullLimit(sie.Kept):
 
 
 def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
-    """Least height of the profile over the period, or over an interval `cell` with the tip."""
+    """Least height of the profile over its period, or over an interval `cell` with the minimum."""
     if profile.summits is not None:
         return float(np.min(profile.height(np.asarray(profile.summits))))
     if profile.period is not None:

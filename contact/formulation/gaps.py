@@ -104,7 +104,10 @@ class GapFields(sie.Kept):
         return np.asarray(self.mean - self.relief(x) + self.gap_slope.transform(x))
 
     def pressure_in(self, zone: int | Index, left: Array, right: Array) -> Array:
-        """Scaled pressure in zones, at places given by distances from both ends over half width."""
+        """Scaled pressure in zones, at places given by their distances from both zone ends.
+
+        The distances are divided by the half width of the zone.
+        """
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)
         x = np.where(left <= right, a + half * left, b - half * right)
@@ -124,15 +127,15 @@ class GapFields(sie.Kept):
         return self._of_zones(moved_ends(self.state)) * self.problem.units.length
 
     def _of_zones(self, rates: Array) -> Array:
-        """Outward rates of the ends of zones (n, 2) by ln(load), from rates of the gaps' ends.
+        """Derivatives of the zone ends by ln(load), outward (n, 2), from those of the gap ends.
 
-        rates: outward rates of the ends of the gaps (2, n) per unit of mean pressure. The left end
-        of a gap is the right end of the zone before it.
+        rates: derivatives of the gap ends by the mean pressure, outward (2, n). The left end of a
+        gap is the right end of the zone before it.
         """
         return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.mean
 
     def rates(self, x: Array) -> tuple[Array, Array]:
-        """Scaled rates by ln(load): outward motion of the zones' ends (n, 2), and the gap at x."""
+        """Scaled derivatives by ln(load) of the zone ends, outward (n, 2), and of the gap at x."""
         response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
         return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(
             response.whole.integral(x) * self.mean
@@ -154,7 +157,7 @@ class GapFields(sie.Kept):
         return np.maximum(self.gap_slope.integral(scaled), 0.0) * self.problem.units.height
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement into the body [m]: approach minus height of the profile plus gap."""
+        """Displacement into the body [m], which is approach - profile + gap."""
         height = np.asarray(self.problem.profile.height(x)) - self.problem.lowest
         return np.asarray(self.approach - height + self.gap(x))
 
@@ -253,7 +256,7 @@ class GapFields(sie.Kept):
 
     @property
     def gap_sizes(self) -> Array:
-        """Scaled bound of the gap on each interval: half width times a bound of its slope."""
+        """Scaled bound of each gap: half its width times a bound of the slope of the gap."""
         slope, gaps = self.gap_slope, self.gap_slope.zones
         jumps = np.bincount(slope.jumps.zone, np.abs(slope.jumps.height), len(gaps))
         return np.asarray(gaps.half * (np.abs(slope.coefficients).sum(axis=1) + jumps))

@@ -115,7 +115,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def borders(self) -> tuple[float, float]:
-        """Scaled limits of an isolated cell or a trace, which no zone may reach; else infinite."""
+        """Scaled limits of an isolated cell or trace, which no zone may touch; else infinite."""
         known = None if self.period is not None or self.reference else self.profile.known
         if known is None:
             return -np.inf, np.inf

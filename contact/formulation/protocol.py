@@ -62,7 +62,7 @@ class Fields(Protocol):
 
     @property
     def levels(self) -> Array:
-        """Minus the scaled approach at each zone; the spread of these values measures the error."""
+        """Minus the scaled approach at each zone. The values differ only by errors."""
 
     def end_remainders(self, table: Array, order: Index) -> Array | None:
         """Exact ends of zones minus the rounded ends in a table [m]; None if unknown.
@@ -116,7 +116,7 @@ class Fields(Protocol):
     def borne_beside(self) -> float:
         """Scaled integral of p (F - gap) outside contact, with the pressure p and the profile F.
 
-        This integral is a part of the energy.
+        The elastic energy contains this integral.
         """
 
     # The next members are for a body that may turn; they are None for a body that repeats.

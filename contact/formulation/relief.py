@@ -50,7 +50,7 @@ class Relief(Conjugate):
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
-        """Part of the relief that kinks contribute by waves whose symbol L_n differs from 1.
+        """Contribution of the kinks to the relief by waves n whose symbol L_n differs from 1.
 
         It is the sum over all kinks of (J/pi) times the smooth part of the inverse kernel's
         potential.
@@ -143,7 +143,7 @@ class ScaledRelief(sie.Kept):
         return self.relief.error / self.units.slope
 
     def without_own(self, kinks: Index) -> Array:
-        """The scaled relief R at given kinks, each time without the logarithm of that kink."""
+        """The scaled relief R at each given kink, without the logarithm of this kink."""
         at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
         logs = log_sine(turns - np.round(turns))
         logs[np.arange(len(kinks)), kinks] = 0.0
@@ -179,7 +179,7 @@ class ScaledRelief(sie.Kept):
         return np.asarray(self.relief.smooth(self.units.x(x)) / self.units.slope)
 
     def forcing(self, x: Array) -> Array:
-        """The scaled relief R without the potential of the inverse kernel that kinks cause.
+        """The scaled relief R without the inverse kernel's potential, which is due to kinks.
 
         For a kink whose slope jumps by J, that potential is multiplied by J/pi.
         """
@@ -212,7 +212,7 @@ def height_noise(profile: Profile) -> float:
 
 
 def period_samples(profile: Profile) -> Array:
-    """Evenly spaced places of a period, closer than the profile varies, plus algebraic points."""
+    """Evenly spaced places of a period that resolve the profile, plus algebraic points."""
     length = profile.period
     assert length is not None
     n = int(

@@ -56,5 +56,5 @@ class Units:
         return self.scaled(self.x(scaled))
 
     def minus_place(self, scaled: Array) -> Array:
-        """Minus the position x [m] over the unit of length: the height added by a rotation."""
+        """The height that a rotation adds: minus the position x [m] over the unit of length."""
         return np.asarray(-(scaled + self.lever))

@@ -61,7 +61,7 @@ class Drawn:
 
     @property
     def model(self) -> str:
-        """Name of the interaction model, with its closure if it has one."""
+        """Name of the interaction model, with the name of its closure if it has one."""
         name = self.scene.interaction.name
         closure = getattr(self.scene.interaction, "closure", None)
         return name if closure is None else f"{name}, {closure}"

@@ -86,14 +86,15 @@ class AdhesiveZone(SymmetricZone):
         return self.zone._approach()
 
     def _approach_rate(self, load: float, at_load: float) -> float:
-        """Rate of the approach: punch compliance times rate of the load, plus rate at fixed load.
+        """Derivative of the approach by the curve's parameter, from the derivative of the load.
 
-        `at_load` is the rate of the approach at constant load. The result is nan without a datum.
+        It is punch compliance times `load`, the derivative of the load, plus `at_load`, the
+        derivative of the approach at constant load. The result is nan without a datum.
         """
         return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
 
     def rates(self) -> tuple[float, float]:
-        """Derivatives of load and approach along the curve of equilibria.
+        """Derivatives of load and approach by the parameter of the curve of equilibria.
 
         The derivative of the approach is nan without a datum.
         """
@@ -205,7 +206,7 @@ class Equilibria(Generic[State]):
         return self.at(self._part("stable", machine_compliance)[0])
 
     def _parts(self, machine_compliance: float) -> tuple[list[tuple[float, float]], list[bool]]:
-        """Two lists: the first and last parameter of each branch; whether the branch is stable."""
+        """First and last parameter of each branch, and for each branch whether it is stable."""
         samples = self._samples()
         ends = [float(samples[0]), *self.turning_points(machine_compliance), float(samples[-1])]
         parts = list(zip(ends[:-1], ends[1:], strict=True))

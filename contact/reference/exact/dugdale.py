@@ -241,7 +241,7 @@ class DugdaleZone(_DugdaleState):
         return 2.0 * (self.stress * area - self.cohesive_end * self.work)
 
     def rates(self) -> tuple[float, float]:
-        """(d load/dc, d approach/dc) along the curve of equilibria, c: the end of the tension.
+        """Derivatives of load and approach by the end c of the tension, for the equilibria.
 
         The rate of the approach is nan without a datum.
         """
@@ -346,7 +346,7 @@ class MetDugdaleZone(_DugdaleState):
         return (self.stress * mean_gap - self.work) * self._length()
 
     def rates(self) -> tuple[float, float]:
-        """(d load/da, d approach/da) along the curve of equilibria, a: the half width."""
+        """Derivatives of load and approach by the half width a, for the equilibria."""
         load = float(self.zone.load_rate(np.array(self.half_width)))
         return load, self._approach_rate(load, 0.0)
 

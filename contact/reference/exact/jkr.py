@@ -92,7 +92,7 @@ class JKRZone(AdhesiveZone):
 
     @property
     def tangent(self) -> float:
-        """The length (L/pi) tan(pi a/L) [m] for the half width a and the period L; isolated: a."""
+        """The length (L/pi) tan(pi a/L) [m] for half width a and period L; a without a period."""
         return self._sine_unit * self._sine() / self._cosine()
 
     def _pressure(self, r: Array, d: Array) -> Array:

@@ -55,7 +55,7 @@ class IsolatedBluntedWedge(SymmetricZone):
     period = None
 
     def _load(self, s: Array) -> Array:
-        """Load at the half width s, from elliptic integrals; ellipkm1(1 + q) is K(-q)."""
+        """Load at the half width s; the elliptic integral K(-q) is ellipkm1(1 + q)."""
         q = (s / self.rounding) ** 2
         unit = self.steepness * self.E_star * self.rounding
         return np.asarray(unit * (ellipe(-q) - ellipkm1(1 + q)))

@@ -125,7 +125,7 @@ def scenes(table: str) -> list[Large]:
 
 
 LOADED = ("zones", "contact fraction", "solved by", "time [s]", "stated error", "outcome")
-# This dictionary has the columns of each table; the first column is the label of the scene.
+# The headings of the columns of each table; the first column has the labels of the scenes.
 TABLES = {
     "self-affine": ("kmax", "zones", "time [s]", "peak memory [GB]", "stated error", "outcome"),
     "measured-trace": ("part of the full load", *LOADED),

@@ -46,9 +46,10 @@ def scale(exact: Exact) -> float:
 
 
 def stated_measure(found: Exact, exact: Exact) -> float:
-    """Return the larger of two errors: of pressures at equal t, and of ends relative to widths.
+    """Return the larger of two errors: of the pressure, and of the ends relative to the widths.
 
-    Here t is the normalised position in a zone. The result is inf if the numbers of zones differ.
+    Pressures are compared at equal normalised positions in a zone. The result is inf if the numbers
+    of zones differ.
     """
     if len(found.zones) != len(exact.zones):
         return float("inf")
