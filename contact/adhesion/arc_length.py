@@ -55,7 +55,7 @@ class CurvePoint:
     curvature: Array
 
     def ahead(self, length: float) -> Array:
-        """Predicted displacement (2n + 1,) along the curve for a length, divided by the scales."""
+        """Predicted scaled displacement (2n + 1,) of the ends and the control for an arc length."""
         deviation = length**2 * self.curvature[0] + length**3 * self.curvature[1]
         return np.asarray(
             length * self.tangent
@@ -121,7 +121,7 @@ class Step:
         return found
 
     def _about(self, length: float) -> Array:
-        """The predictor within a step: a cubic through both ends, corrected at known equilibria."""
+        """A cubic curve through both ends of the step, corrected by known equilibria inside it."""
         nodes: list[float] = []
         for node in sorted(self.known, key=lambda k: abs(k - length)):
             if len(nodes) < ARC_OPTIONS.interpolation_nodes and min(
@@ -451,7 +451,7 @@ def _stood_by(curve: Curve, here: State, sense: float) -> CurvePoint:
 
 
 def _begun(curve: Curve, here: State, sense: float) -> CurvePoint:
-    """The curve point at an equilibrium; along its tangent the control rises for sense 1.
+    """The curve point at an equilibrium; for sense 1, its tangent points to larger controls.
 
     The control falls for sense -1.
     """
@@ -580,9 +580,10 @@ def _corrected(
 def _newton(
     curve: Curve, here: CurvePoint, start: Array, normal: Array, tight: bool, formal: bool = False
 ) -> tuple[State | None, Array | None]:
-    """(the equilibrium or None, the last iterate or None if no further attempt can succeed).
+    """(equilibrium; last iterate). The latter is None if no further attempt can succeed.
 
-    formal: the zones of contact inside the intervals keep their number.
+    The equilibrium is None if it was not found. formal: the zones of contact inside the intervals
+    keep their number.
     """
     at_start, length, widths, unit = (
         here.at,

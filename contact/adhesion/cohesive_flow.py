@@ -33,10 +33,10 @@ def advanced(
     guide: GridGuide | None = None,
     zones: Array | None = None,
 ) -> CohesiveState:
-    """The least equilibrium that contains these intervals, whose ends are all driven outward.
+    """The least equilibrium that contains the given intervals, whose ends all tend to advance.
 
-    Raises `Closed` if there is none. zones: first guess of the contact, where it may cover some
-    intervals.
+    An end tends to advance if its residual is positive. Raises `Closed` if there is none. zones:
+    first guess of the contact, where it may cover some intervals.
     """
     start = None if zones is None else jkr_guide.before_advanced(curve, zones, value)
     if start is None and guide is not None:
@@ -71,9 +71,9 @@ def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState
 def receded(
     curve: CohesiveCurve, table: Array, value: float, guide: GridGuide | None = None
 ) -> CohesiveState | None:
-    """The greatest equilibrium inside these intervals, whose ends are all driven inward.
+    """The greatest equilibrium inside the given intervals, whose ends all tend to recede.
 
-    None where contact is lost.
+    An end tends to recede if its residual is negative. None where contact is lost.
     """
     try:
         start = None if guide is None else guided(curve, guide, table, value, -1.0)
@@ -106,7 +106,7 @@ def guide_down(curve: CohesiveCurve, zones: int, table: Array) -> GridGuide | No
 def guided(
     curve: CohesiveCurve, guide: GridGuide, table: Array | None, value: float, sign: float
 ) -> CohesiveState | None:
-    """A state near equilibrium, from a grid; its ends are all driven outward, or all inward.
+    """A state near equilibrium, from a grid; its ends all tend to advance, or all to recede.
 
     The ends are driven outward for sign 1, inward for sign -1. None where the grid is too coarse:
     its error shows in the residuals, and must be below the margin. table: None for tension in all

@@ -98,8 +98,8 @@ def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
     try:
         least = guide.least_value(here.table, here.value)
     except NotConverged:
-        # Under a fixed approach, zones that recede make other zones advance: then the search on the
-        # grid fails.
+        # Under a fixed approach, zones that recede make other zones advance. The search on the grid
+        # fails if they do.
         return here
     for control in apart.controls_above(least, here.value):
         rest = receded(curve, here.table, control, guide)

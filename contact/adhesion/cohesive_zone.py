@@ -140,7 +140,7 @@ class CohesiveState(State):
 
 @record
 class PastState:
-    """The part of a state that is kept for warm starts."""
+    """Intervals, control value and zones of a state, kept to start the solution of other states."""
 
     table: Array
     value: float

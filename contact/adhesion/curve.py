@@ -394,5 +394,5 @@ class Curve:
         return np.asarray(np.diff(gaps_between(table, self.problem.period))[:, 0])
 
     def room(self, table: Array) -> Array:
-        """The smaller of two widths for each end (2n,): of its zone, and of the gap next to it."""
+        """For each end (2n,), the smaller of the widths of its zone and of the gap next to it."""
         return np.asarray(room_beside(table, self.problem.period).T.ravel())

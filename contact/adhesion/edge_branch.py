@@ -191,7 +191,7 @@ def advancing(context: SolveContext, scaled: ScaledScene, curve: Curve, value: f
 
 
 def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:
-    """The zones without adhesion; under adhesion all ends of these zones are driven outward."""
+    """The zones without adhesion; under adhesion, all ends of these zones tend to advance."""
     found = start_contact(context)
     if len(found.zones) == 0:
         raise Closed
@@ -199,7 +199,7 @@ def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:
 
 
 def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
-    """A zone so wide that its ends, and the ends of wider zones, are driven inward.
+    """A zone so wide that its ends, and the ends of wider zones, tend to recede.
 
     Under an approach from a datum, zones much wider than the datum are lowered by a load: the
     search ends there. Between sharp corners the zone is the whole interval.
@@ -220,7 +220,7 @@ def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
 
 
 def driven_inward(curve: Curve, middle: float, half: float, value: float) -> bool:
-    """Whether ends of intervals 1, 2, 4 and 8 times as wide as a given one are driven inward.
+    """Whether the ends of intervals 1, 2, 4 and 8 times as wide as a given one tend to recede.
 
     A wider interval may be driven outward again.
     An end whose residual falls as the control rises counts as driven inward.

@@ -35,10 +35,10 @@ from sie import Array, Mask
 def advanced(
     curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step
 ) -> State:
-    """The least equilibrium that contains these intervals, whose ends are all driven outward.
+    """The least equilibrium that contains the given intervals, whose ends all tend to advance.
 
-    Raises `Closed` if there is none. rest: largest Newton step, relative to the widths, of ends at
-    rest.
+    An end tends to advance if its residual is positive. Raises `Closed` if there is none. rest:
+    largest Newton step, relative to the widths, of ends at rest.
     """
     found = _flow(curve, table, value, 1.0, rest)
     assert found is not None
@@ -46,9 +46,9 @@ def advanced(
 
 
 def receded(curve: Curve, table: Array, value: float) -> State | None:
-    """The greatest equilibrium inside these intervals, whose ends are all driven inward.
+    """The greatest equilibrium inside the given intervals, whose ends all tend to recede.
 
-    None if all zones are lost.
+    An end tends to recede if its residual is negative. None if all zones are lost.
     """
     return _flow(curve, table, value, -1.0)
 

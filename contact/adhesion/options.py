@@ -39,11 +39,11 @@ class MoveOptions:
     # A length or growth rate is small if it is below this fraction of another length or growth rate
     # with which the code compares it.
     small_part: float = 0.1
-    # Largest accepted error of a residual: of a predicted one, or of the wrong sign after an end
-    # has passed an equilibrium.
+    # Largest accepted error of a predicted residual. It is also the largest accepted residual of
+    # the wrong sign after an end has passed an equilibrium.
     small_drive: float = 0.05
-    # If the residuals of both its ends exceed this, the ends of a gap or zone do not come to rest
-    # before the gap or zone vanishes.
+    # If the residuals of both ends of a gap or zone exceed this, the gap or zone vanishes before
+    # the ends come to rest.
     hard_drive: float = 0.5
     # A gap narrower than this fraction of its zones has closed, and a zone narrower than this
     # fraction of its former width is lost, if the residuals of the ends exceed `hard_drive`.
@@ -51,13 +51,14 @@ class MoveOptions:
     # Width of a new zone, divided by the width of the overlap, interval or period in which the zone
     # begins.
     new_width: float = 0.05
-    # Factor by which an interval is widened, repeatedly, until its ends are driven inward.
+    # Factor by which an interval is widened, repeatedly, until its ends tend to recede.
     widening: float = 1.25
     # With more zones than this, the prediction of the residuals takes less time than the steps that
     # it replaces.
     few_zones: int = 8
     # Relative changes of the adhesion or of the control, tried in ascending order. The change must
-    # exceed the error of an approximate solution, so that all ends are driven the same way.
+    # exceed the error of an approximate solution, so that all ends tend to advance, or all to
+    # recede.
     margins: tuple[float, ...] = (0.02, 0.06, 0.2)
 
 

@@ -49,7 +49,7 @@ class PathRoute:
 
 
 def route_of(context: SolveContext) -> PathRoute:
-    """The functions of a loading path for a context under no load or approach, by its law."""
+    """The functions of a loading path for the law of a context without load or approach."""
     return _by_cohesive_zone(context) if context.scene.law.tension else _by_edge_intensity(context)
 
 

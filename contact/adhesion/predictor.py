@@ -40,7 +40,7 @@ _OPTIONS = PredictorOptions()
 
 
 def _parts() -> Array:
-    """Places (1 + places,) on the path of an end, relative to its farthest distance."""
+    """Places (1 + places,) on the path of an end, relative to the length of the path."""
     return (np.arange(_OPTIONS.places + 1) / _OPTIONS.places) ** 2
 
 

@@ -140,7 +140,10 @@ class Lattice:
         return radii * self.spacing, counts
 
     def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
-        """Radii, over the spacing, of rings of shifted lattices up to `reach`; spots on each."""
+        """(radii of the rings of shifted lattices over the spacing, number of spots on each ring).
+
+        The radii are ascending, and at most `reach`.
+        """
         found = np.sort(np.concatenate([self.distances(s, reach) for s in shifts]))
         first = np.flatnonzero(np.diff(found, prepend=-1.0) > ROUND_OFF)
         return found[first], np.diff(np.append(first, found.size))
@@ -152,7 +155,7 @@ class Lattice:
         return found[0][:count], found[1][:count]
 
     def cut(self, shifts: list[Site], rings: float) -> float:
-        """Radius, over the spacing, of ring number `rings` of shifted lattices; or inf."""
+        """Radius, over the spacing, of ring number `rings` of shifted lattices; inf for inf."""
         return (
             rings
             if rings == 0 or isinf(rings)

@@ -172,9 +172,9 @@ class AxisymmetricProfile(sie.Kept):
 
 
 def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
-    """Kernel M(r, s) (head of this module), without cancellation at r = s or at a.
+    """Kernel M(r, s) of the integral for the pressure, without cancellation at r = s or at a.
 
-    It is computed by Carlson's integral R_F (DLMF 19.29.4).
+    The head of this module defines it. It is computed by Carlson's integral R_F (DLMF 19.29.4).
 
     The function H1 of the paper's equation (3) is 4 s M(r, s).
     """

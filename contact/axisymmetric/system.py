@@ -151,7 +151,10 @@ class Linear:
         return nodes, -2.0 * weights * profile.line(nodes)
 
     def displaced(self, j: int, x: Array, e: Array) -> Array:
-        """Rows for w_j + g_j, transforms of displacement and profile, from the rows e of e_j."""
+        """Matrix rows for w_j + g_j, transforms of displacement and profile, from those for e_j.
+
+        Here e_j is the effect of the neighbours.
+        """
         rows = -e
         rows[:, self.at_delta] += 1.0
         rows[:, -1] -= self.kinds[j].depth
@@ -162,7 +165,7 @@ class Linear:
         return rows
 
     def e(self, j: int, x: Array) -> Array:
-        """Rows for e_j(x), the effect of the neighbours on a spot of kind j."""
+        """Matrix rows for e_j(x), the effect of the neighbours on a spot of kind j."""
         rows = np.zeros((x.size, self.size + 1))
         for i in self.active:
             kernel = self.kinds[j].around[i].kernel

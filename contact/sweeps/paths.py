@@ -56,11 +56,11 @@ class PathOptions:
     # are relatively smaller than this. A smaller relative step of the load is assumed not to hide a
     # zone that is born and merges.
     negligible: float = 1e-3
-    # Above this ratio of two loads, the rates of the ends at these loads do not predict the motion
-    # of the ends.
+    # If the ratio of two loads exceeds this, the rates of the ends at these loads do not predict
+    # the motion of the ends.
     max_load_ratio: float = 1.3
-    # If an end's rates at the two loads have a larger ratio, the rates do not predict the end's
-    # motion.
+    # If the ratio of an end's rates at the two loads exceeds this, the rates do not predict the
+    # end's motion.
     max_rate_ratio: float = 1.5
     # Largest relative error of a motion that is predicted by rates. For smooth ends, and loads that
     # differ by less than a third, the error is several times smaller.
@@ -68,9 +68,10 @@ class PathOptions:
 
     @property
     def retries_beyond(self) -> tuple[float, ...]:
-        """Relative steps outside the interval between two practically equal loads.
+        """Relative distances outside the interval between two loads at which an event is sought.
 
-        An event's condition is tried there, too, since certified signs may be wrong by round-off.
+        The two loads are practically equal. An event's condition is tried there, too, since
+        certified signs may be wrong by round-off.
         """
         return tuple(np.geomspace(self.same, self.negligible, 5))
 
