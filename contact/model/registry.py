@@ -20,7 +20,7 @@ C = TypeVar("C", bound=type)
 
 
 class Named:
-    """Base of the parts of a scene; it gives each class a `name`.
+    """Base class of the parts of a scene (profile, law, ...), which gives each class a `name`.
 
     The name is the registered one, else the class's own attribute `name`, else the name of the
     class.
@@ -41,7 +41,7 @@ class Named:
 
 
 class Registry:
-    """Classes of one kind by name; a class without the methods `must_have` is refused."""
+    """Classes of one kind by name. A class without the methods `must_have` is refused."""
 
     def __init__(self, kind: str, group: str, must_have: tuple[str, ...] = ()) -> None:
         self.kind = kind
@@ -344,7 +344,7 @@ def register_control(name: str) -> Callable[[C], C]:
 def from_table(
     registry: Registry, name: str, params: Mapping[str, Any], key: str | None = None
 ) -> Any:
-    """An object of the class registered under this name, with these parameters. `key`: the key of
+    """An object of the class registered under this name, with these parameters. `key` is the key of
     the scene file that gives the name.
     """
     return construct(registry.find(name, key), f"{registry.kind} {name!r}", params)

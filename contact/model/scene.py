@@ -200,7 +200,7 @@ class Scene(sie.Kept):
         self._check_control()
 
     def _check_control(self) -> None:
-        """Check that exactly one control is given, and that its value goes with the rest of the
+        """Check that exactly one control is given, and that its value suits the rest of the
         scene.
         """
         given = tuple(name for name in (*CONTROLS, "given") if getattr(self, name) is not None)
@@ -330,8 +330,8 @@ class Scene(sie.Kept):
             )
 
     def _named(self, control: Control) -> Control | None:
-        """The package's own control for the quantity that a user's control prescribes; None if
-        there is none.
+        """The package's own control for the quantity that a user's control prescribes; None if the
+        package has no such control.
 
         It is None where there is no such quantity, as for a width without a period.
         """
@@ -346,7 +346,7 @@ class Scene(sie.Kept):
         return named
 
     def _check_body(self) -> None:
-        """Check the substrate, the interaction, and that the two go together."""
+        """Check the substrate, the interaction, and whether the two can be used together."""
         model, body = self.interaction, self.substrate
         if is_own(body):
             require_body(body)

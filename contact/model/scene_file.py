@@ -221,7 +221,9 @@ def _placed(error: SceneError, tables: Table) -> SceneError:
 
 
 def _under(place: str, read: Callable[..., T], *given: Any) -> T:
-    """Return the result of `read`. The message of a SceneError gets `place` in front."""
+    """Return the result of `read`. If `read` raises a SceneError, its message gets `place` in
+    front.
+    """
     try:
         return read(*given)
     except SceneError as error:

@@ -34,7 +34,9 @@ WAVES = 10.0 ** np.arange(-9, 12.01, 0.125)
 
 @dataclass(frozen=True)
 class SymbolOptions:
-    """Numbers of harmonics of a period at which a symbol is evaluated, at first and at most."""
+    """Numbers of harmonics of a period at which a symbol is evaluated: the first number, and the
+    largest.
+    """
 
     harmonics: int = 2**12
     max_harmonics: int = 2**16

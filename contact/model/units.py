@@ -15,7 +15,7 @@ def prefix(magnitude: float) -> tuple[float, str]:
     """
     if not (math.isfinite(magnitude) and magnitude > 0.0):
         return 1.0, ""
-    # log10(1e-6) may be rounded to slightly below or above -6: the small shift avoids this error.
+    # log10(1e-6) may be rounded to slightly below or above -6. The small shift avoids this error.
     power = 3 * math.floor(math.log10(magnitude) / 3.0 + 1e-12)
     power = min(max(power, min(_PREFIXES)), max(_PREFIXES))
     return 10.0**-power, _PREFIXES[power]

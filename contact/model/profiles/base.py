@@ -21,7 +21,7 @@ from contact.model.profiles.derive import DETAIL, DIFFERENCES, DerivedSlope, det
 from contact.model.registry import Named, anew, construct, parameters
 from sie import Array
 
-# The summits of shapes whose only tip is at x = 0.
+# Places of the tips of a shape whose only tip is at x = 0.
 AT_ORIGIN = np.zeros(1)
 AT_ORIGIN.setflags(write=False)
 
@@ -50,7 +50,7 @@ def is_of_package(profile: "Profile") -> bool:
 
 
 def read_from(name: str) -> Any:
-    """A property that returns an attribute of the profile, or of a part of the profile.
+    """A property that returns an attribute of the profile, or of another profile inside it.
 
     An example is `read_from("profile.support")`.
     """
@@ -86,8 +86,8 @@ class Profile(Named, sie.Kept):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        # In a subclass, a field `period: float` is meant to be required: the class attribute None
-        # must not become its default.
+        # In a subclass, a field `period: float` is meant to be required. The class attribute None
+        # must not become the default of this field.
         if "period" in inspect.get_annotations(cls) and "period" not in cls.__dict__:
             cls.period = dataclasses.field()
 
@@ -109,8 +109,8 @@ class Profile(Named, sie.Kept):
 
     @cached_property
     def slope_rounding(self) -> float:
-        """Round-off error of a slope computed from heights; 0 if the profile defines its slope, or
-        has no cell and no ends.
+        """Round-off error of a slope computed from heights. It is 0 if the profile defines its
+        slope, or if the profile has neither a cell nor ends.
         """
         known = self.support or self.known
         if not self.slope_is_derived or known is None:
@@ -204,7 +204,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def feature(self) -> float | None:
-        """Length over which most of the shape varies: the grid of a first guess has about this
+        """Length over which most of the shape varies. The grid of a first guess has about this
         step.
         """
         return self.resolution
@@ -233,7 +233,7 @@ class Profile(Named, sie.Kept):
     @cached_property
     def slopes_seen(self) -> Array:
         """Finite slopes at equally spaced places of the period or of the known interval; empty if
-        neither exists.
+        the profile has neither.
         """
         if self.known is None:
             return np.zeros(0)
@@ -254,7 +254,7 @@ class Profile(Named, sie.Kept):
 
     @cached_property
     def claims_seen(self) -> dict[tuple[float, float], Any]:
-        """Cache of contact.formulation.claims: its results by interval."""
+        """Cache that contact.formulation.claims uses for its results, one for each interval."""
         return {}
 
     def wrap(self, x: ArrayLike) -> Any:
@@ -265,7 +265,8 @@ class Profile(Named, sie.Kept):
         if self.period is None:
             return given
         lo = self.x0
-        # Positions of the extremes (argmin, argmax) are found faster than the extremes themselves.
+        # The positions of the extremes (argmin, argmax) are found faster than the extreme values
+        # themselves.
         if (
             given.dtype == np.float64
             and given.size
@@ -313,11 +314,15 @@ class Profile(Named, sie.Kept):
 
     @property
     def preparation(self) -> dict[str, Any]:
-        """Arguments with which measured points were prepared, by name; empty for other shapes."""
+        """Arguments with which measured points were prepared, by name; empty for shapes without
+        measured points.
+        """
         return {}
 
     def unprepared(self) -> dict[str, Any]:
-        """Measured points before their preparation, by name; empty for other shapes."""
+        """Measured points before their preparation, by name; empty for shapes without measured
+        points.
+        """
         return {}
 
     @property

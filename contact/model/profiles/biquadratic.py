@@ -79,8 +79,8 @@ class Biquadratic(Profile):
     def kinks(self) -> Array:
         if self.period is None:
             return np.empty((0, 2))
-        # By symmetry the slope changes its sign at the border: the jump of the slope is twice the
-        # slope on the right.
+        # By symmetry the slope changes its sign at the border of the cell. The jump of the slope is
+        # therefore twice the slope on the right.
         return np.array([[self.x0, 2 * self._slope_in_cell(self.x0)]])
 
     @property

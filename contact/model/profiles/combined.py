@@ -172,8 +172,8 @@ class Combined(Profile):
         if self.period is None:
             return None
         one, other = self._both(lambda body, at: body.slope_conjugate(at), x)
-        # A mirror changes the sign of the slope and that of the kernel, so that the transform keeps
-        # its sign.
+        # A mirror changes the sign of the slope and the sign of the kernel, so that the transform
+        # keeps its sign.
         return None if one is None or other is None else np.asarray(one + other)
 
     @property
@@ -256,14 +256,14 @@ class Combined(Profile):
 
     @cached_property
     def _jump_rows(self) -> Array:
-        """Jumps of both bodies in the cell, as rows of place, order and jump; order 0 marks a
-        breakpoint without a known jump.
+        """Jumps of both bodies in the cell, as rows of place, order of the derivative, and jump.
+        The order 0 marks a breakpoint without a known jump.
         """
         return self._added(self._in_cells(PlacedBody.jump_rows))
 
     def _in_cells(self, rows_of: Callable[[PlacedBody], Array]) -> Array:
-        """Rows of both bodies, each beginning with a place; a body's rows are repeated in each of
-        its cells.
+        """Rows of both bodies, each beginning with a place. The rows of a body are repeated in each
+        cell of that body.
         """
         parts = [self._repeated(rows_of(one), one.body.period) for one in self._placed.values()]
         return np.concatenate(parts)
@@ -291,8 +291,8 @@ class Combined(Profile):
         return rows
 
     def _added(self, rows: Array) -> Array:
-        """Rows of place, order and jump, sorted. Jumps that have the same place and order are
-        added.
+        """Sorted rows of place, order of the derivative, and jump, with jumps of the same place and
+        order added.
 
         Rows whose jumps cancel are left out.
         """

@@ -70,8 +70,9 @@ class DifferenceOptions:
 
 VERDICTS = VerdictOptions()
 DIFFERENCES = DifferenceOptions()
-# Number of steps below the scale of a place. With the smallest one, a difference quotient still has
-# some digits. Still shorter steps may not change a height at all, and would falsely agree.
+# Number of steps that are shorter than a place's length scale. Even with the shortest one, a
+# difference quotient has some digits. Still shorter steps may not change a height at all, and would
+# falsely agree.
 _FINER = int(-np.log2(EPS)) - 2 * DIFFERENCES.sure
 
 
@@ -126,8 +127,8 @@ class DerivedSlope:
         return differences(self._height, x, scale, self._ends, self._options)[0]
 
     def _by_step(self, x: Array) -> Array | None:
-        """Complex-step derivatives at x. None if the height takes no complex numbers, or
-        contradicts them.
+        """Complex-step derivatives at x. They are None if the height does not accept complex
+        numbers, or if the heights contradict the derivatives.
         """
         by_step = complex_step(self._height, x) if self._complex else None
         if by_step is None:
@@ -152,7 +153,7 @@ class DerivedSlope:
 def scale_of(
     x: Array, length: float | None = None, ends: tuple[float, float] | None = None
 ) -> Array:
-    """For each place, a typical length of the shape: the steps that are tried lie around this
+    """For each place, a typical length of the shape. The steps that are tried lie around this
     length.
 
     It is the known length, else the distance of the place from 0 or from the next place. With ends,
@@ -173,19 +174,19 @@ def scale_of(
 
 
 def complex_step(height: Function, x: Array) -> Array | None:
-    """The complex-step derivative Im f(x + ih)/h, not finite where f is not; None if the height
-    takes no complex numbers.
+    """The complex-step derivative Im f(x + ih)/h, not finite where f is not. It is None if the
+    height does not accept complex numbers.
     """
     value = complex_value(height, x + 1j * _TINY)
     return None if value is None else value.imag / _TINY
 
 
 def complex_value(function: Function, z: NDArray[Any]) -> NDArray[Any] | None:
-    """Value of an author's function at complex numbers; None if the function takes no complex
-    numbers.
+    """Value of an author's function at complex numbers; None if the function does not accept
+    complex numbers.
     """
     with warnings.catch_warnings(), np.errstate(all="ignore"):
-        # Numpy warns if a cast discards the imaginary part: the warning becomes an exception here.
+        # Numpy warns if a cast discards the imaginary part. Here the warning becomes an exception.
         warnings.simplefilter("error")
         try:
             value = np.asarray(function(z))
@@ -196,7 +197,8 @@ def complex_value(function: Function, z: NDArray[Any]) -> NDArray[Any] | None:
 
 @record
 class Verdicts:
-    """Whether the height contradicts or confirms a slope, for each place.
+    """For each place, whether the height contradicts a slope, and whether the height confirms the
+    slope.
 
     discrepancy: over the slope, on the interval that shows a contradiction best.
     claimed, seen: the mean slope there by the slope and by the height.
@@ -331,7 +333,7 @@ def _quotients(
 
 
 def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple[Array, Array]:
-    """For each column (place), the best value in a run of successive rows (steps) that agree to
+    """For each place (column), the best value in a run of successive steps (rows) that agree to
     within noise, and the noise of this value.
 
     It is the first run that is long enough, else the longest: agreement at wide steps only is an
@@ -373,8 +375,8 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
 
 
 def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptions) -> Array:
-    """Round-off of heights in each block, if it is larger than their size suggests, as for cosh(x)
-    - 1; otherwise 0.
+    """Round-off of heights in each block if it is larger than the size of the heights suggests, as
+    for cosh(x) - 1; otherwise 0.
 
     evens: second differences by growing steps. rounding: of the heights by their size. A
     combination of second differences of sixth order is level while it is round-off, and grows with
@@ -396,8 +398,8 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
     found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)
-    # A steep step in the height looks like more round-off. At most half of the digits may count as
-    # hidden round-off.
+    # A steep rise of the height looks like larger round-off. At most half of the digits may count
+    # as hidden round-off.
     most = np.max(sizes, axis=(0, 2)) / np.sqrt(EPS)
     return np.asarray(np.minimum(options.margin * largest, most))
 
@@ -424,7 +426,7 @@ class DetailOptions:
 
     @property
     def min_samples(self) -> int:
-        """Number of samples of an interval in which the smallest length is largest."""
+        """Number of samples with which the search for the smallest length begins."""
         return self.samples_per_length**2
 
 
@@ -440,7 +442,8 @@ def detail_of(
     """
     length, n, counts = hi - lo, options.min_samples, options.counts
     while True:
-        # The samples leave out the ends: an end may be a corner, outside which there is no body.
+        # The samples leave out the ends of the interval. An end may be a corner, outside which
+        # there is no body.
         x = lo + length * np.sin(0.25 * np.pi * (2 * np.arange(n) + 1) / n) ** 2
         with np.errstate(all="ignore"):
             heights = np.asarray(height(x), dtype=np.float64)

@@ -55,12 +55,12 @@ class Flat(Profile):
     def height(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=np.float64)
         # A place computed as a corner (middle + half width, plus whole periods) may be wrong by
-        # round-off: it still belongs to the punch.
+        # round-off. It still belongs to the punch.
         slack = 4 * EPS * (self.width + np.abs(x))
         return np.where(np.abs(self.wrap(x)) <= self.width / 2 + slack, 0.0, np.inf)
 
     def slope(self, x: ArrayLike) -> Array:
-        """The slope 0 on the punch; outside, where there is no surface, the value is 0, too."""
+        """The slope is 0 on the punch. Outside, where there is no surface, the value is 0, too."""
         return np.zeros(np.shape(x))
 
     @property

@@ -91,8 +91,8 @@ class Fourier(Profile):
 
     @property
     def exact_places(self) -> bool:
-        """Whether sums use places as two floats, a number and its round-off, and so keep all
-        digits.
+        """Whether the sums take each place as two floats, a number and its round-off, and so keep
+        all digits.
         """
         return _is_long(np.size(self.cosine))
 

@@ -25,8 +25,8 @@ _SPREAD = math.sqrt(WEIGHTS @ WEIGHTS)
 
 
 def deviations(values: Array) -> Array:
-    """Deviations (n,) of values from a smooth function; each group of seven values, (7, n), is at
-    equally spaced places.
+    """Deviation (n,) from a smooth function, for n groups of seven values (7, n), each at equally
+    spaced places.
     """
     return np.asarray(np.abs(np.tensordot(WEIGHTS, values, axes=1)) / _SPREAD)
 

@@ -72,8 +72,8 @@ class PlacedBody:
         return rows
 
     def jump_rows(self) -> Array:
-        """Rows of place (in the coordinate common to both bodies), order and jump: kinks have
-        order 1, jumps order 2 or 3, breakpoints order 0.
+        """Rows of place (in the coordinate common to both bodies), order of the derivative, and
+        jump. Kinks have order 1, jumps order 2 or 3, breakpoints order 0.
         """
         body = self.body
         places = np.asarray(body.breakpoints)
@@ -141,7 +141,7 @@ class Overlap:
 
 
 def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
-    """The interval whose corners are listed: cells of a periodic body around the tip of a body
+    """The interval whose corners are listed: the cells of a periodic body around the tip of a body
     without a period.
 
     None where the bodies are no such pair.

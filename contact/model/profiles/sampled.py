@@ -205,7 +205,8 @@ class Sampled(Profile):
     history: tuple[str, ...] = field(default=(), compare=False, repr=False)
     warnings: tuple[str, ...] = field(default=(), compare=False, repr=False)
     units = {"period": "m", "lambda_s": "m", "lambda_c": "m", "taper": "1"}
-    # The points of the file and their preparation; None for points that come from no file.
+    # The points of the file and the preparation of these points; None for points that come from no
+    # file.
     source: ClassVar[tuple[Any, Any] | None] = None
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:

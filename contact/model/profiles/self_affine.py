@@ -23,8 +23,8 @@ def self_affine(
     rolloff: float | None = None,
     longest: float | None = None,
 ) -> Fourier:
-    """A random rough profile of harmonics k with amplitudes k^-(H + 1/2), H the Hurst exponent. Up
-    to the roll-off the amplitudes are constant.
+    """A random rough profile of harmonics k with amplitudes k^-(H + 1/2), where H is the Hurst
+    exponent. Up to the roll-off the amplitudes are constant.
 
     Phases are uniform and the amplitudes are scaled to an rms slope. The power spectrum of the line
     falls as q^-(1 + 2H). Only phases are random: every seed has the same spectrum, rms height and

@@ -49,8 +49,8 @@ class Tilted(Profile):
         return self._within(np.asarray(self.profile.breakpoints)[:, None])[:, 0]
 
     def _within(self, rows: Array) -> Array:
-        """Those of the rows whose first column, a place, lies inside the cell. The shape ends at
-        the cell's border.
+        """The rows whose first column, a place, lies inside the cell. The shape ends at the cell's
+        border.
         """
         if self.profile.period is None:
             return rows

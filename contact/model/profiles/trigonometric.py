@@ -19,8 +19,8 @@ _HALF = 8
 WIDTH = _HALF + _HALF
 # Steepness b of the spreading kernel for a grid twice as fine as needed (section 4 of the paper).
 _STEEP = 0.98 * np.pi * WIDTH * 0.75
-# Number of points handled at once, so that the values of their kernels stay in the processor's
-# cache.
+# Number of points that are computed at once, so that the values of their kernels stay in the
+# processor's cache.
 BLOCK = 1 << 14
 
 
@@ -87,8 +87,8 @@ class Sum:
 
 
 def coefficients(weights: Array, turns: Array, count: int) -> Complex:
-    """The sums over j of w_j exp(-2 pi i k x_j), k = 1 ... `count`, with weights w (m,) at places
-    x (m,) in periods.
+    """For k = 1 ... `count`, the sums over j of w_j exp(-2 pi i k x_j), with weights w (m,) at
+    places x (m,) in periods.
 
     It is the transpose of `Sum`, accurate to 1e-15 sum |w_j|.
     """

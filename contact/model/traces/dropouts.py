@@ -39,9 +39,9 @@ class WarningLimits:
     known cases.
     """
 
-    # Least distance of a spike from its neighbours, relative to the range of the other heights.
-    # Also the least step from a mark (such as -32768) to its neighbours, relative to the upper
-    # quartile of the other steps.
+    # Least distance of a spike from its neighbours, relative to the range of the other heights. For
+    # a mark (such as -32768), the least step to its neighbours, relative to the upper quartile of
+    # the other steps.
     far: float = 10.0
     # Number of points of the running median; a spike has less than half as many points.
     median_points: int = 9
@@ -71,8 +71,8 @@ def missing_number(missing: Any) -> float:
 
 
 def without_phrases(rows: list[Row], missing: Any) -> list[Row]:
-    """Rows in which phrases such as "no data" are replaced by nan: the blank in a phrase could be
-    taken for a delimiter of columns.
+    """Rows in which phrases such as "no data" are replaced by nan. The blank in such a phrase could
+    be taken for a delimiter of columns.
     """
     given = missing.split() if isinstance(missing, str) else []
     phrases = [r"no\s+data"] + [r"\s+".join(map(re.escape, given))] * (len(given) > 1)
@@ -162,8 +162,8 @@ def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
     if not inner.any() or float(np.median(steps[inner])) == 0:
         return False
     usual = float(np.quantile(steps[inner], 0.75))
-    # On the flanks of a narrow bump all steps are large, not only the step at its top: the steps
-    # that follow count, too.
+    # On the flanks of a narrow bump all steps are large, not only the step at the top of the bump.
+    # The steps that follow count, too.
     following = inner & (np.append(border[1:], False) | np.append(False, border[:-1]))
     if following.any():
         usual = max(usual, float(np.median(steps[following])))

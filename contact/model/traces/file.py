@@ -255,7 +255,7 @@ def _first_of_two(
 
 
 def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
-    """The data, extended upwards by points that lie among rows with missing heights.
+    """The data, extended upwards in the file by points that lie among rows with missing heights.
 
     Such points were not found as two successive rows of numbers. A row with an unknown word for a
     missing height is included and refused later. For heights alone, such a word ends the data,
@@ -270,7 +270,8 @@ def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
         if found.layout.numbers(cells, found.places) is not None:
             first = above
             continue
-        # A single number in a row may be something else than a point, such as the number of points.
+        # A single number in a row need not be a point. It may be, for example, the number of
+        # points.
         lone = last >= len(cells) and (found.layout.delimiter or "\n") not in text
         if lone or (others and found.layout.numbers(cells, others) is None):
             break
@@ -377,8 +378,8 @@ def _numbers(data: Data, i: int, missing: Any) -> list[float]:
 
 
 def _refuse_lost_lines(path: str | Path, lines: NDArray[np.int64]) -> None:
-    """Refuse empty lines and comments among heights without positions: they may stand for missing
-    points.
+    """Refuse empty lines and comments among heights without positions, as they may stand for
+    missing points.
 
     Equal distances between all lines are accepted.
     """

@@ -55,8 +55,8 @@ def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
     level = float(np.mean(height))
     ones = np.ones_like(height)
     # Moments for the straight line fitted around each point: sums of the weights times 1, t and
-    # t^2, and of the weighted heights times 1 and t. The minus signs are there because a
-    # convolution reverses its kernel.
+    # t^2, and of the weighted heights times 1 and t. A convolution reverses its kernel, hence the
+    # minus signs.
     s0, s2 = _convolved(ones, weight), _convolved(ones, weight * t**2)
     s1, h0, h1 = (
         -_convolved(ones, weight * t),

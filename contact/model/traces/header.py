@@ -32,7 +32,7 @@ _TABLE = (
     (2.54e-8, "uin μin microin microinch microinches"),
     (nan, "px pix pixel V mV volt rad mrad urad μrad radian deg degree ° s ms sec second count"),
 )
-# Usual names of columns: they distinguish a row of names from a row of units below it.
+# Usual names of columns. They distinguish a row of names from a row of units below it.
 _NAMES = frozenset(
     "x y z r h pos position dist distance height heights profile lateral length depth path "
     "weg hohe tiefe abscisse hauteur altura высота длина координата 高度 位置 高さ".split()
@@ -42,7 +42,7 @@ _NO_UNITS = frozenset(
     "raw data axis value values coord coordinate profile signal filtered corrected levelled "
     "leveled smoothed mean average abs rel left right top measured axe achse wert werte".split()
 )
-# Parts of the names of columns whose heights grow into the body.
+# Words in names of columns (such as depth) whose heights grow into the body.
 _DEPTHS = (
     "depth", "tiefe", "profondeur", "profundi", "profondit", "diepte", "djup", "глубин", "深",
 )  # fmt: skip
@@ -195,7 +195,7 @@ def units_row(cells: Sequence[str], above: Sequence[str]) -> tuple[Unit | None, 
     words = [_BRACKETS.sub(r"\1", cell).strip(' "') for cell in cells]
     units = tuple(Unit(word, scale_of(word)) if word else None for word in words)
     named = any(is_name(cell) for cell in above) and not any(is_name(word) for word in words)
-    # Two columns do not have the same name: a word that is in both columns is a unit.
+    # Two columns do not have the same name. A word that is in both columns is therefore a unit.
     unit_twice = len(words) > 1 and len(set(words)) == 1 and not is_name(words[0])
     known = all(unit is not None and unit.scale is not None for unit in units)
     return units if any(units) and (known or unit_twice or named) else None

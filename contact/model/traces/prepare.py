@@ -57,8 +57,8 @@ class TraceLimits:
     # Longest plausible trace and widest plausible pitch [m], as for a guideway or a road.
     max_length: float = 1.0
     max_pitch: float = 1e-3
-    # Fraction of these limits that counts if no units are given. Metres are then a guess: a trace
-    # in mm would look longer.
+    # Fraction of these limits that counts if no units are given. Metres are then a guess, and a
+    # trace in mm would look longer.
     guessed: float = 0.1
 
 
@@ -229,8 +229,8 @@ def _upside_down(reading: Reading, by: Preparation) -> bool:
 def _at_places(
     path: str, x: Array, height: Array, lines: NDArray[np.int64], count: bool | int | None
 ) -> tuple[Array, Array, str]:
-    """The points at their own positions, which must be distinct, or at `count` evenly spaced ones,
-    and a note.
+    """The points at their own positions, which must be distinct, or at `count` evenly spaced
+    positions; and a note on the choice.
     """
     if count is None or _pitch_behind_rounding(x) is None:
         _refuse_repeated(path, x, lines)
@@ -389,7 +389,7 @@ def _pitch_behind_rounding(x: Array) -> float | None:
         place = 10.0**power
         off = np.abs(x / place - np.rint(x / place))
         if np.max(off) <= 1e-6:
-            # Rounding moves a point by at most half a decimal place; the second term is the error
+            # Rounding moves a point by at most half a decimal place. The second term is the error
             # of the fit.
             allowed = place * (0.5 + 1 / np.sqrt(n))
             return slope if float(np.max(np.abs(x - fitted))) <= allowed else None
