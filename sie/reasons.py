@@ -66,7 +66,7 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
 
 
 def _parts(state: AnyState) -> tuple[float, float, float]:
-    """Relative errors of the density, in parts: (iteration, round-off of rows, the rest)."""
+    """Relative errors of the density due to (the iteration, round-off of rows, all other causes)."""
     size = max(state.size, 1e-300)
     iteration = float(state.linear_error.max(initial=0.0)) / size
     if isinstance(state, SlitState):
@@ -125,7 +125,7 @@ class _Worst:
 
 
 def whole_zone(state: AnyState, piece: int) -> int:
-    """Index of the wide zone that contains the zone `piece`; `piece` itself without slits."""
+    """Index of the wide zone (zones joined across slits) that contains the zone `piece`."""
     return int(state.wide_of(np.array([piece]))[1][0])
 
 
@@ -221,6 +221,6 @@ def _of_right_side(worst: _Worst) -> str:
 
 
 def _less_jumps(state: State, zone: int) -> str:
-    """Part of a message: the number of declared jumps on a zone; '' if there are none."""
+    """Words of a message on the number of declared jumps on a zone; '' if there are none."""
     count = int(np.count_nonzero(state.system.jumps.zone == zone))
     return f" less its {count} declared jumps" if count else ""

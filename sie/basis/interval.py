@@ -382,7 +382,7 @@ def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: 
 def values_on(
     bounded: tuple[Array, Array, Array], row: Index, left: Array, right: Array, vanishing: Mask
 ) -> Array:
-    """Values of (alpha + beta t) / X + X sum u_k U_k on the interval, X = sqrt(1 - t^2).
+    """Values of (alpha + beta t) / X + X sum u_k U_k on the interval, with X = sqrt(1 - t^2).
 
     bounded: (alpha, beta, u). left, right: distances from both ends divided by the half width.
     vanishing: whether the density is zero at the left and at the right end of each interval. At

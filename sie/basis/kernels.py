@@ -25,7 +25,7 @@ Regular = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True)
 class Kernel(Kept):
-    """A kernel K(x, xi): a sum of poles 1 / (x - xi - s) and a smooth regular part.
+    """A kernel K(x, xi), which is a sum of poles 1 / (x - xi - s) and a smooth regular part.
 
     `cauchy`, `hilbert` and `images` make kernels; adding a `Smooth` makes another one.
 
@@ -108,7 +108,7 @@ class Kernel(Kept):
 
     @cached_property
     def kept_tables(self) -> dict[tuple[bool, int], Any]:
-        """Cache of tables of the regular part as a function of the lag (`sie.basis.lag_table`)."""
+        """Cache of tables of the regular part as a function of x - xi (`sie.basis.lag_table`)."""
         return {}
 
     def __add__(self, other: "Smooth | Regular") -> "Kernel":

@@ -52,7 +52,7 @@ class LagTable:
 
     @classmethod
     def of(cls, function: Regular, reach: float, length: float) -> LagTable | None:
-        """A table for lags from -reach to reach, or None if no accurate table is possible.
+        """A table for lags x - xi from -reach to reach; None if no accurate table is possible.
 
         It is None if the kernel varies over less than its declared `length`, or the table would be
         too large.
@@ -74,7 +74,7 @@ class LagTable:
         return table if error <= OPTIONS.terms * SUM_ROUNDING * np.abs(series).max() else None
 
     def __call__(self, lag: Array) -> Array:
-        """Values of the kernel at lags, an array of any shape."""
+        """Values of the kernel at given lags x - xi, which are an array of any shape."""
         flat, out = lag.ravel(), np.empty(lag.size)
         for start in range(0, flat.size, BLOCKS.cache_pairs):
             # The place within the cell is computed before `cells` is added to the cell's number.
@@ -124,14 +124,15 @@ def regular_values(kernel: Kernel, x: Array, xi: Array, potential: bool = False)
 
 
 def _table(kernel: Kernel, potential: bool, reach: float, pairs: int) -> LagTable | None:
-    """A table of the regular part for lags up to `reach`; None if a table would not pay.
+    """A table of the regular part for |x - xi| <= `reach`; None if a table would not be faster.
 
     It is None if making it would cost more than the direct evaluation of the pairs, or if there is
     no accurate table.
     """
     kept = kernel.kept_tables
-    # The reach is rounded up, so that the table also serves after zones have moved. With a period,
-    # the kernel is regular up to lags of two periods, so that rounding does no harm.
+    # The largest lag |x - xi| of the table is rounded up, so that the table can be used again after
+    # zones have moved. With a period, the kernel is regular up to lags of two periods, so that
+    # rounding does no harm.
     key = potential, math.ceil(4 * math.log2(reach / kernel.length))
     if key not in kept:
         widest = kernel.length * 2.0 ** (key[1] / 4)

@@ -346,7 +346,7 @@ class System(Rows):
 
     @cached_property
     def panels(self) -> Panels | Skeleton | None:
-        """The panels or skeleton for fast sums of the kernel's regular part, or None."""
+        """Panels or a skeleton for fast sums of the kernel's regular part; None if neither applies."""
         return panels_over(self.equation.kernel, self.zones)
 
     @cached_property

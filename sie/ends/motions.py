@@ -268,7 +268,7 @@ class IteratedMotions(FreeEnds):
     def growth(
         self, signs: Array, normal: Array | None = None, by_value: Array | None = None
     ) -> float:
-        """Largest real part of the eigenvalues of d(driving force)/d(motions of ends).
+        """Largest real part of the eigenvalues of d(sign * intensity K)/d(motion) of the free ends.
 
         It is found by Arnoldi's method (W. E. Arnoldi, Quart. Appl. Math. 9, 1951, 17-29).
         """
@@ -504,7 +504,7 @@ class DirectMotions(FreeEnds):
     def growth(
         self, signs: Array, normal: Array | None = None, by_value: Array | None = None
     ) -> float:
-        """Largest real part of the eigenvalues of d(driving force)/d(motions of ends).
+        """Largest real part of the eigenvalues of d(sign * intensity K)/d(motion) of the free ends.
 
         With a condition on the ends only motions that keep it count; the open value adjusts to it.
         """

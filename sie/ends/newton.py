@@ -281,7 +281,7 @@ class _Search:
         return state.with_value(opened, self.value)
 
     def _newton_step(self, state: AnyState) -> NewtonStep | None:
-        """The next Newton step, or None if the intensities do not determine the ends."""
+        """The next Newton step; None if the prescribed intensities do not determine the ends."""
         opened, response = self.equation.open_condition, self.value_response
         if opened is not None and (
             response is None or _moved_part(state, response) > ERRORS.negligible
@@ -425,7 +425,7 @@ class _Search:
 
 
 def _sizes_at_first(equation: Equation, zones: Zones, modes_like: AnyState | Sizes | None) -> Sizes:
-    """Numbers of modes to start with, from the solution `modes_like` if it is given."""
+    """Numbers of modes to start with: those of `modes_like` if given, else from the zones alone."""
     if modes_like is None:
         return first_sizes(equation, zones)
     if isinstance(modes_like, Sizes):

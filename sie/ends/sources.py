@@ -52,7 +52,7 @@ class Answers:
 
 
 def answers(state: State, at: Array, strengths: Array, values: Array, places: Array) -> Answers:
-    """Changes of a solution on fixed zones, caused by sources and by side conditions' values.
+    """Changes of a solution on fixed zones, caused by sources and by changed condition values.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ class Rows(Protocol):
         """
 
     def level_steps(self) -> Linear:
-        """Differences of the levels of neighbouring zones: the right one minus the left one."""
+        """Level of each zone (mean of potential minus primitive) minus that of its left neighbour."""
         matrix, constants = self.levels()
         return np.diff(matrix, axis=0), np.diff(constants)
 
@@ -154,13 +154,15 @@ def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, 
 
 
 def of_levels(condition: Condition, zones: Zones) -> Array:
-    """Coefficients of the levels in the rows of a condition (rows, solved zones)."""
+    """Coefficients (rows, solved zones) of the levels (means of potential minus primitive) in a
+    condition.
+    """
     count = len(zones.solved)
     return asked(condition, Trial(zones, np.zeros((count, count)), np.eye(count)), count)[0]
 
 
 def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
-    """Whether a condition contains potentials: as declared, or as trial levels show."""
+    """Whether a condition contains potentials, by declaration or by a test with trial potentials."""
     if condition.levels or type(condition).rows in _SILENT:
         return condition.levels
     level = np.random.default_rng(0).uniform(0.5, 1.5, (len(zones.solved), 1))
@@ -170,7 +172,8 @@ def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
 
 @record
 class ByZone:
-    """Coefficients of a condition with one row for each zone, or for each neighbouring pair.
+    """Coefficients of a condition with one row for each zone, or for each pair of neighbouring
+    zones.
 
     `by_zone` finds them from the response of its rows to levels and to densities c_0 / sqrt(1 -
     t^2). Row i of the condition is
@@ -185,7 +188,9 @@ class ByZone:
 
     @property
     def of_levels(self) -> bool:
-        """Whether all rows of the condition contain a level; otherwise no row does."""
+        """Whether all rows of the condition contain levels (see `Rows.levels`); otherwise no row
+        does.
+        """
         return bool(np.all(self.levels != 0.0))
 
 
@@ -241,7 +246,8 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
     """
     solved, count = zones.solved, condition.count(zones)
     n = len(solved)
-    # With two zones, the single row of a user's condition need not be a difference of levels.
+    # With two zones, the single row of a user's condition need not be the difference of the two
+    # levels (means of potential minus primitive).
     differences = count == n - 1 and (
         n > 2 or (condition.levels and type(condition).rows in BUILT_IN)
     )
@@ -536,7 +542,7 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The condition that the amplitude of column k is `value` + `per_total` * (total).
+    """The condition that the amplitude of the term `columns[k]` is `value` + `per_total` * (total).
 
     Parameters
     ----------

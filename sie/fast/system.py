@@ -122,11 +122,13 @@ class IterativeSystem(System):
 
     @cached_property
     def known_intensities(self) -> tuple[Array, Array]:
-        """Known part of the intensities K at the left and right ends, apart from the unknowns."""
+        """The part of the intensities K at left and right ends that does not depend on the
+        unknowns.
+        """
         return self.intensities_of(self.beyond)
 
     def applied(self, y: Array, rough: bool = False) -> "tuple[Array, Applied]":
-        """(rows of the equation, quantities that conditions use), for the unknowns y.
+        """(left sides of the equation, quantities that conditions use), for the unknowns y.
 
         rough: see `ZoneSums`.
         """
@@ -263,7 +265,7 @@ class IterativeSystem(System):
 
     @property
     def _gaps(self) -> tuple[Array, Array, Array]:
-        """(left end, digits of this end below its last one, length) of each inner gap."""
+        """(left end, rounded-off digits of the left end, length) of each gap between zones."""
         zones, solved = self.zones, self.zones.solved
         left, rest = zones.b[solved[:-1]], zones.rest[1, solved[:-1]]
         return left, rest, (zones.a[solved[1:]] - left) + (zones.rest[0, solved[1:]] - rest)

@@ -222,7 +222,7 @@ class ForcingJumps(PlacedJumps):
         return -self.carried(zone, left)
 
     def level_part(self, zone: Index, left: Array) -> Array:
-        """`smooth_part` for the jumps of the right side g itself: a piecewise constant function."""
+        """The piecewise constant `smooth_part` for the jumps of the right side g itself."""
         return -replace(self.chosen(self.order == 0), splines={}, poles=NO_POLES).carried(
             zone, left
         )
@@ -239,7 +239,7 @@ class ForcingJumps(PlacedJumps):
         return self.carried(zone, left) + self.near.own_transform(zone, left)
 
     def density(self, zone: Index | int, left: Array, right: Array) -> Array:
-        """Density of all parts in closed form: jumps, splines, poles and nearby logarithms."""
+        """The closed-form density of jumps, splines, poles and nearby logarithms."""
         zone = np.broadcast_to(zone, left.shape)
         out = self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
@@ -410,7 +410,7 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def high_coefficients(self, zones: Zones) -> Array:
-        """Coefficients of the parts whose potential has no closed form: none here, (zones, 0)."""
+        """Coefficients of terms whose potential has no closed form; none here, shape (zones, 0)."""
         return np.zeros((len(zones), 0))
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
@@ -456,7 +456,7 @@ class ForcingJumps(PlacedJumps):
         )
 
     def left_out(self, x: Array) -> Array:
-        """The part of the right side that its given values omit at points x: zero here."""
+        """Terms of the right side that its given values omit at points x; here they are zero."""
         return np.zeros(x.shape)
 
     # The methods below give values at complex points (see `sie.density.plane`).

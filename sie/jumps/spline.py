@@ -152,7 +152,8 @@ class QuadraticSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, f: Callable[[Array], Array]
     ) -> "tuple[QuadraticSpline, Array, Array] | None":
-        """(sum of f's B-splines inside the zone, remaining jumps, empty table), or None.
+        """(sum of f's B-splines inside the zone, remaining jumps, empty table); None if jumps of f
+        differ.
 
         Jumps are half of those of the second derivative. The result is None if f has other jumps
         than the given ones.
@@ -352,7 +353,8 @@ class ConjugateSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, g: Callable[[Array], Array]
     ) -> "tuple[ConjugateSpline, Array, Array] | None":
-        """(spline, remaining jumps (all zero), position and height of one added jump), or None.
+        """(spline, zeros for the remaining jumps, position and height of an added jump); None on
+        failure.
 
         The spline is g less a function of two quadratic pieces that has the values and slopes of g
         at both ends. The added jump is that of the second derivative where the two pieces meet. The

@@ -97,7 +97,7 @@ class SlitDensity(DensityBase):
 
     @property
     def coefficients(self) -> Array:
-        """Coefficients of the density's smooth part on the wide zones."""
+        """Coefficients of the density's smooth part on the wide zones (zones joined across slits)."""
         return self.smooth.coefficients
 
     @cached_property
@@ -175,7 +175,7 @@ class SlitDensity(DensityBase):
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by a zone and distances from the zone's ends in half widths."""
         zone = np.asarray(zone, dtype=np.intp)
-        # A given zone without adjacent slits is itself a wide zone.
+        # A given zone without adjacent slits is solved as it is, like a wide zone with no slits.
         if not self.geometry.next_to_slit[zone].any():
             return self._edged.at(self.geometry.piece_zone[zone], left, right)
         geometry, wide = self.geometry, self.geometry.wide
@@ -307,7 +307,8 @@ class SlitDensity(DensityBase):
     def edges(
         self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]
     ) -> tuple[Array, Array]:
-        """A quantity at the given zones' ends, from its values at ends of wide zones and slits.
+        """A quantity at the given zones' ends, from its values at the ends of joined zones and of
+        slits.
 
         wide, slits: values at left and at right ends. Those of slits are divided by sqrt(1 - t^2)
         of the wide zone and multiplied by `signs`, one for left and one for right ends.
@@ -393,7 +394,7 @@ class SlitDensity(DensityBase):
 
     # The methods below give the fields, and the slack (the unknown in a slit), at real points.
     def _into_wide(self, x: Array) -> Array:
-        """x moved by periods into the period that begins at the first wide zone's left end."""
+        """x moved by whole periods into the period that begins at the first wide zone's left end."""
         return wrapped(x, self.geometry.wide.a[0], self.kernel.period)
 
     @property

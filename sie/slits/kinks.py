@@ -62,7 +62,7 @@ _NODES = 2 * SUMS.gauss_nodes
 
 @record
 class SlitKink(Kept):
-    """A jump of the right side, or of a derivative of the right side, in a slit of a wide zone.
+    """A jump of the right side, or of one of its derivatives, in a narrow gap solved as a slit.
 
     jump: the scaled height h. start, rest, half: distances of the slit from the ends of the wide
     zone, and half width of the slit. from_left, from_right: distances of the jump from the ends of

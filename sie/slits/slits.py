@@ -74,7 +74,7 @@ OPTIONS = SlitOptions()
 
 @record
 class SlitGeometry(Kept):
-    """Zones with narrow gaps, and the wide zones that span the gaps.
+    """Zones with narrow gaps, and the wide zones that each join several zones and their gaps.
 
     pieces: the zones as given, which are pieces of the wide zones. wide: zones that span narrow
     gaps; slits: these gaps; slit_zone: index of the wide zone of each slit. piece_zone: index of
@@ -92,17 +92,23 @@ class SlitGeometry(Kept):
 
     @cached_property
     def start(self) -> Array:
-        """Distance of each given zone's left end from the left end of its wide zone."""
+        """Distance of each given zone's left end from the left end of the wide zone that contains
+        it.
+        """
         return self.wide.beyond_a(self.pieces.a + self.shift, self.piece_zone) + self.cut_off[0]
 
     @cached_property
     def stop(self) -> Array:
-        """Distance of each given zone's right end from the left end of its wide zone."""
+        """Distance of each given zone's right end from the left end of the wide zone that contains
+        it.
+        """
         return self.wide.beyond_a(self.pieces.b + self.shift, self.piece_zone) + self.cut_off[1]
 
     @cached_property
     def rest(self) -> Array:
-        """Distance of each given zone's right end from the right end of its wide zone."""
+        """Distance of each given zone's right end from the right end of the wide zone that contains
+        it.
+        """
         return self.wide.before_b(self.pieces.b + self.shift, self.piece_zone) - self.cut_off[1]
 
     @cached_property
@@ -230,7 +236,7 @@ def _jumps_inside(equation: Equation, pieces: Zones, after: Array) -> Mask:
 
 @record
 class Slit(Kept):
-    """One slit (a narrow gap) in a wide zone.
+    """One slit, that is, a narrow gap between zones that are joined to one wide zone.
 
     start, rest: distances of its left end from the zone's left end, and of its right end from the
     zone's right end; half: half width of the slit. All three are divided by the zone's half width.
@@ -348,7 +354,7 @@ def _within(
 
 
 class Slits(Kept):
-    """The slits of one wide zone, and the equations of these slits."""
+    """The slits of one wide zone (several zones joined across narrow gaps), and their equations."""
 
     def __init__(self, geometry: SlitGeometry, zone: int, modes: int, jumps: ForcingJumps) -> None:
         self.zone = zone

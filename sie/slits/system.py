@@ -70,7 +70,7 @@ class Opened(Trial):
 
 
 class SlitsNotConverged(SingularSystem):
-    """The equations of the wide zones and of their slits have no common solution.
+    """The equations of wide zones (zones joined across slits) and of slits have no common solution.
 
     The response of a slit on the surrounding zones is too strong for the solver.
     """
@@ -93,7 +93,7 @@ class SlitSystem(Kept):
 
     @cached_property
     def _given(self) -> list[Array]:
-        """Known parts of the right sides of the slits' equations, for each wide zone with slits.
+        """Known parts of the right sides of the slits' equations, for each joined zone with slits.
 
         They come from the jumps and from the coefficients of the density that are not unknowns.
         """
@@ -115,7 +115,7 @@ class SlitSystem(Kept):
 
     @cached_property
     def _answers(self) -> list[tuple[Array, Array]]:
-        """For each wide zone: (matrix, constants) that give the slits' series from the unknowns.
+        """(matrix, constants), for each wide zone, that give the slits' series from the unknowns.
 
         The coefficients of its slits are matrix @ (unknowns of the zone) + constants. The unknowns
         include the coefficients of the slack s.
@@ -154,7 +154,7 @@ class SlitSystem(Kept):
         base, homogeneous, iteration = self.base, values is not None, self.base.iteration
 
         def slit_response(folded: Array) -> Array:
-            """Change of the wide zones' right side by the slits, for the unknowns `folded`."""
+            """Change of the wide zones' right side that the slits cause, for the unknowns `folded`."""
             return self._right(self._series(folded, True), True)
 
         given = self._right(
@@ -404,7 +404,7 @@ class SlitState(Answered):
 
     @cached_property
     def missing(self) -> Array:
-        """Truncation error of each wide zone: sum of its neglected coefficients.
+        """Truncation error on each wide zone, as the sum of the neglected coefficients.
 
         It adds those of the series, those of the slits, and the residual between the nodes.
         """
@@ -516,7 +516,7 @@ class SlitState(Answered):
 
     @property
     def _no_modes(self) -> Array:
-        """The lowest modes of the residual on the solved wide zones: an empty table.
+        """An empty table for the residual's lowest modes, which are not separated with slits.
 
         The residual is known only on the given zones, which do not determine modes of a wide zone.
         """

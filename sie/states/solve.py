@@ -293,7 +293,9 @@ def _solve_iterated(
     jumps: ForcingJumps,
     sizes: Sizes,
 ) -> State:
-    """The solution by fast sums and GMRES; the first guess is from the last solution, if any."""
+    """The solution by fast sums and GMRES, with a first guess from the last solution if there is
+    one.
+    """
     system = IterativeSystem(equation, zones, m, samples.coefficients, jumps, sizes.rough)
     carried = (
         sizes.carried
@@ -364,7 +366,7 @@ def rows_of(state: State) -> Array:
 def _rows(
     equation: Equation, system: System, scale: Array | None = None
 ) -> tuple[Array, Array, Array]:
-    """(matrix, right sides, scales of the conditions), with one column for each kept unknown.
+    """(matrix with a column for each kept unknown, right sides, scales of the side conditions).
 
     The rows of the side conditions are divided by their scales, so that all are of size one.
     """

@@ -381,8 +381,9 @@ def residual_errors(
         )
         / size
     )
-    # A few points show the largest residual only to within a factor of about three. In 5e-16 *
-    # coupled, the round-off of each mode counts once, without the order of the mode as a factor.
+    # A few points show the largest residual only to within a factor of about three. The factor
+    # 5e-16 * coupled counts the round-off of each mode once, without the order of the mode as a
+    # factor.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return np.asarray(beyond + high + 5e-16 * coupled)
 

@@ -236,7 +236,9 @@ class FarSum:
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:
-    """Whether the fast sums apply to the kernel: its regular part is smooth across all zones."""
+    """Whether fast sums apply, that is, whether the kernel's regular part is smooth across all
+    zones.
+    """
     if kernel.regular is None:
         return kernel.regular_potential is None
     if kernel.sure:
