@@ -49,14 +49,15 @@ class ConjugateOptions:
     max_samples: int = 2**18
     # Number of pairs of a point and a jump that are computed at once; it bounds the memory.
     block: int = 1 << 20
-    # Error of the Hilbert transform H f', divided by the larger of the sampled residual of f' and
-    # its conjugate. The factor 2 allows for peaks of noise between the samples.
+    # The stated error of the Hilbert transform H f' is this multiple of the sampled residual of f',
+    # or of the residual's conjugate if that is larger. The factor 2 allows for peaks of noise
+    # between the samples.
     residual_margin: float = 2.0
     # The factor for a residual whose Fourier terms fall like those of a jump, or more slowly. At
     # 1e-5 of the period from a corner, the conjugate is 4 times the jump.
     jump_margin: float = 8.0
-    # Terms that do not decay are noise if they are below this part of the largest term. Larger ones
-    # may come from a kink that is not declared.
+    # Terms that do not decay are noise if they are below this fraction of the largest term. Larger
+    # terms may come from a kink that is not declared.
     max_noise: float = 1e-9
     no_decay: float = 0.6  # ratio of terms one octave apart, above which they do not decay
 
@@ -206,8 +207,8 @@ def _series(profile: Profile, length: float) -> Transform:
     """The transform, by the Fourier series of the slope without its declared jumps."""
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
-    # If the jumps of f''' do not add up to 0, a cubic polynomial is needed. Its jump is the sum of
-    # these jumps, and lies at the first of them.
+    # If the jumps of f''' do not add up to 0, a cubic polynomial is needed. The jump of this
+    # polynomial is the sum of the jumps of f''', and lies at the place of the first jump.
     first, over = jumps[:1, 0], np.full(len(jumps[:1]), jumps[orders == 2, 2].sum())
     at, heights = np.append(jumps[:, 0], first), jumps[:, 2, None] * (orders[:, None] == [0, 1, 2])
     of_jumps = Pieces.of(

@@ -30,8 +30,8 @@ class InputCheckOptions:
 
 
 _OPTIONS = InputCheckOptions()
-# Number of parts of the widest zone, and of nodes in each part. In each part, the rise of the
-# height is compared with the integral of the slope.
+# The widest zone is divided into this number of parts. In each part, the rise of the height is
+# compared with the integral of the slope, which takes as many nodes as there are parts.
 _PARTS = CLAIMS.panels
 
 

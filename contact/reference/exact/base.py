@@ -85,7 +85,7 @@ class ExactContact:
 
     @property
     def contact_fraction(self) -> float | None:
-        """Part of the period in contact; None without a period."""
+        """Fraction of the period that is in contact; None without a period."""
         return None if self.period is None else float(np.sum(self.zone_widths)) / self.period
 
 
@@ -399,7 +399,7 @@ class PeriodicZone(_FromLoad):
 
     @classmethod
     def from_contact_fraction(cls, contact_fraction: float, *, period: float, **shape: Any) -> Self:
-        """The solution in which a given part of the period is in contact.
+        """The solution in which a given fraction of the period is in contact.
 
         The other parameters are given by name.
         """

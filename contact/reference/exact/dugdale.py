@@ -162,7 +162,7 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def work(self) -> float:  # type: ignore[override]
-        """The work of adhesion of this state [J/m^2]."""
+        """The work of adhesion of this equilibrium [J/m^2]."""
         return self.stress * self.end_gap
 
     def _pressure(self, r: Array, d: Array) -> Array:

@@ -146,7 +146,7 @@ class AdhesiveDesign(GivenZones):
         return np.asarray(self._signs * size * np.sqrt(per_length / product.end_factors()))
 
     def _modes(self, product: CutProduct, i: int, dl: Any, dr: Any) -> Any:
-        """Basis functions of M, the part of R = M + poles without poles, at points of interval i.
+        """Basis functions of the smooth function M in R = M + poles, at points of interval i.
 
         The array is (..., number of functions).
         """

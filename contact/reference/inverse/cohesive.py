@@ -42,8 +42,8 @@ from sie import Array, Mask
 class CohesiveOptions:
     """Numbers of quadrature nodes and of points at which signs are checked."""
 
-    # Number of Gauss nodes on a strip, and from a zone's end to a point of the gap. The integrals
-    # are accurate to 1e-10.
+    # Number of Gauss nodes on a strip of tension, and from a zone's end to a point of the gap. The
+    # integrals are accurate to 1e-10.
     nodes: int = 90
     sign_points: int = 200  # points in every zone, gap and strip
 

@@ -164,8 +164,8 @@ class CutProduct:
             residual = np.array([r for r, _ in rows], dtype=float)
             jacobian = np.array([j for _, j in rows], dtype=float).reshape(len(gaps), len(gaps))
             step = -np.linalg.solve(jacobian, residual)
-            # A root of M stays in its gap: a step covers at most nine tenths of the distance from
-            # the root to the end of the gap.
+            # A step covers at most nine tenths of the distance from a root of M to the end of the
+            # root's gap, so that the root stays in this gap.
             limit = np.where(step > 0.0, offsets[:, 1], offsets[:, 0])
             step = np.sign(step) * np.minimum(np.abs(step), 0.9 * limit)
             offsets = offsets + np.outer(step, [1.0, -1.0])
@@ -252,7 +252,7 @@ class CutProduct:
         return e - 1, self.steps[[e - 1]], zero
 
     def end_factors(self) -> Array:
-        """Absolute value of the product of the factors of all other ends, at every end."""
+        """For every end e, the absolute value at e of the product of all other ends' factors."""
         factors = np.array(
             [self._end_factors(*self.at_end(e))[0] for e in range(2 * len(self.zones))]
         )

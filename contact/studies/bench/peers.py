@@ -156,9 +156,9 @@ def _measured(
 
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
-    """Least time to reach an error: no finer run may have a larger error than `error`.
+    """Least time of the runs that reach an error, as all finer runs do; None if none does.
 
-    The rows go from coarse to fine. The result is None if the last run does not reach the error.
+    The rows go from coarse to fine. So the result is None if the last run misses the error.
     """
     reached = None
     for row in reversed(rows_of_one):
