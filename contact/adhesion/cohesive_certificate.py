@@ -143,7 +143,7 @@ def certified(
 
 
 def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> float:
-    """Bound of the part of the solution's error that is due to the ends of the tension.
+    """Bound of the solution's error caused by errors of the ends of the tension.
 
     It is the larger of the error of the ends, relative to their intervals or zones, and of the
     error of the pressure.

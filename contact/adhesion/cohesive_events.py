@@ -125,8 +125,8 @@ class CohesiveEvents(Events):
             else:
                 table = _cut(here.table, place, half)
             at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
-            # The new ends must be driven in the direction of the jump, and no other end in the
-            # opposite direction.
+            # The new ends must tend to move in the direction of the jump, and no other end may tend
+            # to move in the opposite direction.
             new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
             if half < TOLERANCES.neutral or (
                 np.all(sign * at.residual > -TOLERANCES.resting_step)
@@ -511,7 +511,7 @@ class CohesiveEvents(Events):
 
 
 def _cut(table: Array, place: float, half: float) -> Array:
-    """The intervals without the part whose distance from a place is less than `half`."""
+    """The intervals of tension, without the points closer than `half` to a place."""
     i = int(interval_of(np.array([[place, place]]), table)[0])
     return np.concatenate(
         (table[:i], [[table[i, 0], place - half], [place + half, table[i, 1]]], table[i + 1 :])

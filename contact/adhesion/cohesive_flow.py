@@ -63,7 +63,7 @@ def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState
     ahead = jkr_guide.before_advanced(curve, here.zones, here.value)
     if ahead is None:
         return here
-    # If a zone is missing in the state found, this zone does not snap into contact under the law
+    # If the state found lacks a new zone, surfaces do not snap into contact there under the law
     # without range (JKR). Then the state `here` is kept.
     return ahead if ahead.q is not None and ahead.q.inside(here.zones.mean(axis=1)).all() else here
 

@@ -159,7 +159,7 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
 
 
 def _cut_near_pull_off(curve: CohesiveCurve, zones: Array, value: float) -> State | None:
-    """An equilibrium with tension on intervals, near the least control that a grid finds.
+    """An equilibrium with tension on intervals; its control is near the least one on a grid.
 
     None if the grid gives no answer, or if no gap exceeds the reach.
     """

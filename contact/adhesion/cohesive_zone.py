@@ -578,7 +578,7 @@ class CohesiveCurve(Curve):
         )
 
     def _at_corners(self, here: CohesiveState) -> CohesiveState:
-        """The state whose ends at sharp corners are pinned, unless they are driven inward."""
+        """The state with its ends at sharp corners pinned, except for ends that tend to recede."""
         corners = np.array(self.problem.corners)
         if not np.isfinite(corners).all():
             return here
@@ -624,8 +624,8 @@ class CohesiveCurve(Curve):
         lag = at[:, None] - at
         np.fill_diagonal(lag, 1.0)
         between = self.stress / np.pi * tension.log(lag)
-        # The slope at an end is due to all other ends, since the singular contribution of the end
-        # itself and that of its motion cancel.
+        # The slope of the gap at an end is due to all other ends. The singular contributions of the
+        # end itself and of its motion cancel.
         slopes = (
             self.stress
             / np.pi

@@ -72,7 +72,7 @@ def followed(context: SolveContext) -> Outcome:
 
 
 def described_way(context: SolveContext) -> str:
-    """Text for the plan: the path of loading on which the contact is reached."""
+    """Text for the plan that says by which path of loading the contact is reached."""
     scene = context.scene
     if context.branch == "receding":
         return (
@@ -241,7 +241,7 @@ def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
     value = curve.control.value
     if context.branch == "receding":
         here = curve.at(_greatest(curve, scaled, value), value)
-        # The control value is raised so far that no end is driven inward. Then all ends are pinned
+        # The control value is raised so far that no end tends to recede. Then all ends are pinned
         # at the corners.
         slack = here.whole.residual / here.whole.by_value
         here = curve.at(

@@ -63,8 +63,8 @@ def _flow(
         if sign > 0 and (merged := closing(curve, here, predicted)) is not None:
             here = curve.at(merged, value, TOLERANCES.rough)
             continue
-        # Whether a zone is lost depends on its width at the state at which its ends were driven
-        # inward least.
+        # A zone is judged lost by comparing its width now with its width at the state at which its
+        # ends tended to recede least.
         widths = np.where(here.residual > residual, here.widths, widths) if sign < 0 else widths
         residual = np.maximum(here.residual, residual) if sign < 0 else residual
         if sign < 0 and (apart := lost_zones(here, widths, residual)).any():
@@ -158,8 +158,8 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
             limit = _shorter(here, limit, step, MOVES.least_part)
             continue
         except EndsCovered as covered:
-            # Contact covers some ends of the tension. In an inward flow, the steps of these ends
-            # are shortened; in an outward flow, these ends are moved farther out.
+            # Contact covers some ends of the intervals of tension. In an inward flow, the steps of
+            # these ends are shortened. In an outward flow, these ends are moved farther out.
             if sign < 0:
                 limit = _shorter(here, limit, step, np.where(covered.ends, 0.5, 0.9))
             else:
@@ -208,7 +208,8 @@ def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
     """(longest steps of the ends in the direction of the flow, longest steps against it)."""
     inward, outward = inward_and_outward(curve, here)
     if here.corners is not None:
-        # An end goes at most to its sharp corner; the step of a pinned end is not limited.
+        # An end moves at most to its sharp corner. The corner does not limit the step of a pinned
+        # end.
         adjacent = np.maximum(curve.to_corners(here.table), TOLERANCES.resting_step * here.widths)
         outward = np.where(here.pinned, outward, np.minimum(outward, adjacent))
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
@@ -216,15 +217,14 @@ def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
 
 
 def inward_and_outward(curve: Curve, here: State, detailed: bool = True) -> tuple[Array, Array]:
-    """(longest inward steps of the ends, longest outward steps), without regard to corners.
+    """(longest inward steps of the ends, longest outward steps), if there were no sharp corners.
 
     detailed: whether they are also limited to the smallest feature of the profile.
     """
     known = curve.problem.detail if detailed else np.inf
     gaps = curve.gaps(here.table)
     room = MOVES.max_move * np.concatenate((np.roll(gaps, 1), gaps))
-    # An end may step past the border of the known part of the profile; `Curve.at` then raises
-    # OutOfRange.
+    # An end may step past the border of the known profile. `Curve.at` then raises OutOfRange.
     lo, hi = curve.problem.borders
     room[0], room[-1] = (
         min(room[0], 1.1 * (here.table[0, 0] - lo)),
@@ -257,7 +257,7 @@ def closing(curve: Curve, here: State, predicted: Predictor | None = None) -> Ar
 
 
 def lost_zones(here: State, widths: Array, residual: Array) -> Mask:
-    """Mask of zones that will vanish: they are narrow, and driven inward ever more strongly.
+    """Mask of the narrow zones that will vanish, as their ends tend ever more to recede.
 
     They are much narrower than where their ends were driven inward least, and that drive grows.
     widths, residual: at the states where the ends were driven inward least (2n,).
@@ -284,7 +284,8 @@ def bounded_step(here: State, sign: float, limit: Array, most_back: Array) -> Ar
         step[far], step[back] = sign * limit[far], -sign * most_back[back]
         free &= ~(far | back)
         if not (far | back).any():
-            # An end at its bound is released if it is driven back after other ends were bounded.
+            # An end at the bound of its step is released if it tends to move back after the steps
+            # of other ends were bounded.
             driven = np.sign(step) * (residual + rates @ step)
             late = ~(free | released) & (driven < 0.0)
             if not late.any():
@@ -298,7 +299,7 @@ def _damped_step(here: State, sign: float, limit: Array) -> Array:
     It solves (mu D - J) ds = r with the diagonal matrix D of the weights. mu exceeds the largest
     growth rate and is as small as the limits allow.
     """
-    # An end that is driven against the flow does not move until the other ends have moved on.
+    # An end that tends to move against the flow does not move until the other ends have moved on.
     free = sign * here.residual > -TOLERANCES.coarse
     weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
     growth = max(here.growth_of(np.flatnonzero(free)), -above)

@@ -488,7 +488,7 @@ def signs_hold(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> bool:
 
 
 def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | None:
-    """The zones without the parts of negative pressure q, and with new zones in overlaps.
+    """The zones without places of negative pressure q, and with new zones where surfaces overlap.
 
     None if there are no such places.
     """

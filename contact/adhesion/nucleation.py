@@ -133,7 +133,7 @@ def changes_between(
 
 
 def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float, float]:
-    """Interval about the place (a, b) of a future zone, cut so as to exclude the other zones."""
+    """An interval about the place (a, b) of a future zone, which excludes the other zones."""
     lo, hi = 1.5 * a - 0.5 * b, 1.5 * b - 0.5 * a
     for shift in (0.0,) if period is None else (-period, 0.0, period):
         for left, right in zones + shift:
@@ -154,7 +154,7 @@ def condition(curve: CohesiveCurve, here: CohesiveState, change: Change) -> tupl
 
 
 def with_change(zones: Array, change: Change, place: float) -> Array:
-    """The zones just after a change: with a zone of zero width, or with a zone cut in two."""
+    """The zones with one zone more: a new zone of zero width, or one zone cut in two."""
     if change.of_gap:
         return ascending(np.concatenate((zones, [[place, place]])))
     out = []

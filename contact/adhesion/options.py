@@ -13,8 +13,8 @@ class SearchLimits:
     # Largest number of Newton steps, and of halvings or doublings of a number; a double has fewer
     # bits than this.
     max_iterations: int = 80
-    # Largest number of steps of a gradient flow, of a curve, or of the growth of intervals on a
-    # grid; and of events in a row.
+    # Largest number of steps of a gradient flow, along a curve, or in the growth of intervals on a
+    # grid. It is also the largest number of events in a row.
     max_steps: int = 3000
     # Number of attempts of a fast method before a slower and more reliable method is used.
     patience: int = 4
@@ -30,8 +30,8 @@ class MoveOptions:
 
     # Longest step of an end. If both ends of a gap move by this length, a fifth of the gap is left.
     max_move: float = 0.4
-    # Length of a short step: of ends that move against the direction of the flow, of ends with a
-    # small residual, and away from an unstable equilibrium.
+    # Length of a short step of an end. Ends make short steps against the direction of the flow, at
+    # a small residual, and away from an unstable equilibrium.
     short_move: float = 0.02
     # Factor by which a failed step is shortened, and smallest factor by which a safeguarded length
     # or residual may change.
@@ -68,8 +68,8 @@ class SampleOptions:
 
     # Least number of sample points between two ends.
     samples: int = 32
-    # Number of sample points of a profile without a resolution, and least number of sample points
-    # for the sign of the pressure on a zone.
+    # Number of sample points of a profile that states no resolution, and least number of sample
+    # points at which the sign of the pressure on a zone is tested.
     profile_samples: int = 2049
     sign_samples: int = 128
     # Largest numbers of sample points of the profile on a period, and of the gap between two ends.

@@ -30,8 +30,8 @@ from sie import Array, Kept, Mask, record
 class PredictorOptions:
     """Options of the prediction of the residuals of moving ends."""
 
-    # Number of places on the path of an end, evenly spaced in the square root of the distance; and
-    # least number of places for each feature of the profile.
+    # Number of places on the path of an end, evenly spaced in the square root of the distance. The
+    # second number is the least number of places for each feature of the profile.
     places: int = 64
     places_per_feature: int = 4
 

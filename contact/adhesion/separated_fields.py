@@ -33,7 +33,7 @@ def integral_on_zones(
 
 
 def _parts_beside(pulled: TractionLoaded, zones: Array) -> list[tuple[float, float]]:
-    """The parts of the intervals of tension that lie outside the zones."""
+    """The intervals of tension without the zones of contact inside them."""
     tension, parts = pulled.pulling, []
     for lo, hi in _intervals(tension, zones):
         shifts = (0.0,) if tension.period is None else (-tension.period, 0.0, tension.period)

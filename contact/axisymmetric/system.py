@@ -34,7 +34,8 @@ class RadiusOptions:
     """Limits of Newton's method for the radii of the spots."""
 
     max_steps: int = 100
-    # Relative step of the radii below which the iteration ends: round-off times the condition.
+    # Relative step of the radii below which the iteration ends. It is about the round-off times the
+    # condition number.
     converged_step: float = 1e-13
 
 

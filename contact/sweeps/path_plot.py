@@ -218,8 +218,8 @@ def draw_surfaces(
         linewidth=2.6,
         label="contact",
     )
-    # The view is limited to the deformed surface, with as much space again below and above it: the
-    # body may be much higher.
+    # The view is limited to the deformed surface, with as much space again below and above it,
+    # since the body may be much higher.
     low, high, span = float(surface.min()), float(surface.max()), float(np.ptp(surface))
     if span > 0.0:
         axes.set_ylim((low - span) * up, (high + span) * up)

@@ -198,9 +198,9 @@ def solve_sent(given: bytes, chunk: Chunk, tol: float) -> Rows:
 
 
 def cannot_receive(given: bytes, here: str) -> str:
-    """Reason why this process cannot use a received scene, as a sentence's end; or "".
+    """Reason why this process cannot use a received scene; "" if the process can use it.
 
-    here: the version of this package in the sending process.
+    The reason is the end of a sentence. here: the version of this package in the sending process.
     """
     if version() != here:
         return f"have sie-contact {version()}, and not {here}"

@@ -20,7 +20,7 @@ Value = float | int | str
 # it may have two tables.
 PARTS = ("interaction", "substrate", "law")
 MODULUS = "material.E_star"
-# The branch is not a key of scene files: it chooses among several equilibria of one scene.
+# The branch is not a key of scene files, since it chooses among several equilibria of one scene.
 BRANCH = "branch"
 BRANCHES = ("advancing", "receding")
 
@@ -87,7 +87,7 @@ def keys_of(scene: Scene) -> dict[str, Any]:
 
 
 def tables(scene: Scene) -> dict[str, dict[str, Any]]:
-    """The parameters of the parts of a scene, by table and name."""
+    """The parameters of the profile and of the other parts of a scene, by table and name."""
     shapes = {
         table: {name: value for name, value in values.items() if name != "shape"}
         for table, values in scene.profile.tables().items()
