@@ -125,7 +125,7 @@ class SeveralZones:
         return np.asarray(np.linalg.solve(matrix, [-miss, 0.0, 0.0]))
 
     def _solved(self, at: TwoContacts, rates: ContactRates, ends: Array) -> SolvedZones:
-        """The strip's zones, with the errors of their ends and the rate of the nominal pressure."""
+        """The strip's zones, with the errors of their ends, and d (nominal pressure) / d load."""
         follows = rates.following
         fields = replace(
             at.strip.fields,

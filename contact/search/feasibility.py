@@ -147,7 +147,7 @@ def refuse_unbounded(scene: Scene) -> None:
 
 
 def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
-    """Raise OutOfRange if the body, turned by its tilt, falls or stays level on one side."""
+    """Raise OutOfRange if the body, turned by its tilt, falls or stays flat on one side."""
     for side, slope in (("right", right - tilt), ("left", left + tilt)):
         turned = f", turned by {tilt:.6g}," if tilt else ""
         # The body is taken to fall without bound if each decade of distance has at least twice the

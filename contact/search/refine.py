@@ -35,8 +35,8 @@ def refined(context: SolveContext, found: Outcome, search: Search | None = None)
         return outcome
     if not (context.previous or context.warm_start):
         return outcome
-    # The state found from a warm start may suffer more from rounding than the state found by a
-    # search without a warm start.
+    # A solution that started from a similar solution may suffer more from rounding than one found
+    # by a search from nothing.
     afresh = replace(context, previous=(), warm_start=None)
     other: Outcome | Failure = attempted(lambda: _refined_once(afresh, search(afresh), search))
     if isinstance(other, Failure):

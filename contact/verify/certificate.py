@@ -34,7 +34,7 @@ _FEW_PLACES = _places(SAMPLING.min_points)
 
 @dataclass(frozen=True)
 class Certificate:
-    """The results of all checks of a solution, with the values that were found.
+    """The results of all checks of a solution, with the values that the checks found.
 
     smallest_pressure: least value of p / sqrt(1 - t^2) on the zones [Pa]. smallest_gap: least gap
     between the zones [m]. points: number of samples. holds: whether all checks pass. gap_rounding:
@@ -103,7 +103,7 @@ NOT_CHECKED = Certificate(
 
 
 def _allowed_gap(fields: ZoneFields) -> float:
-    """Bound of the scaled gap on the zones as caused by the density's error, with a margin."""
+    """Bound of the scaled gap on the zones that the density's error causes, with a margin."""
     state, zones = fields.state, fields.density.zones
     moved = state.density_error * state.size * float((zones.b - zones.a).sum())
     return (
@@ -113,7 +113,7 @@ def _allowed_gap(fields: ZoneFields) -> float:
 
 
 class Openings(NamedTuple):
-    """The scaled gap between the zones, from samples.
+    """The samples of the scaled gap between the zones.
 
     least: smallest gap. overlaps: intervals where it is negative (n, 2). rounding: effect of
     rounding on it. points: number of samples. lowest: its minima. on_zones: size of the computed
@@ -211,7 +211,7 @@ def _load_balance(fields: ZoneFields, load: float) -> float:
 
 
 class _Equilibrium(NamedTuple):
-    """Result of the check of an equilibrium: error of the intensity at the ends, and stability.
+    """Check of an equilibrium: its error of the intensity at the ends, and its stability.
 
     fault: the checks that fail, in words. note: those that hold.
     """
@@ -251,7 +251,8 @@ def unresolved_gaps_note(gaps: int, over: str) -> str:
 
 
 def _intensity_error(fields: ZoneFields) -> float:
-    """Largest error of the intensity at the ends, relative to the one that the law prescribes.
+    """Largest error of the intensity at the ends, relative to the intensity that the law
+    prescribes.
 
     At a fixed end the intensity only has to reach at least the law's value.
     """
@@ -306,7 +307,7 @@ def _pressures(fields: ZoneFields) -> Signs:
 
 
 def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
-    """(intervals of negative pressure around concave kinks, number of unresolved gaps there).
+    """(intervals of negative pressure around concave kinks, number of kinks with unresolved gaps).
 
     At a jump J < 0 of f' the pressure goes to -inf as (E* |J| / 2 pi) ln(distance): there is a gap,
     however narrow. It is unresolved if it is narrower than the nearest sample.
@@ -427,7 +428,7 @@ def _samples_in(
     x = np.clip(
         lo[plain, None] + (hi - lo)[plain, None] * _FEW_PLACES, lo[plain, None], hi[plain, None]
     )
-    # In gaps that are as narrow as round-off, some samples coincide; only one of them is kept.
+    # In gaps that are as narrow as round-off, some samples coincide. Only one of these is kept.
     differ = np.diff(x, axis=1, prepend=-np.inf) > 0
     every = differ.all(axis=1)
     rows = iter(

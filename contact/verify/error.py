@@ -63,7 +63,8 @@ class SolvedZones(Solved):
         ) + _error_of_body(self)
         if self.control.approach is None:
             return error
-        # In a stiff contact the rounding error of the level causes a large error of the load.
+        # In a stiff contact, the rounding error of displacement plus height causes a large error of
+        # the load.
         assert fields.stiffness is not None
         rounding = fields.gap_rounding / 16 + 2 * EPS * abs(density.total)
         return error + abs(
@@ -145,7 +146,7 @@ def too_thin(problem: Problem, table: Array) -> str:
 
 
 def position_rounding(found: SolvedZones) -> float:
-    """Rounding error of the ends as positions x [m], divided by the width of their zone.
+    """Rounding error of the ends in the coordinate x [m], divided by the width of each end's zone.
 
     Scaled ends of narrow zones far from x = 0 are more precise than x. The rounding is 0 where the
     digits that it cuts off are stated as well (`Solution.zone_remainders`).
@@ -270,8 +271,8 @@ class SolvedGaps(Solved):
         divided by the distance. It changes the pressure close to the gap, which varies on the
         length of the gap's width, by delta divided by that width.
         """
-        # The integral of the unknown over each gap is given. With such conditions no gap is treated
-        # as a slit, so `state` has no slits.
+        # The integral of the unknown over each gap is given. With such conditions no gap is
+        # replaced by a slit, so `state` has no slits.
         fields, state, gaps = self.fields, self.fields.state.whole, self.fields.gap_slope.zones
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]
@@ -341,7 +342,8 @@ class SolvedGaps(Solved):
 
     @property
     def _steepest(self) -> Array:
-        """Slope of the pressure in each zone near a tip of jump J: J / pi divided by the distance.
+        """Slope of the pressure in each zone near a tip with jump J of the slope: J / pi divided by
+        the distance.
 
         The distance is the smallest one for which the stated error holds.
         """

@@ -125,7 +125,7 @@ class _Samples:
 
 
 def _sampled(fields: GapFields) -> _Samples:
-    """Samples of the pressure at even angles; inside wide zones at even positions instead.
+    """Samples of the pressure at even angles, but at even positions inside wide zones.
 
     The even places are those of the samples that the fields compute anyway.
     """
@@ -175,7 +175,7 @@ def _sampled(fields: GapFields) -> _Samples:
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
-    """(intervals where a gap is missing at a concave kink, number of unresolved gaps)."""
+    """(intervals where a gap is missing at a concave kink, number of kinks with unresolved gaps)."""
     relief = fields.relief
     kinks = np.flatnonzero((relief.heights < 0) & ~fields.gap_slope.locate(relief.at)[2])
     if len(kinks) == 0:
@@ -189,7 +189,7 @@ def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
 
 
 def valley_gaps(fields: GapFields, kinks: Index) -> Array:
-    """Scaled half widths of single gaps at concave kinks, see contact.formulation.gaps."""
+    """Scaled half width of the single gap at each concave kink, see contact.formulation.gaps."""
     relief = fields.relief
     at, heights = relief.at[kinks], relief.heights[kinks]
     rest = fields.mean - relief.without_own(kinks) + fields.gap_slope.transform(at)

@@ -24,7 +24,7 @@ class SamplingOptions:
     max_points: int = 2**17  # largest number if the profile states its resolution
     max_guessed_points: int = 4000  # largest number if the resolution is a guess
     # Zooms around a minimum that touches zero, or at a kink, would not end. Each zoom narrows the
-    # bracket to a quarter or less, so that this many narrow it to 1/16384 or less.
+    # bracket to a quarter or less, and this many zooms narrow it to 1/16384 or less.
     max_zooms: int = 7
 
 
@@ -47,7 +47,7 @@ class Dips:
 
 
 def may_be_negative(before: Array, here: Array, after: Array) -> Mask:
-    """Whether a function with a minimum at three even samples may be negative between them.
+    """Whether a function with a minimum near three even samples may be negative between them.
 
     The parabola through the samples falls below the middle one by at most an eighth of their second
     difference.

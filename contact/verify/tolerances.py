@@ -10,8 +10,8 @@ class Tolerances:
     # Round-off of a sum of some hundred terms, relative to the largest term. It is the smallest
     # error that is stated, and the smallest pressure or gap whose sign is known.
     rounding: float = 4e-14
-    # Largest noise of the data; a larger contradiction is a fault. It bounds the noise by which a
-    # pressure may be negative, and the difference between the slope and the height of a profile.
+    # Largest noise of the data. Larger contradictions in the data are faults. The noise bounds how
+    # negative a pressure may be, and how much the slope and the height of a profile may differ.
     noise: float = 1e-6
 
     # Largest allowed error of load and moment: far above rounding, far below that of a wrong
@@ -30,7 +30,9 @@ class Tolerances:
 
     @property
     def kernel_rounding(self) -> float:
-        """Rounding of the half-plane's kernel, whose sums have a tenth as many terms."""
+        """Rounding of the half-plane's kernel, whose sums have a tenth as many terms as the other
+        sums.
+        """
         return self.rounding / 10
 
 

@@ -17,8 +17,8 @@ from contact.model.units import quantity
 from sie import Array
 
 FILLS = ("linear", "drop")
-# Rows from which a table counts as long. A shorter table may show a pattern, such as an even pitch,
-# by chance.
+# Number of rows from which a table counts as long. A shorter table may show a pattern, such as an
+# even pitch, by chance.
 LONG_TABLE = 32
 # Words that stand for a missing height, in lower case.
 _WORDS = (
@@ -81,8 +81,8 @@ def without_phrases(rows: list[Row], missing: Any) -> list[Row]:
 
 
 def is_comment(text: str) -> bool:
-    """Whether a row is a comment, which begins with #; an error value of a spreadsheet such as
-    #N/A is not one.
+    """Whether a row is a comment, which begins with #. An error value such as #N/A is no
+    comment.
     """
     return _COMMENT.match(text) is not None
 
@@ -131,7 +131,8 @@ def too_many(height: Array) -> bool:
 
 
 def marks(height: Array) -> str:
-    """A warning about a value that may mark missing heights, such as 0 or -32768; or "".
+    """A warning about a value that may mark missing heights (0 or -32768, say); "" if there is
+    none.
 
     Such a value is 0, or a repeated lowest or highest height. It is far from all others, or its
     neighbours differ from it by much more than other neighbours differ.
@@ -171,7 +172,7 @@ def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
 
 
 def spikes(x: Array, height: Array) -> str:
-    """A warning about single points far from all others; or ""."""
+    """A warning about single points far from all others; "" if there are none."""
     points = min(_LIMITS.median_points, height.size // 4 | 1)
     median = require("scipy.ndimage").median_filter(height, points, mode="mirror")
     level = np.polynomial.Polynomial.fit(x, median, 1)(x)

@@ -312,8 +312,8 @@ def _why_none(
 def _tables(
     rows: list[Row], layouts: list[Layout], places: tuple[int, ...] = (0, 1)
 ) -> list[tuple[int, list[str]]]:
-    """For each layout with which there are rows of numbers: the index of the first such row, and
-    its cells.
+    """For each layout that finds rows of numbers, the index of the first such row, and its
+    cells.
     """
     starts = ((layout, _first_of_two(rows, 0, layout, places)) for layout in layouts)
     return [(i, layout.cells(rows[i][1])) for layout, i in starts if i is not None]

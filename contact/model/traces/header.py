@@ -218,7 +218,7 @@ def mentioned(line: str) -> str | None:
         scale = scale_of(word)
         if scale in (None, 1.0) or isnan(scale) or len(word) < 2 or word.lower() in _NOT_IN_REMARKS:
             continue
-        # Short words that begin with a capital letter mean something else, such as Nm and MM.
+        # Short words that begin with a capital letter are not units of length: Nm, MM.
         if len(word) > 3 or not word[0].isupper():
             return str(word)
     return None

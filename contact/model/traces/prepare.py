@@ -377,7 +377,7 @@ def taper_ends(x: Array, height: Array, fraction: float) -> Array:
 
 
 def _pitch_behind_rounding(x: Array) -> float | None:
-    """The even pitch from which the positions arise by rounding; None if there is no such pitch."""
+    """The pitch of even positions whose rounded values are given; None if there is none."""
     n = x.size
     length = float(x[-1] - x[0])
     if n < LONG_TABLE or length <= 0:

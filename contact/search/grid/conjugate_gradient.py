@@ -61,7 +61,9 @@ class GridOptions:
 
     @property
     def rate_tolerance(self) -> float:
-        """Tolerance of the rates d level / d load and d moment / d tilt for Newton's steps."""
+        """Tolerance of the rates of level (displacement plus height) with load, and moment with
+        tilt.
+        """
         return self.first_tolerance**2
 
 
@@ -69,7 +71,7 @@ OPTIONS = GridOptions()
 
 
 class LevelOfFullGrid(OutOfRange):
-    """Raised if the given level is that of full contact on the grid.
+    """Raised if the given level (displacement plus height in contact) is that of full contact.
 
     The profile itself may still have a gap, as the mean height of a grid is not that of the
     profile.
@@ -259,12 +261,12 @@ class GridState:
 
     @property
     def full(self) -> bool:
-        """Whether every point of a period is in contact; false for a window."""
+        """Whether every point of a period is in contact; false for a single body on a window."""
         return self.influence.is_periodic and bool(np.all(self.pressure > 0.0))
 
     @property
     def touches_border(self) -> bool:
-        """Whether a cell at the border of a window is in contact."""
+        """Whether a cell at the border of a window (the search interval of one body) is in contact."""
         return not self.influence.is_periodic and bool(
             self.pressure[0] > 0.0 or self.pressure[-1] > 0.0
         )
@@ -279,7 +281,7 @@ def solve_grid(
     start: ArrayLike | None = None,
     tol: float = 1e-6,
 ) -> GridState:
-    """The contact of heights f on the grid, under a given load or level.
+    """The contact of heights f under a given load or level (displacement plus f in contact).
 
     f: heights, inf at points that never touch. start: a pressure to begin with. Its sum matters
     only under a given level, as the first guess of the load.
@@ -325,8 +327,8 @@ class _Run:
         self.f, self.influence, self.tol = f, influence, tol
         self.allowed: Mask = np.isfinite(f)
         self.lowest = float(np.min(f[self.allowed]))
-        # A constant in the heights f only shifts the level. The constant is subtracted first, so
-        # that no digits are lost later.
+        # A constant in the heights f only shifts the level (displacement plus height in contact).
+        # The constant is subtracted first, so that no digits are lost later.
         self.shape = np.where(self.allowed, f - self.lowest, 0.0)
         self.iterations = 0
 
@@ -469,7 +471,7 @@ class _Run:
         return level
 
     def at_level(self, level: float, guess: Array | None) -> GridState:
-        """The contact under a given level, by Newton's method on the load.
+        """The contact at a given level (displacement plus height), by Newton's method on the load.
 
         The level is a concave function of the load, as contact grows with the load. So a step from
         too small a load never overshoots. A step that leaves the bracket is replaced by the
@@ -506,8 +508,9 @@ class _Run:
                 if inf.is_periodic:
                     raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
                 if slope * load > OPTIONS.first_tolerance * depth:
-                    # The level still rises with the load, so this is not the largest approach. The
-                    # solutions were too inexact, as happens for a nearly incompressible layer.
+                    # The level (displacement plus height in contact) still rises with the load, so
+                    # this is not the largest approach. The solutions were too inexact, as happens
+                    # for a nearly incompressible layer.
                     return replace(state, converged=False)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
             guess = state.pressure

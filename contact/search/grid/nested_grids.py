@@ -225,7 +225,7 @@ def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> 
 
 @record
 class Request:
-    """Arguments of `propose`: the load or level, and the fineness of the nested grids.
+    """Arguments of `propose`: load or level (displacement plus height), and fineness of the grids.
 
     resolution: the smallest length of the shape. points: number of points of the last grid; None:
     as many as the resolution asks for, then doubled up to `max_points` while a zone or a gap is not
@@ -436,7 +436,7 @@ class _Window:
     def at_level(
         self, level: float, window: tuple[float, float], load: float
     ) -> tuple[float, float]:
-        """A window that contains the contact under a level, by Newton's method on the load.
+        """A window in which the contact has a level (displacement plus height), by Newton's method.
 
         The level is concave in the load up to its maximum. A tenth of the load is close enough.
         """
@@ -444,7 +444,8 @@ class _Window:
         for _ in range(SEARCH.max_steps):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
-            # A load as small as this does not change any digit of a level.
+            # A load as small as this changes no digit of the level (displacement plus height in
+            # contact).
             if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
                     raise OutOfRange(

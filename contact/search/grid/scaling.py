@@ -150,7 +150,9 @@ def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
         level: float | None = None,
         start: Window | None = None,
     ) -> Window:
-        """An interval [m] that contains the contact of these heights under a load or level."""
+        """An interval [m] with the contact of these heights, at a load or level (displacement +
+        height).
+        """
         start = start or first_window(profile)
         return find_window(height, response, load, level, profile.extent, start)
 
@@ -217,7 +219,7 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
 
 
 def _window_of_shape(profile: Profile) -> Window | None:
-    """An interval about the lowest place of a shape that is level far away, else None.
+    """An interval about the lowest place of a shape that is flat far away; None for other shapes.
 
     Such a shape states no resolution, and the points of a wide window may miss its lowest place.
     The window extends to where the shape has risen by half.
@@ -241,7 +243,8 @@ def _window_of_shape(profile: Profile) -> Window | None:
 
 
 def _deeper_place(profile: Profile, window: Window) -> float | None:
-    """A sampled place outside `window` that is lower than all samples inside, else None.
+    """A sampled place outside `window` that is lower than all samples inside; None if there is
+    none.
 
     Declared tips are tested, and places at increasing distances.
     """

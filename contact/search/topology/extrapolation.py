@@ -29,7 +29,7 @@ from sie import Array, Index, Mask, record
 
 @record
 class CurvePoint(sie.Kept):
-    """A solution on the curve, with the rates of its zone ends along the curve."""
+    """A solution on the curve, with the derivatives of its zone ends along the curve."""
 
     solution: Solution
 
@@ -64,7 +64,7 @@ class CurvePoint(sie.Kept):
 
     @cached_property
     def rates(self) -> tuple[Array, Array]:
-        """Rates of the ends and of the least gaps, per unit of ln(value of the control).
+        """Derivatives of the ends, and of the least gaps, by ln(value of the control).
 
         Returns the outward rates of the ends (n, 2) and the rates at which the least gaps open
         (k,).
@@ -74,14 +74,14 @@ class CurvePoint(sie.Kept):
         outward, opening = fields.rates(self.lowest[:, 0])
         if self.solution.scene.held(Quantity.WIDTH) is None:
             return outward, opening
-        # These rates are per unit of ln(load). As the control is the width, they are converted to
-        # rates per unit of ln(width).
+        # These derivatives are by ln(load). As the control is the width, they are converted to
+        # derivatives by ln(width).
         per_width = float(np.diff(self.zones, axis=1).sum()) / float(outward.sum())
         return outward * per_width, opening * per_width
 
     @cached_property
     def zone_motion(self) -> Motion:
-        """Middles and squared half widths of the zones, and their rates along the curve."""
+        """Middles and squared half widths of the zones, and their derivatives along the curve."""
         left, right = self.rates[0].T
         return Motion.of(self.zones, -left, right)
 
@@ -105,7 +105,7 @@ class Motion:
 
     @classmethod
     def of(cls, table: Array, left: Array, right: Array) -> Motion:
-        """Motion of the intervals `table`, from the rates of their left and right ends."""
+        """Motion of the intervals `table`, from the motions of their left and right ends."""
         with np.errstate(invalid="ignore"):
             half = 0.5 * (table[:, 1] - table[:, 0])
             values = np.array([0.5 * (table[:, 0] + table[:, 1]), half**2])
@@ -174,7 +174,7 @@ def _extrapolate(known: list[Motion], away: list[float], period: float | None) -
 
 
 def _hermite(away: Array) -> tuple[Array, Array]:
-    """Weights of values and of rates at the places `away`, for Hermite interpolation at 0."""
+    """Weights of the values and derivatives at the places `away`, for Hermite interpolation at 0."""
     differences = away[:, None] - away
     np.fill_diagonal(differences, 1.0)
     others = ~np.eye(len(away), dtype=bool)
