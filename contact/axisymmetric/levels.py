@@ -83,7 +83,7 @@ class Level:
 
 @dataclass(frozen=True)
 class LevelsSolution:
-    """All levels at one nominal pressure: the result of `solve_levels`.
+    """The asperities of all levels at one nominal pressure: the result of `solve_levels`.
 
     Parameters
     ----------
@@ -129,22 +129,22 @@ class LevelsSolution:
 
     @property
     def touching(self) -> tuple[bool, ...]:
-        """Whether each level is in contact."""
+        """Whether each level, the asperities of one shape and height, is in contact."""
         return tuple(spot is not None for spot in self.spots)
 
     @property
     def radii(self) -> Array:
-        """Radius [m] of the spots of each level; 0 for a level without contact."""
+        """Radius [m] of the spots of each level of equal asperities; 0 without contact."""
         return np.array([0.0 if s is None else s.radius for s in self.spots])
 
     @property
     def loads(self) -> Array:
-        """Load [N] of one spot of each level; 0 for a level without contact."""
+        """Load [N] of one spot of each level of equal asperities; 0 without contact."""
         return np.array([0.0 if s is None else s.load for s in self.spots])
 
     @property
     def shares(self) -> Array:
-        """Share of the nominal pressure that each level carries; the sum is one."""
+        """Share of the nominal pressure that the asperities of each level carry; the sum is one."""
         return (
             np.array([0.0 if s is None else s.load * s.density for s in self.spots])
             / self.nominal_pressure
@@ -297,7 +297,7 @@ class _Contact:
 
 
 def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
-    """Yield the levels in the order in which they begin to touch."""
+    """Yield the levels of equal asperities in the order in which they begin to touch."""
     active = [j for j, kind in enumerate(kinds) if kind.depth == 0.0]
     yield _Contact(list(active), 0.0, 0.0)
     while waiting := [j for j in range(len(kinds)) if j not in active]:
@@ -313,7 +313,7 @@ def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
 
 
 def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -> _Contact:
-    """The first touch of level j, on the surface deformed by the active levels."""
+    """The first touch of the asperities of level j, on the surface deformed by active levels."""
     last = inf
     try:
         for state in settled(kinds, _start(kinds, active, None, kinds[j].depth), closed_edge(j)):
@@ -398,7 +398,7 @@ def _kinds(
     densities: Sequence[float],
     around: Sequence[Sequence[Surroundings]] = (),
 ) -> list[Kind]:
-    """The kinds of spots, one for each level.
+    """The kinds of spots, one for each level (asperities of one shape and height).
 
     Without `around`, the surroundings of each kind are circles only, without single neighbours.
     """

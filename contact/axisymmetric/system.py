@@ -59,8 +59,7 @@ class Kind:
 class Source:
     """Effect of one kind of spots on another, as a weighted sum of a kernel over nodes.
 
-    The weights contain the transform w of the displacement. Here w is the transform of the source's
-    own displacement (head of this module).
+    The weights contain the transform w of the displacement of the first kind (head of this module).
     """
 
     nodes: Array
