@@ -136,9 +136,9 @@ def _causes(worst: _Worst) -> dict[str, float]:
     fall = float(modes.decay(zones, equation.kernel)[zone])
     # This is the round-off of places above 4 `EPS`, which every number has.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
-    # The right side is a cause only if its coefficients no longer decay or their number is at its
-    # limit. The fields of other zones are a cause only if the number of modes is at its limit or
-    # more modes do not help.
+    # The right side is a cause only if its coefficients no longer decay or have reached their
+    # largest number. The fields of other zones are a cause only if the number of modes is at its
+    # limit or more modes do not help.
     unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.OPTIONS.max_nodes
     grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
     return {
@@ -156,7 +156,7 @@ def _is_noisy(worst: _Worst) -> bool:
 
 
 def _of_resolution(worst: _Worst, tol: float) -> str:
-    """The largest cause from `_causes`, as a message; else round-off or the residual."""
+    """The largest cause from `_causes`, as a message; if none is large, round-off or the residual."""
     state, m, causes = worst.state, int(worst.state.system.layout.m[worst.zone]), _causes(worst)
     neighbour, rounded, noisy = causes["neighbour"], causes["places"], _is_noisy(worst)
     cause = max(causes, key=lambda name: causes[name])

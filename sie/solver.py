@@ -172,7 +172,9 @@ def solve(
 
 
 def _solve(equation: Equation, zones: Zones, tol: float, solutions: Iterator[Solution]) -> Solution:
-    """The first of ever more accurate solutions that meets the tolerance; else NotConverged."""
+    """The first of ever more accurate solutions that meets the tolerance; NotConverged if none
+    does.
+    """
     try:
         found = _best(solutions, tol)
     except SingularSystem as error:
@@ -224,7 +226,9 @@ def _solvable(equation: Equation, zones: Zones) -> bool:
 
 
 def _best(solutions: Iterator[Solution], tol: float) -> Solution:
-    """The first of ever more accurate solutions that meets the tolerance; else the best."""
+    """The first of ever more accurate solutions that meets the tolerance; the best one if none
+    does.
+    """
     best = next(solutions)
     while best.error > tol and (found := next(solutions, None)) is not None:
         best = found if found.error < best.error else best
@@ -232,7 +236,7 @@ def _best(solutions: Iterator[Solution], tol: float) -> Solution:
 
 
 def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
-    """Solutions on zones with fixed ends: first to the tolerance, then to round-off."""
+    """Solutions on zones with fixed ends, first to the wanted tolerance and then to round-off."""
     for decay in (max(OPTIONS.parts[0] * tol, EPS), EPS):
         yield _with_errors(solve_zones(equation, zones, decay))
         if _unresolvable(equation, zones, tol):
@@ -252,7 +256,9 @@ def _free(
 
 
 def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
-    """The solution with its stated errors; search: the search for its free ends, if any."""
+    """The solution with its stated errors; `search` is the search for the free ends, if any are
+    free.
+    """
     zones, value = state.density.zones, None if search is None else search.value
     if search is not None and not search.converged:
         unknown = np.full(len(zones), math.inf)

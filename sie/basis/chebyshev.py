@@ -17,7 +17,7 @@ from sie.basis.sums import OPTIONS
 
 @lru_cache(maxsize=64)
 def angles(n: int) -> Array:
-    """Angles k pi/(n + 1), k = 0 ... n + 1: both ends and the n zeros of Chebyshev's U_n.
+    """Angles k pi/(n + 1), k = 0 ... n + 1, of both ends and of the n zeros of Chebyshev's U_n.
 
     t = cos(theta) runs from +1 down to -1.
     """
@@ -92,7 +92,7 @@ def u_values(g: Array, t: Array) -> Array:
 
 
 def project_rows(values: Array) -> Array:
-    """`u_coefficients` along the first axis of a table: from node values to coefficients."""
+    """Coefficients (see `u_coefficients`) from node values along the first axis of a table."""
     return u_coefficients(values.T).T
 
 
@@ -108,7 +108,7 @@ def slopes(values: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def gauss(n: int) -> Array:
-    """Zeros of T_n: nodes of Gauss's rule for the weight 1 / sqrt(1 - t^2).
+    """Zeros of T_n, which are the nodes of Gauss's rule for the weight 1 / sqrt(1 - t^2).
 
     All weights of the rule are pi / n.
     """

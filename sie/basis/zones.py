@@ -93,8 +93,8 @@ def free_with_intensity(intensity: float) -> End:
     return End(moves=True, intensity=inputs.number("the intensity of an end", intensity))
 
 
-# Largest accepted relative difference between symmetric data and their mirror images: round-off
-# with a wide margin.
+# Largest accepted relative difference between symmetric data and their mirror images. It is well
+# above round-off.
 MAX_ASYMMETRY = 1e-6
 
 
@@ -309,5 +309,5 @@ class Zones(Kept):
 
     @property
     def central(self) -> bool:
-        """Whether the zones are symmetric and one of them contains the centre x = 0."""
+        """Whether the zones are symmetric and one of these zones contains the centre x = 0."""
         return self.symmetric and len(self) % 2 == 1

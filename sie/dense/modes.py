@@ -64,7 +64,7 @@ class ModeOptions:
 
 OPTIONS = ModeOptions()
 
-# Decay rate that stands for a zone without neighbours: exp(-ALONE) is the smallest normal number.
+# Decay rate that is used for a zone without neighbours. The smallest normal number is exp(-ALONE).
 ALONE = -math.log(np.finfo(float).tiny)
 COUPLED_SIZES = np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 12]).ravel()))
 
@@ -145,7 +145,7 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
             [np.inf],
         )
     )
-    # Singularities at the ends of the zone do not count, only those strictly outside it.
+    # Only singularities strictly outside the zone count, not those at the zone's ends.
     left, right = (
         at[np.searchsorted(at, zones.a) - 1],
         at[np.searchsorted(at, zones.b, side="right")],
@@ -236,7 +236,7 @@ class Samples:
 def sample(
     forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tolerance: float, largest: int
 ) -> Samples:
-    """Sample the right side on each zone; double the nodes until the coefficients have decayed.
+    """Sample the right side on each zone, with more nodes until its coefficients have decayed.
 
     A symmetric set is sampled on its right half only. The decay is measured relative to the
     coefficients of the smooth part or of the subtracted jumps, whichever are larger. Under a wedge,
@@ -281,10 +281,10 @@ def sample(
                 last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))
             ) & (n < largest)
             grow &= (n < OPTIONS.max_nodes) | (last <= OPTIONS.nearly_decayed * scale)
-            # If the right side g jumps, the last of n coefficients decrease as 1/n; if they are
-            # round-off, as 1/sqrt(n). So coefficients that decrease more slowly than n^-0.75 are
-            # round-off. This is tested for the last two numbers of nodes, since next to knots one
-            # of them may agree by chance.
+            # If the right side g jumps, the last of n coefficients decrease as 1/n. If the last
+            # coefficients are round-off, they decrease as 1/sqrt(n). So coefficients that decrease
+            # more slowly than n^-0.75 are round-off. This is tested for the last two numbers of
+            # nodes, since next to knots one of them may agree by chance.
             slow = (tails[group, 1] >= 0) & (
                 last[:, None] > tails[group] * (sizes[group] / n) ** 0.75
             ).all(axis=1)
@@ -358,7 +358,7 @@ def _values(
     # below the last digit.
     rest = zones.rest[:, group][:, :, None]
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
-    # Arrays of the nodes of all zones, one zone after the other.
+    # These are arrays of the nodes of all zones, one zone after another.
     of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
     if float(place_rounding(zones, group).max()) > SUM_ROUNDING:
         # The slope of g is needed. Jumps of g are removed first, so that values on both sides of a

@@ -70,7 +70,7 @@ class Layout:
 
     @cached_property
     def given(self) -> Mask:
-        """Mask of the entries that are unknowns in a (zones, max m + 1) table of coefficients."""
+        """Mask of those entries of a (zones, max m + 1) table of coefficients that are unknowns."""
         return np.asarray(np.arange(int(self.m.max()) + 1) <= self.m[:, None])
 
     def padded(self, y: Array) -> Array:
@@ -80,7 +80,8 @@ class Layout:
         return out
 
     def flat(self, table: Array) -> Array:
-        """The array of unknowns with the coefficients of the table; amplitudes are zero.
+        """The array of unknowns with the coefficients of a table, and with zeros for the
+        amplitudes.
 
         It is the inverse of `padded`.
         """
@@ -91,7 +92,9 @@ class Layout:
 
 @record
 class Targets:
-    """Points on zones: index of the zone, distances from its left and right end, position."""
+    """Points on zones, given by the zone's index, the distances from its two ends, and the
+    position.
+    """
 
     zone: Index
     left: Array
@@ -605,7 +608,7 @@ def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, 
 
 @record
 class MirrorSymmetry:
-    """Selection of the unknowns that are kept: half of all for symmetric zones, else all.
+    """Selection of the unknowns that are solved for: half of all for symmetric zones, else all.
 
     whole: number of all unknowns; size: number of kept ones; keep: indices of the kept ones. The
     unknowns at `follow` are `sign` times those at `source`.

@@ -70,7 +70,8 @@ class DensityBase(Kept):
         return np.abs(value), np.abs(by_left), np.abs(by_right)
 
     def largest_changes(self, zones: Index, angles: list[Array]) -> Array:
-        """Largest value on each zone of each of the three `change_sizes`: shape (3, Z).
+        """Largest value, on each zone, of each of the three quantities `change_sizes`: shape (3,
+        Z).
 
         zones: the zones to evaluate, the others have zero; angles: the angles of each of these.
         """

@@ -17,7 +17,7 @@ from sie.trees.far import reaches
 
 @dataclass(frozen=True, eq=False)
 class Density(Series):
-    """The density phi(x): on each zone a Chebyshev series plus closed forms of the jumps.
+    """The density phi(x), on each zone the sum of a Chebyshev series and closed forms of jumps.
 
     The series is sum_j c_j T_j(t) / sqrt(1 - t^2), -1 < t < 1. Calling the object gives phi at
     points of the line, zero off the zones. `transform`, `potential` and `transform_slope` also take

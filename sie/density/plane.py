@@ -50,7 +50,7 @@ _FAR = float(np.exp(-decay_rate(SEPARATION)))
 
 
 class Plane:
-    """The fields of a density at complex points: transform, its derivative, and potential."""
+    """The transform of a density, the transform's derivative, and the potential, at complex points."""
 
     def __init__(self, density: Series) -> None:
         self.density = density

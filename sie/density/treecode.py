@@ -66,7 +66,9 @@ class Treecode:
         return self._summed(x, self.potential_series, True)
 
     def _summed(self, x: Array, series: Array, potential: bool) -> Array:
-        """Field at points x: the series of the point's cell plus closed forms of near zones."""
+        """Field at points x, as the sum of the series of the point's cell and closed forms of near
+        zones.
+        """
         out = np.empty(len(x))
         order = np.argsort(x, kind="stable")
         cell = np.searchsorted(self.ends, x[order], side="right") - 1

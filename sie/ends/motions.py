@@ -90,7 +90,7 @@ class Moved:
 
 
 class FreeEnds:
-    """The free ends of a state as pairs (side, zone); of symmetric zones, only the right half."""
+    """The free ends of a state as pairs (side, zone), only those of the right half if symmetric."""
 
     def __init__(self, state: State) -> None:
         zones = state.density.zones

@@ -328,8 +328,8 @@ def _check_rise(
                 + OPTIONS.max_slope_error * size
                 + SUM_ROUNDING * np.abs(ends).max(axis=1) / (2 * h)
             )
-            # Values that are not finite are skipped. Zones are skipped, too, if they are so narrow
-            # that the interval, which the round-off of places makes longer, is too long for them.
+            # Values that are not finite are skipped. The round-off of places makes the intervals
+            # longer. Zones that are too narrow for these intervals are also skipped.
             missed = 2 * h * np.maximum(low - slack - rise, rise - high - slack)
             wrong &= (missed > 0.0) & (missing >= 0.5 * np.sqrt(longer / h) * missed)
             wrong &= (h < 0.1 * half) & np.isfinite(g).all(axis=1)

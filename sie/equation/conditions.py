@@ -54,7 +54,8 @@ class Rows(Protocol):
         """Integral of the density over each solved zone."""
 
     def levels(self) -> Linear:
-        """Level of each solved zone: mean of the potential minus the primitive of the right side.
+        """Level of each solved zone, the mean of the potential minus the primitive of the right
+        side.
 
         The weight of the mean is 1 / sqrt(1 - t^2).
         """
@@ -77,7 +78,7 @@ class Rows(Protocol):
         """The amplitude of the equation's term `columns[k]`."""
 
     def multiplicity(self) -> Array:
-        """Number of zones that each solved zone stands for: 2 with a mirror image, else 1."""
+        """Number of zones that each solved zone represents, 2 with a mirror image and 1 without."""
         weight = np.ones(len(self.zones.solved))
         if self.zones.symmetric:
             weight[1 if self.zones.central else 0 :] = 2.0
@@ -85,7 +86,7 @@ class Rows(Protocol):
 
 
 class Condition:
-    """Base class of side conditions: linear equations for the density and the amplitudes.
+    """Base class of side conditions, which are linear equations for the density and the amplitudes.
 
     A user's condition has a method `rows(system)`. It returns (matrix, constants, values) of the
     shapes (count, unknowns), (count,), (count,), which stand for matrix @ unknowns + constants =
@@ -126,7 +127,7 @@ class Condition:
         return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
-        """(matrix, constants, values): matrix @ unknowns + constants = values."""
+        """(matrix, constants, values) of the condition matrix @ unknowns + constants = values."""
         raise NotImplementedError
 
 
@@ -208,7 +209,7 @@ class Trial(Rows):
 
     @property
     def _scaled(self) -> Array:
-        """Matrix of the integrals over zones: pi times the half width times `first`."""
+        """Matrix of the integrals over zones, that is, pi times the half width times `first`."""
         return np.asarray(np.pi * self.zones.half[self.zones.solved][:, None] * self.first)
 
     def totals(self) -> Linear:
@@ -278,7 +279,7 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
 
 
 def summed(system: Rows, of_zones: Linear, value: float) -> tuple[Array, Array, Array]:
-    """(matrix, constants, values) of one row: the sum of a quantity over all zones is `value`."""
+    """(matrix, constants, values) of one row, by which a quantity's sum over all zones is `value`."""
     weight = system.multiplicity()
     return (weight @ of_zones[0])[None], np.array([weight @ of_zones[1]]), np.array([value])
 
@@ -598,7 +599,9 @@ class EndCondition(Protocol):
     """A condition that contains only the ends of the zones, not the density."""
 
     def residual(self, zones: Zones) -> tuple[float, Array, Array]:
-        """(residual, derivatives by outward motions of left ends (n,) and right ends (n,))."""
+        """(residual of the condition, its derivatives by outward motions of left and of right ends
+        (n,)).
+        """
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from sie.equation.forcing import Forcing
 
 
 class CountError(ValueError):
-    """Raised if the number of side conditions is wrong; the message says what it should be.
+    """Raised if the number of side conditions is wrong; the message says the right number.
 
     Examples
     --------

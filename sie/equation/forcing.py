@@ -128,7 +128,7 @@ class Jumps(Kept):
 
     @cached_property
     def of_order_zero(self) -> tuple[Array, Array]:
-        """(positions, heights) of the jumps of order 0: of the function, not of a derivative."""
+        """(positions, heights) of the jumps of the function itself (order 0), not of a derivative."""
         which = np.asarray(self.orders) == 0
         return self.at[which], self.heights[which]
 
@@ -246,7 +246,7 @@ class Forcing(Kept):
         object.__setattr__(self, "within", _interval("within", self.within))
 
     def trusted(self) -> "Forcing":
-        """The same function, declared correct: `sie` does not check its values and primitive.
+        """This function, declared correct, so that `sie` does not check its values and primitive.
 
         Returns
         -------
@@ -275,7 +275,9 @@ class Forcing(Kept):
 
     @property
     def logarithms(self) -> tuple[Array, Array]:
-        """(positions, heights) of the wanted density's own jumps; there g has a logarithm."""
+        """(positions, heights) of jumps of the wanted density itself; there the right side is
+        logarithmic.
+        """
         return self.jumps.of_order_zero if self.jumps.of_density else NO_JUMPS.of_order_zero
 
     @property

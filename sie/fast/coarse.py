@@ -15,7 +15,8 @@ class CoarseOptions:
     """Options of the coarse problem, which has one unknown c_0 for each zone."""
 
     # Relative accuracy of the hierarchical inverse of the coarse matrix. The error of the coarse
-    # problem is larger, since it neglects how the field of one zone varies over another one.
+    # problem is larger, since the problem neglects how the field of one zone varies over another
+    # zone.
     tolerance: float = 1e-4
     # The inverse is reused for moved zones if ends have moved by less than this number of widths in
     # the mean. No end may have moved by more than one width.

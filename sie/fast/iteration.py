@@ -53,7 +53,7 @@ class Iterative:
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
         # Changes of the solution by random errors of the rows, and the sizes of these errors as
-        # bytes. `states.rounding` computes and stores them.
+        # bytes. `states.rounding` computes and stores these changes and sizes.
         self.random_changes: tuple[tuple[bytes, bytes], list[Array]] | None = None
 
     @property
@@ -66,7 +66,7 @@ class Iterative:
         return np.concatenate((rows, condition_rows(system.equation, view, 1)[0][:, 0]))
 
     def right(self) -> Array:
-        """The right side of all rows: of the equation, then of its side conditions."""
+        """The right sides of the equation's rows, followed by those of its side conditions."""
         system, none = self.system, np.zeros(len(self.system.zones.solved))
         values = condition_rows(
             system.equation, Applied(system, np.zeros(system.layout.size), none, none), 1
@@ -86,7 +86,7 @@ class Iterative:
         tolerance: float | None = None,
         taken: Callable[[Array], Array] | None = None,
     ) -> Array:
-        """Solve for the kept unknowns ("folded": half of all if the zones are symmetric).
+        """Solve for the kept unknowns, which are half of all unknowns if the zones are symmetric.
 
         near: a first guess; tolerance: replaces the tolerance of the solver; taken: a linear map of
         the unknowns that is subtracted from the rows.
@@ -142,7 +142,7 @@ class Iterative:
         return np.maximum(out, out[::-1]) if zones.symmetric else out
 
     def scale_of(self, folded: Array) -> Array:
-        """Scale of each unknown: the largest unknown of its zone, bounded below.
+        """Scale of each unknown, which is the largest unknown of the same zone, bounded below.
 
         The scale of amplitudes is 1.
         """

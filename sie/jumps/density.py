@@ -193,8 +193,8 @@ class DensityJumps(ForcingJumps):
         """
         s, q, on_right = self.s[k], self.order[k], left > self.left[k]
         inner = np.where(on_right, theta(left, right), theta(right, left))
-        # Integrals from the left end follow by reflection: t and s change their signs, and so does
-        # (tau - s)^q for odd q.
+        # Integrals from the left end follow by reflection. The signs of t and s change, and for odd
+        # q also that of (tau - s)^q.
         shift = np.where(on_right, s, -s)
         sine, cosine = np.sin(inner), np.cos(inner)
         first = sine - inner * cosine
@@ -240,7 +240,7 @@ class DensityJumps(ForcingJumps):
         return out + self.poles.potential(zone, seen) if len(self.poles) else out
 
     def of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
-        """Potential of density jumps k, divided by w h / pi (w: half width, h: jump's height).
+        """Potential of density jumps k, divided by w h / pi with the half width w and the height h.
 
         The term c_0 log(w), with c_0 = total / (pi w), is left out.
 

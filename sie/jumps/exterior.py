@@ -21,7 +21,7 @@ from sie.jumps.formulas import OPTIONS
 
 @record
 class ExteriorLogarithms(PerZone):
-    """Pairs (zone, logarithm of the right side that is outside this zone but close to it).
+    """Pairs of a zone and of a logarithm of the right side outside the zone but close to it.
 
     zone: the zone; which: index of the logarithm; rho: s - sgn(s) sqrt(s^2 - 1) of its position s
     in half widths from the middle of the zone; weight: its factor J/pi in the right side.

@@ -105,11 +105,11 @@ class PlacedJumps(PerZone):
         return np.asarray(slope[k] * t + constant[k])
 
     def turn(self, k: Index, away: Array) -> Array:
-        """The factor of (t - s)^q in the transform on the zone; away: t - s, with the jump at s."""
+        """The factor of (t - s)^q in the transform on the zone, for a jump at s; `away` is t - s."""
         return np.where(away > 0, self.psi[k], -self.phi[k])
 
     def turn_off(self, k: Index, rho: Array) -> Array:
-        """The factor of (z - s)^q in the transform at points z off the zone; jump at s."""
+        """The factor of (z - s)^q in the transform at points z off the zone, for a jump at s."""
         return np.asarray(2 * np.arctan2(rho * self.sine[k], 1 - rho * np.cos(self.phi[k])))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
@@ -208,7 +208,9 @@ class PlacedJumps(PerZone):
 
     # The methods below give the series of jumps k.
     def sine_weights(self, k: Index, j: Array) -> Array:
-        """Weights b_j of jumps k: for order 0, density = height/pi sum_j (2/j) b_j sin(j theta)."""
+        """Weights b_j of jumps k; for order 0, the density is height/pi sum_j (2/j) b_j sin(j
+        theta).
+        """
         from_left = (self.psi < self.phi)[k][:, None]
         sines = np.sin(j * np.minimum(self.phi, self.psi)[k][:, None])
         return np.asarray(np.where(from_left & (j % 2 == 0), -sines, sines))

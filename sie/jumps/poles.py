@@ -98,7 +98,7 @@ class AlgebraicPoints:
 
     @cached_property
     def weights(self) -> Complex:
-        """The factor of the poles' coefficients that is the same for all poles of a point."""
+        """The common factor of the coefficients of all poles that represent an algebraic point."""
         p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
         # With angles in degrees, the zeros of sine and cosine are exact, so that a polynomial has
         # no poles.

@@ -97,7 +97,7 @@ class ForcingJumps(PlacedJumps):
     def placed(
         cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None
     ) -> Self:
-        """The jumps that lie inside zones; none of them are replaced by splines."""
+        """The jumps that lie inside zones, with no jump replaced by a spline."""
         at, i, inside = cls.located(zones, at, period)
         i, at, q = i[inside], at[inside], orders[inside]
         w = zones.half[i]
@@ -486,7 +486,7 @@ class ForcingJumps(PlacedJumps):
 
     @property
     def near(self) -> ExteriorLogarithms:
-        """Logarithms of the right side close to zones but outside of them: none here."""
+        """Logarithms of the right side close to zones but outside these zones; here there are none."""
         return NOWHERE
 
     @cached_property

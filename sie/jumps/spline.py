@@ -209,7 +209,9 @@ class QuadraticSpline(Kept):
 
     @property
     def edge_slopes(self) -> tuple[float, float]:
-        """Derivatives of the spline by the angle at the zone's ends: zero, as it vanishes there."""
+        """Derivatives of the spline by the angle at the zone's ends; zero, as the spline is zero
+        there.
+        """
         return 0.0, 0.0
 
     @property
@@ -353,8 +355,8 @@ class ConjugateSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, g: Callable[[Array], Array]
     ) -> "tuple[ConjugateSpline, Array, Array] | None":
-        """(spline, zeros for the remaining jumps, position and height of an added jump); None on
-        failure.
+        """(spline, zeros for remaining jumps, place and height of an added jump); None if jumps of
+        g differ.
 
         The spline is g less a function of two quadratic pieces that has the values and slopes of g
         at both ends. The added jump is that of the second derivative where the two pieces meet. The
@@ -417,7 +419,8 @@ class ConjugateSpline(Kept):
 
     # The methods below integrate the spline g times smooth functions.
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
-        """(angles phi, weights): int g F dphi = sum of weights * F(phi) for spline g, smooth F.
+        """(angles phi, weights) of the rule int g F dphi = sum of weights * F(phi), spline g,
+        smooth F.
 
         F is any function that is smooth between the cuts.
         """
@@ -428,8 +431,8 @@ class ConjugateSpline(Kept):
         panel = np.clip(np.searchsorted(cuts, phi, side="right") - 1, 0, len(cuts) - 2)
         half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
         u = (phi - middle[panel]) / half[panel]
-        # The moments of the spline with the Chebyshev polynomials are computed on each panel.
-        # Weights at Gauss-Chebyshev nodes with the same moments follow from them.
+        # The moments of the spline with the Chebyshev polynomials are computed on each panel. The
+        # weights at Gauss-Chebyshev nodes follow from these moments.
         moments = np.empty((len(half), TERMS))
         one, two = np.ones(len(u)), u
         for k in range(TERMS):
@@ -480,7 +483,7 @@ class ConjugateSpline(Kept):
 
     # The methods below give the transform and the density on the zone.
     def own_transform(self, left: Array) -> Array:
-        """Transform of the density on the zone: the spline minus the spline's mean over theta."""
+        """Transform of the density on the zone, that is, the spline minus its mean over theta."""
         return self.spline(left) - self.mean
 
     @cached_property
@@ -588,7 +591,7 @@ class ConjugateSpline(Kept):
 
 
 def _graded(first: float, last: float) -> Array:
-    """Ends of panels from 0 to pi: lengths `first` and `last` at the ends, doubling inwards.
+    """Ends of panels from 0 to pi, with lengths `first` and `last` at the ends that double inwards.
 
     No inner panel is longer than its distance from 0 and from pi.
     """

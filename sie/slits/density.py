@@ -175,7 +175,7 @@ class SlitDensity(DensityBase):
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by a zone and distances from the zone's ends in half widths."""
         zone = np.asarray(zone, dtype=np.intp)
-        # A given zone without adjacent slits is solved as it is, like a wide zone with no slits.
+        # A given zone without adjacent slits is also one of the wide zones.
         if not self.geometry.next_to_slit[zone].any():
             return self._edged.at(self.geometry.piece_zone[zone], left, right)
         geometry, wide = self.geometry, self.geometry.wide
@@ -442,7 +442,9 @@ class SlitDensity(DensityBase):
         )
 
     def _on_line(self, x: Array, potential: bool) -> Array:
-        """Transform or potential at real x: far field of the wide zones, corrected near slits."""
+        """Transform or potential at real x, as the far field of the wide zones with a correction
+        near slits.
+        """
         flat = x.ravel()
         out = np.array(self.whole.potential(flat) if potential else self.whole.transform(flat))
         self._add_slits(flat, out, potential)

@@ -271,7 +271,9 @@ class SlitKink(Kept):
         )
 
     def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
-        """`outside_slit` by quadrature: (X/pi) int psi / (X (t - tau)) dtau, X = sqrt(1 - t^2)."""
+        """`outside_slit` by quadrature of (X/pi) int psi / (X (t - tau)) dtau, with X = sqrt(1 -
+        t^2).
+        """
         lefts = self.seen[0]
         inward = np.where(past[:, None], self.start + 2 * self.half - lefts, lefts - self.start)
         away = np.where(past, 1.0, -1.0)[:, None] * (self.half * outside[:, None] + inward)
@@ -324,7 +326,7 @@ class SlitKink(Kept):
 
 
 def _spread_powers(left: Array, right: Array) -> tuple[Array, Array, Array, Array]:
-    """Means over places z' of the slit of (z - z')^k where z > z', else 0; k = 0, 1, 2, 3.
+    """Means, over places z' of the slit, of (z - z')^k if z > z' and of 0 otherwise, k = 0 ... 3.
 
     The mean over z' has the weight 1 / (pi sqrt(1 - z'^2)). left, right: distances of z from the
     slit's ends, in its half widths.

@@ -241,8 +241,8 @@ class SlitSystem(Kept):
         y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
         slack = self.slack(d, homogeneous)
-        # All zones have the same number of coefficients in the tables: the largest number that any
-        # zone needs.
+        # In the tables, all zones have the same number of coefficients. It is the largest number
+        # that any zone needs.
         count = max(
             int(system.layout.m.max()) + 1,
             OPTIONS.min_slack_modes + 1,
@@ -384,7 +384,7 @@ class SlitState(Answered):
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slit_system.slits, self.density.series, strict=True):
             for d in row:
-                # The last two coefficients are compared with the two before, because every other
+                # The last two coefficients are compared with the two before, because every second
                 # coefficient may vanish by symmetry.
                 last, before = np.abs(d[-2:]).max(), np.abs(d[-4:-2]).max()
                 fall = min(last / before, 1.0) if before > 0 else 0.0

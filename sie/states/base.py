@@ -22,7 +22,7 @@ from sie.fast.iteration import Iterative
 from sie.jumps.right_side import ForcingJumps
 from sie.states.sizes import Sizes
 
-# Solver of the assembled rows for further right sides: LU factors, or an iteration.
+# Solver of the equation's system for further right sides, by LU factors or by an iteration.
 Solver = Factored | Iterative
 
 
@@ -62,7 +62,9 @@ class Answered(Kept):
         return np.cumsum([0, *counts], dtype=np.intp)[:-1]
 
     def values(self, condition: int = 0, change: float = 1.0) -> Array:
-        """Changes of all side conditions' values: `change` for the given condition, else zero."""
+        """Changes of all side conditions' values, which are `change` for the given condition, else
+        zero.
+        """
         out = np.zeros(len(self.whole.condition_scale))
         out[self.condition_index[condition]] = change
         return out
@@ -89,7 +91,7 @@ class Answered(Kept):
 
 @dataclass(frozen=True, eq=False)
 class Solved(Answered):
-    """Base class of `State`: its fields, and the solution's responses to changed conditions."""
+    """Base class of `State` with the data of a solution, and its responses to changed conditions."""
 
     density: Density
     system: System

@@ -25,8 +25,8 @@ def intensity_rounding(state: Solved) -> Array:
     """Round-off of the intensity K at the left and right end of each zone, (2, Z)."""
     density, system = state.density, state.system
     zones = density.zones
-    # The round-off is relative to the right side and the fields, which are subtracted from each
-    # other, however small their difference is.
+    # The right side and the fields are subtracted from each other. The round-off is relative to
+    # these terms, however small their difference is.
     subtracted = (
         sum(
             by_rows(lambda rows: np.abs(rows).sum(axis=1), table)

@@ -32,8 +32,8 @@ class SolveOptions:
 
     # From this number of unknowns on, fast sums cost less than a matrix (measured on one core).
     min_fast_unknowns: int = 600
-    # Largest number of unknowns for a matrix: such a matrix and its LU factors need more than six
-    # gigabytes of memory.
+    # Largest number of unknowns for which a matrix is used. This matrix and its LU factors need
+    # more than six gigabytes of memory.
     max_matrix_unknowns: int = 20_000
 
 
@@ -41,7 +41,8 @@ OPTIONS = SolveOptions()
 
 
 class SingularSystem(ArithmeticError):
-    """The assembled system has no unique solution: the side conditions depend on each other.
+    """The assembled system has no unique solution, because its side conditions depend on each
+    other.
 
     Examples
     --------
@@ -354,7 +355,7 @@ def _state(
 
 
 def rows_of(state: State) -> Array:
-    """The matrix with which the state was solved; one column for each kept unknown."""
+    """The matrix with which the state was solved, with one column for each unknown solved for."""
     direct = state.direct
     return (
         direct.rows

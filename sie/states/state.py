@@ -78,7 +78,9 @@ class State(Solved):
 
     @cached_property
     def size(self) -> float:
-        """The largest coefficient of the density on all zones; scale of `density_error`."""
+        """The largest coefficient of the density on all zones, to which `density_error` is
+        relative.
+        """
         return float(self.zone_sizes.max())
 
     @cached_property

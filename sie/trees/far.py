@@ -19,7 +19,7 @@ from sie.basis.zones import Zones
 from sie.trees.panels import panels_over
 from sie.trees.tree import TERMS, Tree, interactions
 
-# Factors of the moments in the Chebyshev series: 1 for k = 0, else 2.
+# Factors of the moments of order k in the Chebyshev series, which are 1 for k = 0, else 2.
 _TWICE = np.sign(np.arange(TERMS)) + np.ones(TERMS)
 
 
@@ -52,7 +52,8 @@ class Nested:
 
     @cached_property
     def _place(self) -> tuple[Array, Array]:
-        """(alpha, beta): each node is the interval alpha + beta s in its parent's variable.
+        """(alpha, beta) of each node, which is the interval alpha + beta s in its parent's
+        variable.
 
         The variable s of a node runs from -1 to 1 on its hull.
         """
@@ -104,7 +105,7 @@ class Nested:
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
 
     def _slices(self) -> list[slice]:
-        """Slices of nodes, level by level; of `cache_pairs` nodes if matrices are not stored."""
+        """Slices of nodes, one for each level of the tree; shorter ones if matrices are not stored."""
         levels, most = self.tree.levels, len(self.tree) if self.kept else SUMS.cache_pairs
         bounds = zip(levels[1:-1], levels[2:], strict=True)
         return [
@@ -141,7 +142,7 @@ class Nested:
 
 
 class FarSum:
-    """Field of far zones on targets: series of the transform, and potential at the middle."""
+    """Field of far zones on targets, as a series of the transform and the potential at the middle."""
 
     def __init__(self, sources: Nested, targets: Nested, kernel: Kernel) -> None:
         self.sources, self.targets, self.kernel = sources, targets, kernel

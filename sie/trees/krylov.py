@@ -13,7 +13,7 @@ from sie.basis.data import Array, record
 
 @record
 class Iterated:
-    """Result of GMRES: the solution x, the norm of its residual, and the number of steps."""
+    """Result of GMRES, with the solution x, the norm of the residual, and the number of steps."""
 
     x: Array
     residual: float

@@ -218,7 +218,7 @@ class Panels(Kept):
             kernel = np.zeros((length, TERMS, TERMS))
             kernel[lag % length] = self._table(potential)[lag + low - self.first + self.farthest]
             # Only the last transform is stored, since repeated sums over the same zones use the
-            # same one.
+            # same transform.
             self._transforms.pop(
                 next((k for k in self._transforms if k[0] == potential), key), None
             )

@@ -31,9 +31,9 @@ from sie.trees.tree import SEPARATION, TERMS, Tree
 class CellOptions:
     """Options of the cells into which the line is divided for a piecewise function."""
 
-    # A cell is halved if more than `max_jumps` jumps are near it, or if two of these are closer
-    # together than `min_distance` of its length. On a longer cell the terms of these jumps would be
-    # much larger than the function f.
+    # A cell is halved if more than `max_jumps` jumps are near the cell. It is also halved if two of
+    # these jumps are closer together than `min_distance` of the cell's length. On a longer cell the
+    # terms of these jumps would be much larger than the function f.
     max_jumps: int = 12
     min_distance: float = 0.2
 
@@ -236,7 +236,7 @@ def clenshaw(table: Array, cell: Index, t: Array) -> Array:
 
 
 def _cells(ends: Array, at: Array) -> Array:
-    """Ends of the cells: pieces of f, halved until few of the jumps `at` are near each cell."""
+    """Ends of the cells, which are pieces of f, halved until few jumps `at` are near each cell."""
     between = np.append(np.diff(at), np.inf)
     while True:
         length = np.diff(ends)

@@ -147,7 +147,7 @@ class Seen:
 
 def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
     """The skeleton of the kernel's regular part on the zones; None if its rank is too high."""
-    # To find that the rank is too high takes longest. So this result is stored for the number of
+    # It takes longest to find that the rank is too high. So this result is stored for the number of
     # zones, and no other skeleton is tried for this number.
     key, too_high = zones.table.tobytes(), ("rank", len(zones))
     if too_high in kernel.kept_panels:
