@@ -353,7 +353,7 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
 
 @record
 class _PeriodicPoles:
-    """Poles that represent the algebraic points of a periodic slope.
+    """Poles that represent a periodic slope near points where it is a power of the distance.
 
     A pole with distance eta from the line is stored as tanh(pi eta/L) and a coefficient, L the
     period.

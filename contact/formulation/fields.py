@@ -26,8 +26,9 @@ class FieldOptions:
     """Sampling of the fields of a contact, and tolerances of further solutions on its zones."""
 
     peak_zones: int = 16  # zones in which the highest pressure is located between samples
-    # Half-lines are sampled closely up to this multiple of the width over all zones. Farther out,
-    # they are sampled on a logarithmic scale, up to where this width is round-off of the distance.
+    # The gap outside the zones is sampled closely up to this multiple of the total span of the
+    # zones. Farther out, the places are spaced logarithmically, until the span is round-off of the
+    # distance.
     far_from: float = 1e3
     guess_tolerance: float = 1e-4  # of rates that only start a search
 

@@ -102,7 +102,7 @@ class Fields(Protocol):
 
     @property
     def max_pressure(self) -> float:
-        """Highest pressure [Pa]; inf at a sharp corner or a convex kink."""
+        """Highest pressure [Pa]; inf if a sharp corner or a convex kink is in contact."""
 
     @property
     def pressure_bound(self) -> float:

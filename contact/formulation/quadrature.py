@@ -38,7 +38,7 @@ def chebyshev_nodes(count: int) -> Array:
 
 
 def sides(angle: Array) -> tuple[Array, Array]:
-    """Distances of x = middle + half cos(angle) from both ends of an interval, divided by half."""
+    """Distances of x = middle + half cos(angle) from both interval ends, over the half width."""
     return 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
 
 

@@ -179,9 +179,9 @@ class ScaledRelief(sie.Kept):
         return np.asarray(self.relief.smooth(self.units.x(x)) / self.units.slope)
 
     def forcing(self, x: Array) -> Array:
-        """The scaled relief R without the inverse kernel's potential, which is due to kinks.
+        """The scaled relief R minus the potentials of the inverse kernel at all kinks.
 
-        For a kink whose slope jumps by J, that potential is multiplied by J/pi.
+        For a kink where the slope jumps by J, the potential is multiplied by J/pi.
         """
         return np.asarray(self.smooth(x) - self.relief.of_waves(self.units.x(x)) / self.units.slope)
 

@@ -33,8 +33,8 @@ def loads(mean: float, relief: ScaledRelief, zones: Array, rise: Array) -> Array
     """
     start, period = float(zones[0, 0]), relief.period
     breaks = np.unique(np.concatenate((wrapped(relief.breakpoints, start, period), zones.ravel())))
-    # The factor just below 1 prevents round-off from cutting an interval of exactly the spacing in
-    # two.
+    # An interval whose length is exactly the spacing must not be cut in two because of round-off.
+    # Therefore the factor is just below 1.
     parts = np.ceil((1 - EPS**0.5) * np.diff(breaks) / relief.spacing).astype(int)
     part = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
     cuts = np.append(

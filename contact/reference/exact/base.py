@@ -137,7 +137,7 @@ class PressedBody(ExactContact):
         return -unit * log_of(sine(half_width, self.period), cosine(half_width, self.period))
 
     def _approach_by_parts(self) -> float:
-        """Approach minus load P times punch compliance C, which is the integral int P d(-C)."""
+        """The integral int P d(-C) = approach - P C, with load P and punch compliance C."""
         raise NotImplementedError
 
     def _approach(self) -> float:
@@ -225,9 +225,9 @@ class SymmetricZone(PressedBody):
     True
     """
 
-    # Every solution defines the next four formulas. The argument r is |x|. For a point in the zone,
-    # d = a - r is the distance from the zone's end. For a point outside the zone, e = r - a is the
-    # distance from the zone's end.
+    # Every solution defines the next four formulas, with the half width a and r = |x|. For a point
+    # in the zone, d = a - r is the distance from the zone's end. For a point outside the zone,
+    # e = r - a is the distance from the zone's end.
     def _height(self, r: Array) -> Array:
         raise NotImplementedError
 

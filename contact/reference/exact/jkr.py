@@ -281,7 +281,7 @@ class JKRWave(Wave, _JKREquilibria):
     True
     """
 
-    # Full contact has no zone end where a gap could begin to open: the opening needs a flaw.
+    # Full contact has no zone end where a gap could begin, so that it opens only at a flaw.
     stays_closed = True
 
     @property

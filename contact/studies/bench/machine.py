@@ -25,7 +25,7 @@ def table(peers: Sequence[str]) -> Table:
 
 
 def commit() -> str:
-    """Return the commit of the source and whether the source has changes since.
+    """Return the commit of the source, and whether the source was changed since.
 
     Without git, the version of the package is returned.
     """
