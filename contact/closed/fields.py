@@ -160,7 +160,7 @@ class ClosedFields(ZoneFields):
 
     @cached_property
     def approach(self) -> float | None:  # type: ignore[override]
-        """The mean height of the profile on the zone plus compliance times load, if defined."""
+        """Mean profile height on the zone plus compliance times load; None if a datum is lacking."""
         if not self.scene.operator.has_approach:
             return None
         flat = self.zone.problem.corner is not None

@@ -159,7 +159,7 @@ def _holds_corner(context: SolveContext, found: SolvedZones) -> bool:
 
 
 def _is_rounding(context: SolveContext, found: SolvedZones) -> bool:
-    """Whether rounding alone exceeds the wanted error, and no linear iteration added an error."""
+    """Whether rounding alone exceeds the wanted error, and no iterative solve added an error."""
     problem = found.fields.problem
     if found.rounded or body_limit(problem, found.free.density.zones.table, context.tol):
         return True

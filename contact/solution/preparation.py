@@ -15,7 +15,7 @@ from sie import Array
 
 
 class Borne(NamedTuple):
-    """Share of the load on intervals of one kind; `highest` if the pressure peak is on one."""
+    """Share of the load on unmeasured intervals of one kind. highest: whether one has the peak."""
 
     place: str
     kind: Any
@@ -27,7 +27,7 @@ class Borne(NamedTuple):
 def preparation_warnings(
     solution: Solution, min_share: float = 0.01, listed: int = 3
 ) -> tuple[str, ...]:
-    """One sentence for each kind of interval that carries load or the highest pressure.
+    """One sentence for each kind of unmeasured interval with load or the highest pressure.
 
     min_share: smallest fraction of the load that is reported; a short taper carries less at high
     load. listed: number of intervals named in one sentence; the others are counted.
@@ -40,7 +40,7 @@ def preparation_warnings(
 
 
 def shares(solution: Solution, samples: int = 4096) -> list[Borne]:
-    """The share of the load on each kind of interval, for every body that has such intervals.
+    """The share of the load on each kind of unmeasured interval, for each body that has any.
 
     samples: number over all zones, equally many in each; 4096 give three digits of the shares.
     """

@@ -274,7 +274,8 @@ class Profile(Named, sie.Kept):
             and given.item(given.argmax()) < lo + self.period
         ):
             return given
-        # The real part of x decides, since the complex-step derivative passes complex x.
+        # The number of periods follows from the real part of x, as the complex-step derivative
+        # passes complex x.
         turns = np.floor((given.real - lo) / self.period)
         moved = given - self.period * turns
         # Round-off can leave the result just outside the cell on either side.

@@ -210,7 +210,7 @@ def _log_cell(m: Array) -> Array:
 
 
 class _Extension:
-    """The map B from displacements on the contact set to the whole grid, linear across gaps.
+    """The map B that extends displacements on the contact set to the grid, linearly across gaps.
 
     Points are counted from the first one in contact. `along` is the position of a point between two
     successive points in contact, from 0 to 1.
@@ -393,7 +393,7 @@ class _Run:
         )
 
     def full_contact(self, load: float, shape: Array) -> tuple[Array, Array, float, float, bool]:
-        """Full contact on a period in closed form: the pressure flattens `shape`.
+        """Full contact on a period in closed form, with the pressure that flattens `shape`.
 
         With the length L of the period, p = load / L - D shape and u = level - shape.
 

@@ -56,7 +56,7 @@ def proposed(
 
 
 def whole_response(problem: Problem) -> Response:
-    """The surface's response on the whole line, or on the whole period if there is a strip."""
+    """The surface's response to pressure on the whole line, or on the period if there is a strip."""
     operator, interaction = problem.operator, problem.interaction
     whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
     return Response(
@@ -171,13 +171,12 @@ def placed(problem: Problem, zones: Array) -> Array:
     bounded = np.isfinite(problem.corners).all()
     if problem.profile.symmetric or bounded:
         # The period is centred on the middle between the corners if the body has corners. Otherwise
-        # it is centred on the origin, so that it contains the mirror images of its zones.
+        # it is centred on the origin, so that it contains the mirror image of each zone.
         middle = 0.5 * sum(problem.corners) if bounded else 0.0
         scaled = ascending(centred_on(scaled, middle, period))
     if problem.interaction.strip and len(scaled) and not bounded:
         gaps = np.diff(gaps_between(scaled, period))[:, 0]
-        # The period is now cut in the gap across its border. This cut stays if no other gap is
-        # wider.
+        # The border of the period now lies in a gap. It is moved if another gap is wider.
         if gaps[-1] < (1 - 1e-6) * gaps.max():
             first = int(np.argmax(gaps)) + 1
             scaled = np.concatenate((scaled[first:], scaled[:first] + period))

@@ -100,7 +100,7 @@ def closed(context: SolveContext) -> Full:
 
 
 def refuse_full_approach(context: SolveContext, problem: Problem, control: Control) -> None:
-    """Raise OutOfRange for an approach that no load can reach, or that means full contact."""
+    """Raise OutOfRange for an approach that no load can reach, or at which contact is full."""
     if control.approach is None:
         return
     units, limit = problem.units, context.full

@@ -311,7 +311,7 @@ class _GridSearch:
         return None
 
     def _wider_window(self) -> ScaledScene | None:
-        """The scene in a cell twice as wide; None if the cell already is all of the profile."""
+        """The scene in a cell twice as wide; None if the cell already is the whole profile."""
         lo, hi = self.scaled.cell
         known = known_part(self.context.scene.profile) or (-math.inf, math.inf)
         half = 0.5 * (hi - lo)

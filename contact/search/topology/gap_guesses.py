@@ -15,7 +15,7 @@ from sie import Array, Index, Mask, record
 
 @record
 class GapGuesses:
-    """First guesses of the gaps: where the relief R exceeds the mean pressure.
+    """First guesses of the gaps, which lie where the relief R exceeds the mean pressure.
 
     R is minus the pressure of full contact, without its mean.
     """

@@ -216,7 +216,7 @@ def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
 
 
 def is_symmetric(problem: Problem, table: Array) -> bool:
-    """Whether profile and zones are symmetric about the origin, so that half of them is solved."""
+    """Whether profile and zones are symmetric about the origin. Then only one half is solved."""
     if (
         not problem.profile.symmetric
         or problem.units.origin != 0.0
