@@ -29,7 +29,7 @@ FROM_LEFT, FROM_RIGHT, WEIGHT = _tanh_sinh()
 
 
 def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
-    """Integral of a function from 0 to `length`, given the distances from both limits.
+    """Integral from 0 to `length` of a function with the distances from both ends as arguments.
 
     `length` may be an array; the integral has its shape.
     """
