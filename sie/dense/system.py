@@ -289,11 +289,11 @@ class System(Rows):
         self.lowest[chosen] = np.where(inner, widened(of_g, count), self.lowest[chosen])
 
     def equation_rows(self) -> tuple[Array, Array]:
-        """(matrix, right side) of the equation's rows that are kept (half of all for symmetric
-        zones).
+        """(matrix, right side) of the equation on the solved zones (half of all zones if
+        symmetric).
         """
         layout, zones = self.layout, self.zones
-        if len(self.own) == 0:  # no zone has coupled modes: only the totals are unknown
+        if len(self.own) == 0:  # only the totals are unknown
             return np.zeros((0, layout.size)), np.zeros(0)
         raw = fields(zones, self.equation.kernel, self.targets, layout, potential=False)
         if self.equation.kernel.grows and panels_over(self.equation.kernel, zones) is None:
@@ -386,7 +386,7 @@ class System(Rows):
 
     @cached_property
     def last_unknowns(self) -> Index:
-        """Index of each solved zone's last kept coefficient among the kept unknowns.
+        """Index of each solved zone's last coefficient among the unknowns solved for.
 
         A zone at the centre of symmetry has even coefficients only.
         """
@@ -647,13 +647,15 @@ class MirrorSymmetry:
         )
 
     def position(self, unknowns: Index) -> Index:
-        """Positions of the given unknowns among the kept unknowns; -1 for those not kept."""
+        """Positions of the given unknowns among the unknowns solved for; -1 for other unknowns."""
         places = np.full(self.whole, -1, dtype=np.intp)
         places[self.keep] = np.arange(self.size)
         return np.asarray(places[unknowns])
 
     def fold(self, matrix: Array) -> Array:
-        """The matrix for the kept unknowns; columns of mirror images are added to kept columns."""
+        """The matrix for the unknowns solved for, to whose columns those of mirror images are
+        added.
+        """
         if len(self.follow):
             matrix[:, self.source] += matrix[:, self.follow] * self.sign
         return np.asarray(matrix[:, self.keep])

@@ -25,7 +25,7 @@ class DomainLimit:
 
 
 def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
-    """Whether and where outward steps `delta` (2, Z) of the ends would leave the domain."""
+    """Whether and where outward steps `delta` (2, Z) of ends would leave the right side's domain."""
     names, is_close = [], False
     distances, last = border_distances(zones, equation), len(zones) - 1
     for side, zone, name in ((0, 0, "left end of zone 0"), (1, last, f"right end of zone {last}")):
@@ -46,7 +46,7 @@ def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
 
 
 def border_distances(zones: Zones, equation: Equation) -> Array:
-    """Distance of the two outermost ends from the domain's border (2, Z), inf at other ends."""
+    """Distance (2, Z) of each outermost end from the border of the right side's domain; else inf."""
     distances = np.full((2, len(zones)), np.inf)
     low, high = equation.within
     distances[0, 0], distances[1, -1] = zones.a[0] - low, high - zones.b[-1]
@@ -54,7 +54,7 @@ def border_distances(zones: Zones, equation: Equation) -> Array:
 
 
 def pinned_at_limits(zones: Zones, limits: tuple[float, float]) -> Zones:
-    """The zones, with ends beyond a limit pinned at this limit as singular ends."""
+    """The zones, with each end beyond a limit of the search fixed at this limit as a singular end."""
     low, high = zones.a[0] <= limits[0], zones.b[-1] >= limits[1]
     if not (low or high):
         return zones
@@ -68,7 +68,7 @@ def pinned_at_limits(zones: Zones, limits: tuple[float, float]) -> Zones:
 
 
 def released(zones: Zones, density: AnyDensity, options: NewtonOptions) -> tuple[Zones, bool]:
-    """(zones with some ends released from their limits, whether any end was released).
+    """(zones in which some ends fixed at a limit are free again, whether any end was set free).
 
     An end is released if its intensity is below the one prescribed for a free end.
     """

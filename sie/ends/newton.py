@@ -249,7 +249,8 @@ class _Search:
         return self._moved(state, motion, rest)
 
     def _solved(self) -> tuple[AnyState, bool, bool]:
-        """(solution, whether this solution is inexact, whether an end was released from a limit).
+        """(solution, whether this solution is inexact, whether an end fixed at a limit was set
+        free).
 
         A state is inexact if its tolerance is larger than that of a final solution.
         """
@@ -267,8 +268,8 @@ class _Search:
         loose = decay > self.decay or (state.iterated and sizes.linear > progress.tightest)
         self.zones, is_released = released(self.zones, state.density, self.options)
         if is_released and self.zones.follow_ends:
-            # The released end is now free. The motions of the free ends are computed from the
-            # state, so the state must have the changed zones.
+            # The end that was fixed at a limit is now free. The motions of free ends are computed
+            # from the state, so the state must have the changed zones.
             state = self._state(decay)
         return state, loose, is_released
 

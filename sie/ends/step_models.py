@@ -46,9 +46,9 @@ from sie.basis.data import Array, Mask, record, wrapped
 from sie.basis.zones import Zones
 from sie.equation.forcing import Forcing
 
-# A jump of the right side farther from the end than this many plain steps is ignored. Such a jump
-# changes the plain step by less than 2 %, which the next step corrects. A root search would lose
-# the digits of small steps.
+# A jump of the right side farther from the end than this many uncorrected Newton steps is ignored.
+# Such a jump changes the step by less than 2 %, which the next step corrects. A root search would
+# lose the digits of small steps.
 _FARTHEST_JUMP = 20.0
 # Largest inward step of an end towards a logarithm of height J < 0, as a fraction of the distance
 # between them. The end must not pass this logarithm.
@@ -118,7 +118,8 @@ class StepAtJumps:
     largest: tuple[float, float]
 
     def steps(self, k: Array, slopes: Array, plain: Array) -> Array:
-        """Outward steps (2, Z): the plain Newton steps `plain`, corrected for ends near a jump.
+        """Outward steps (2, Z), which are the Newton steps `plain` with corrections at ends near a
+        jump.
 
         k: intensity K less its target, positive if it drives the end outward; slopes: edge slope A,
         positive if it has the right sign, and 0 where it is not reliable.

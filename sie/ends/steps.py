@@ -246,7 +246,9 @@ def bordered(
 
 
 def damped(zones: Zones, equation: Equation, delta: Array, options: NewtonOptions) -> Array:
-    """Outward steps (2, Z), limited to fractions of the zone, of the gap and of the domain."""
+    """Outward steps (2, Z), each limited to a fraction of the zone, the gap and the distance to the
+    border.
+    """
     width = zones.b - zones.a
     gaps = np.array(modes.gaps(zones, equation.kernel))
     room = options.max_shrink * np.minimum(gaps, border_distances(zones, equation))

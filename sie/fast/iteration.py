@@ -86,7 +86,7 @@ class Iterative:
         tolerance: float | None = None,
         taken: Callable[[Array], Array] | None = None,
     ) -> Array:
-        """Solve for the kept unknowns, which are half of all unknowns if the zones are symmetric.
+        """Solve for the unknowns of the solved zones, which are half of all zones if symmetric.
 
         near: a first guess; tolerance: replaces the tolerance of the solver; taken: a linear map of
         the unknowns that is subtracted from the rows.

@@ -54,7 +54,8 @@ class TwoLevelPreconditioner:
             self._small[:, k] = self._scalars(column)
 
     def _responses(self) -> Array:
-        """Responses of the kept unknowns to the unknown constant and to each amplitude, as columns.
+        """Responses of the solved zones' unknowns to the constant and to each amplitude, as
+        columns.
 
         The constant is the one that levels may share. If there is one, its column is the first.
         """

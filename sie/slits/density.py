@@ -171,7 +171,7 @@ class SlitDensity(DensityBase):
                 beta[here.zone] += kink.edge[1]
         return replace(self.smooth, edges=(alpha, beta), bounded_ends=self.bounded_ends)
 
-    # The methods below give values of the density on the given zones.
+    # The methods below give values of the density on the given zones, which the slits separate.
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by a zone and distances from the zone's ends in half widths."""
         zone = np.asarray(zone, dtype=np.intp)
@@ -269,7 +269,8 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """The quantities of `Density.sensitivity` for the given zones.
+        """Largest density, and its largest change by motion of either end (see
+        `Density.sensitivity`).
 
         Differences between points replace the series, which a single given zone does not have.
         """

@@ -236,7 +236,7 @@ class SlitSystem(Kept):
     def density(
         self, folded: Array, d: tuple[Array, ...], homogeneous: bool = False
     ) -> tuple[State, SlitDensity]:
-        """(state of the wide zones, density on the given zones) for solved unknowns."""
+        """(solution on the wide zones, density on the given zones) for given unknowns."""
         base, system = self.base, self.system
         y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
@@ -307,7 +307,7 @@ class SlitState(Answered):
         return self.whole.linear_error[self.geometry.piece_zone]
 
     def wide_of(self, zones: Index) -> tuple[State, Index]:
-        """(state of the wide zones, index of the wide zone that contains each given zone)."""
+        """(solution on wide zones, index of the wide zone that contains each of the given zones)."""
         return self.whole, self.geometry.piece_zone[zones]
 
     # The methods below give solutions for other values of the side conditions.

@@ -123,7 +123,9 @@ class Solved(Answered):
         )
 
     def right_of(self, values: Array) -> Array:
-        """Right side of all rows for given values of the side conditions and a zero equation."""
+        """Right side of the system for given condition values, and zero as the equation's right
+        side.
+        """
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
         return right

@@ -165,7 +165,7 @@ def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array)
 
 
 def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
-    """Changes of the unknowns by random errors of the rows, one for each of `samples` draws.
+    """Changes of the unknowns by random errors of the system's rows, one for each random sample.
 
     The errors of the rows are those of `_row_truncation`, the round-off of their terms, and the
     iteration's remaining error of the totals. Each row has its own random sign. If instead each
@@ -196,7 +196,7 @@ def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
 
 
 def _low_rows(state: Solved, low: Array) -> tuple[Index, Array]:
-    """(indices of the rows of the lowest modes, errors of these rows due to the residual).
+    """(indices of the matrix rows of the lowest modes, errors of these rows due to the residual).
 
     low: see `_row_truncation`.
     """

@@ -64,11 +64,13 @@ class State(Solved):
 
     @property
     def whole(self) -> "State":
-        """The state of all zones without slits, which is this state itself."""
+        """The solution on the zones without slits, which is this object itself."""
         return self
 
     def wide_of(self, zones: Index) -> "tuple[State, Index]":
-        """The state on zones without slits, and the indices of the given zones in this state."""
+        """The solution on zones without slits (here itself), and the indices of the given zones in
+        it.
+        """
         return self, zones
 
     @cached_property
@@ -222,7 +224,7 @@ class State(Solved):
 
     @cached_property
     def _falls(self) -> Array:
-        """Ratio of successive coefficients of the other zones' fields on each zone (Z,)."""
+        """Ratio of successive coefficients of the other zones' field on each zone (Z,)."""
         return np.exp(-modes.decay(self.density.zones, self.density.kernel))
 
     @cached_property
