@@ -28,7 +28,8 @@ from sie import Array
 NODES = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # positive half of 16 Gauss-Chebyshev nodes
 
 
-# Relative tolerance of the half width at which a quantity is largest: the quantity is flat there.
+# Relative tolerance of the half width at which a quantity is largest. Near its maximum the quantity
+# hardly changes, so that a rough tolerance suffices.
 MAXIMUM_TOLERANCE = math.sqrt(EPS)
 
 
@@ -51,7 +52,7 @@ def guess_half_width(problem: Problem, control: Control) -> float:
     above = np.flatnonzero(value >= control.value)
     if len(above) == 0:
         # The controlled value may still be reached at a maximum between two scanned half widths. Of
-        # equal maxima the widest is taken: a flat punch carries the same zero load at all half
+        # equal maxima the widest is taken, as a flat punch carries the same zero load at all half
         # widths short of its corners.
         k = int(np.clip(np.flatnonzero(value == value.max())[-1], 1, len(a) - 2))
         top = require("scipy.optimize").minimize_scalar(

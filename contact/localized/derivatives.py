@@ -167,7 +167,7 @@ class ContactRates(sie.Kept):
 
 
 def _shifted(strip: SolvedZones) -> sie.AnyState:
-    """Derivative of the strip's density by the position of the centre: a central difference."""
+    """Derivative of the strip's density by the position of the centre, as a central difference."""
     # The strip may be symmetric, but the difference of two shifted strips is not.
     problem, zones = (
         strip.fields.problem,

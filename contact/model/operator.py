@@ -251,7 +251,7 @@ class Operator(sie.Kept):
                 kernel,
                 "a sie.Kernel, such as sie.hilbert(period) + sie.Smooth(...)",
             )
-        # The kernel depends on the difference x - xi only: this was checked when the scene was
+        # The kernel depends on the difference x - xi only, which was checked when the scene was
         # made.
         kernel = replace(kernel, of_lag=True)
         if not self.is_periodic or kernel.regular_potential is None or self.is_half_plane:

@@ -310,7 +310,7 @@ class Scene(sie.Kept):
 
     @cached_property
     def operator(self) -> Operator:
-        """The elastic operator: it maps a pressure to the displacement of the surface."""
+        """The elastic operator, which maps a pressure to the displacement of the surface."""
         return Operator(self.interaction, self.substrate, self.period)
 
     def _check_admitted(self, control: Control, asked: str) -> None:
@@ -405,7 +405,7 @@ class Scene(sie.Kept):
         return self.profile.support is not None and self.is_flat_between(*self.profile.support)
 
     def is_flat_between(self, lo: float, hi: float) -> bool:
-        """Whether the profile is flat (f' = 0) in an interval: every load then gives the same
+        """Whether the profile is flat (f' = 0) in an interval. Every load then gives the same
         zone.
         """
         height = self.profile.height(np.linspace(lo, hi, 17))

@@ -14,7 +14,7 @@ class SearchOptions:
     # Relative error of the solution on the last grid, and of solutions under trial loads by which
     # another control (an approach, say) is met.
     intermediate: float = 1e-6
-    # Factor on a tolerance if the error is magnified: for gaps next to wide zones, and for
+    # Factor on a tolerance where the error is magnified, as for gaps next to wide zones and for
     # differences of solutions.
     tight_factor: float = 1e-2
     # Error of a contact width, or of the centre of a load, on grids that just resolve the contact.

@@ -254,7 +254,9 @@ class SolvedGaps(Solved):
 
     @cached_property
     def error(self) -> float:
-        """The larger of the relative errors of the pressure and of the ends of the zones."""
+        """The larger of two relative errors, that of the pressure and that of the ends of the
+        zones.
+        """
         return self._error(self.fields.relief.error)
 
     @property

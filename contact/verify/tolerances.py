@@ -14,8 +14,8 @@ class Tolerances:
     # negative a pressure may be, and how much the slope and the height of a profile may differ.
     noise: float = 1e-6
 
-    # Largest allowed error of load and moment: far above rounding, far below that of a wrong
-    # solution.
+    # Largest allowed error of load and moment. It is far above rounding, and far below the error of
+    # a wrong solution.
     balance: float = 1e-9
     # Largest allowed error of the intensity at an end, or of the gap where a cohesive tension ends.
     edge_condition: float = 1e-7

@@ -37,7 +37,7 @@ class Held(NamedTuple):
 
 @dataclass(frozen=True)
 class Control(Named):
-    """Base of the controls: a control is the quantity whose value a scene prescribes.
+    """Base class of the controls. A control is the quantity whose value a scene prescribes.
 
     Parameters
     ----------

@@ -181,8 +181,8 @@ class Law(Named, sie.Kept):
         return 0.0
 
     def without_range(self, share: float) -> "Law | None":
-        """The law of adhesion without range whose work of adhesion is this fraction of that of the
-        present law.
+        """The law of adhesion without range that has this fraction of the present law's work of
+        adhesion.
 
         Contacts under the law approach those under the returned one where its strips of tension
         are narrow. None if there is no such law.

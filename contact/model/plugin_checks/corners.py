@@ -143,8 +143,8 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
         return None
     a, b = float(x[i]), float(x[i + last])
     # The interval around the corner shrinks until round-off hides the corner. The first width of
-    # the interval is a scale for this limit, too: a corner at 0 would otherwise be halved into
-    # underflow.
+    # the interval is a scale for this limit, too. Without it, an interval around a corner at 0
+    # would be halved into underflow.
     while b - a > 64 * EPS * max(abs(a), abs(b), hi - lo):
         x = np.linspace(a, b, 4 * last + 1)
         rough, last = _roughness(function, x)

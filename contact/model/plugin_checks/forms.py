@@ -95,7 +95,7 @@ _BARE = Form(_is_or_none(Law), "None, or a law, such as contact.Frictionless()")
 _START = Form(_is_position, f"a position [m] {_NO_METHOD}")
 _PLACES = Form(_are_places, f"a one-dimensional array of positions [m] {_NO_METHOD}")
 
-# For each kind of part of a scene: the forms of its attributes, and the arguments of its methods.
+# For each kind of part of a scene, the forms of its attributes and the arguments of its methods.
 _ATTRIBUTES: dict[type, dict[str, Form]] = {
     Profile: {
         "name": _TEXT,

@@ -310,7 +310,7 @@ class Profile(Named, sie.Kept):
         return self.name
 
     def tables(self) -> dict[str, dict[str, Any]]:
-        """Tables of a scene file that describe the profile: shape and parameters."""
+        """Tables of a scene file that describe the profile, with its shape and parameters."""
         return {"profile": {"shape": self.name, **self.parameters()}}
 
     @property

@@ -85,7 +85,8 @@ class Combined(Profile):
         if not isinstance(self.mirrored, (bool, np.bool_)):
             raise SceneError.of("mirrored", self.mirrored, "True or False")
         object.__setattr__(self, "period", common_period(self.profile.period, self.counter.period))
-        # Bodies that do not face each other are refused: computing the overlap raises SceneError.
+        # Bodies that do not face each other are refused, as computing the overlap raises
+        # SceneError.
         assert self._overlap is not None
 
     @cached_property

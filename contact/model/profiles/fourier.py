@@ -76,8 +76,8 @@ class Fourier(Profile):
         return self._waves[1](self.wrap(np.asarray(x, dtype=np.float64)))
 
     def slope_conjugate(self, x: ArrayLike) -> Array:
-        """The Hilbert transform of f'. It maps cos to sin and sin to -cos: a factor -i for each
-        harmonic k > 0.
+        """The Hilbert transform of f'. It maps cos to sin and sin to -cos, which is a factor -i for
+        each harmonic k > 0.
         """
         return self._waves[2](self.wrap(np.asarray(x, dtype=np.float64)))
 

@@ -115,8 +115,8 @@ class Power(Profile):
             else []
         )
         # At the border, powers 1 and 3 of the distance are declared in `kinks` and `jumps`, and
-        # powers 5 and 7 here. Power 9 is left out: the Chebyshev coefficients of its slope decrease
-        # as n^-9.
+        # powers 5 and 7 here. Power 9 is left out, as the Chebyshev coefficients of its slope
+        # decrease as n^-9.
         border = [
             [at, order, jump / (2 * order), jump / (2 * order)]
             for at, order, jump in self._at_border(5, 7)

@@ -12,7 +12,7 @@ from sie import Array
 @register_substrate("half-plane")
 @dataclass(frozen=True)
 class HalfPlane(Substrate):
-    """A body that is deep and wide: its symbol L is 1, and the kernel of a line load is 1/r.
+    """A deep and wide body, whose symbol L is 1, and whose kernel of a line load is 1/r.
 
     Examples
     --------

@@ -270,7 +270,7 @@ def _deeper_place(profile: Profile, window: Window) -> float | None:
 
 
 def _origin_of(profile: Profile, window: Window) -> float:
-    """The origin of x: the lowest sharp tip in a window; without tips, the window's middle.
+    """The origin of x, which is the lowest sharp tip in a window, or without tips its middle.
 
     An end may come close to a tip, as for a wedge that touches with its flank. It is then precise
     as a distance from the tip.

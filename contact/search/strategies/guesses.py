@@ -132,7 +132,9 @@ def _given_zone(
 
 
 def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -> Outcome | Failure:
-    """The contact of one symmetric asperity: one zone about its tip, its gaps, or full contact."""
+    """The contact of one symmetric asperity, from one zone about its tip, its gaps, or full
+    contact.
+    """
     problem, control = scaled.problem, scaled.control
     if not context.single or problem.amplitude is not None:
         return NOT_APPLICABLE
@@ -319,7 +321,7 @@ class _GridSearch:
         return None if cell == self.scaled.cell else replace(self.scaled, cell=cell)
 
     def _from_proposal(self, proposal: Proposal) -> Outcome | Failure:
-        """The contact from a grid's zones: full contact, or solved for its gaps or its zones."""
+        """The contact from a grid's zones, as full contact, or solved for its gaps or its zones."""
         context, problem, control = self.context, self.scaled.problem, self.scaled.control
         width = proposal.width / problem.units.length
         if (
