@@ -80,7 +80,7 @@ def summed(g: Array, t: Array) -> Array:
 
 
 def off(g: Array, t: Array) -> Array:
-    """The Hilbert transform sum g_k rho^k, rho = t - sqrt(t^2 - 1), at t >= 1 (..., points)."""
+    """The Hilbert transform sum g_k rho^k at t >= 1 (..., points), with rho = t - sqrt(t^2 - 1)."""
     rho = 1.0 / (t + np.sqrt((t - 1.0) * (t + 1.0)))
     square = rho * rho
     if rho.ndim == 1 and len(g):

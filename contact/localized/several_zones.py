@@ -72,7 +72,7 @@ class SeveralZones:
         self.period = scaled.problem.period
 
     def found(self, pressure: float, start: Array | None) -> SolvedZones:
-        """The zones at the root, by Newton's method with a bracket of the nominal pressure.
+        """The zones at the nominal pressure for which W = W0, by Newton's method with a bracket.
 
         `pressure`: a first nominal pressure; `start`: a first guess of the zones.
         """

@@ -73,7 +73,7 @@ class SolvedZones(Solved):
 
     @property
     def main_cause(self) -> str:
-        """Main cause of the error as a message, if the law causes most of it; here always empty."""
+        """Main cause of the error as a message, if the law is this cause; empty by default."""
         return ""
 
 
