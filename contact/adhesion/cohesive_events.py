@@ -124,7 +124,14 @@ class CohesiveEvents(Events):
                 )
             else:
                 table = _cut(here.table, place, half)
-            at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
+            try:
+                at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
+            except EndsCovered:
+                # The contact reaches the new ends: they are too far apart.
+                if half < TOLERANCES.neutral:
+                    raise
+                half *= 0.1
+                continue
             # The new ends must tend to move in the direction of the jump, and no other end may tend
             # to move in the opposite direction.
             new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half

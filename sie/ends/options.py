@@ -64,8 +64,8 @@ class NewtonOptions:
         below this fraction of the step before.
     vanished_part : float
         A zone or a gap that has shrunk to this fraction of its first size has vanished. A single
-        zone keeps the given total however narrow it is. So it has vanished only if half of all
-        digits of this fraction are lost.
+        zone keeps the given total however narrow it is. So it has vanished only at the fourth
+        power of this fraction.
     insistent_steps : int
         A zone, or a gap as narrow as a slit, has vanished if the undamped steps would remove it
         this number of times in a row.

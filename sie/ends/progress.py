@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sie.basis.data import HALF_DIGITS, Array, Index, Mask, record
+from sie.basis.data import Array, Index, Mask, record
 from sie.basis.zones import Zones
 from sie.ends.options import NewtonOptions
 from sie.ends.steps import Branch, NewtonStep
@@ -204,7 +204,7 @@ class Progress:
         if len(zones) == 1:
             # A single zone keeps a given total however narrow it is. Only without a given total may
             # it vanish.
-            part *= HALF_DIGITS
+            part **= 4
         gone = width < np.maximum(part * self.first_width, 8 * np.spacing(np.abs(zones.a)))
         # A damped step leaves most of a zone. So a zone counts as vanished if several undamped
         # steps in a row would have removed it.

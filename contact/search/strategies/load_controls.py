@@ -15,6 +15,7 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.model.controls import Quantity
+from contact.model.profiles.noise import EPS
 from contact.search.context import SolveContext
 from contact.search.grid.nested_grids import Proposal
 from contact.search.grid.proposals import of_width, placed
@@ -23,7 +24,7 @@ from contact.search.grid.tilt import known_part
 from contact.search.options import SEARCH
 from contact.search.strategies.gaps import by_gaps, gap_tolerance, gaps_from_fields, tightened_gaps
 from contact.search.strategies.load_search import KnownLoads, approach, contact_fraction, nearer
-from contact.search.topology.failure import Failure
+from contact.search.topology.failure import NOT_APPLICABLE, Failure
 from contact.search.topology.loop import NewtonSettings
 from contact.solution.solution import Solution
 from contact.verify.error import SolvedGaps, SolvedZones
@@ -115,7 +116,8 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
     def solve(load: float, nearest: Solution | None) -> Solution:
         return _under_load(context, load, nearest)
 
-    limits = KnownLoads(closed=TOLERANCES.rounding)
+    # Round-off closes a bracket of this relative width.
+    limits = KnownLoads(closed=64 * EPS)
     for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
         last, fraction = here, contact_fraction(here)[0]
         # If the contact fraction grows fast with the load, the relative error of the fraction is
@@ -185,7 +187,11 @@ def _at_jump(
     """
     assert last.contact_fraction is not None and problem.period is not None
     error = abs(last.contact_fraction - control.value / problem.period)
-    if error > KnownLoads().closed:
+    load = Load(last.load / problem.units.load)
+    found: SolvedZones | SolvedGaps | Failure = NOT_APPLICABLE
+    if error <= KnownLoads().closed:
+        found = _from_solution(context, problem, load, last)
+    if isinstance(found, Failure):
         raise NotConverged(
             "no load that double precision tells from its neighbours has the contact fraction "
             f"{context.scene.given_fraction:.15g}: at a mean pressure of "
@@ -193,10 +199,6 @@ def _at_jump(
             (),
             last,
         )
-    load = Load(last.load / problem.units.load)
-    found = _from_solution(context, problem, load, last)
-    if isinstance(found, Failure):
-        raise context.error(found, problem)
     if isinstance(found, SolvedGaps):
         return replace(
             found,

@@ -76,7 +76,7 @@ def nearer(
     search = _Bracket(goal, limits, first)
     refused: OutOfRange | None = None
     unsolved = 0
-    for _ in range(SEARCH.max_steps):
+    for _ in range(SEARCH.max_loads):
         before, load = search.last, search.load
         try:
             here = solve(load, search.nearest)
