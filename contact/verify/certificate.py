@@ -223,7 +223,9 @@ class _Equilibrium(NamedTuple):
 
 
 def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
-    """Check of a contact with several equilibria, by the intensity at the ends and local stability."""
+    """Check of a contact with several equilibria, by the intensity at the ends and local
+    stability.
+    """
     error, stability = _intensity_error(fields), None
     name = "load" if control is None else control.name
     if control is None or control.half_width is None:

@@ -175,7 +175,9 @@ def _sampled(fields: GapFields) -> _Samples:
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
-    """(intervals where a gap is missing at a concave kink, number of kinks with unresolved gaps)."""
+    """(intervals where a gap is missing at a concave kink, number of kinks with unresolved
+    gaps).
+    """
     relief = fields.relief
     kinks = np.flatnonzero((relief.heights < 0) & ~fields.gap_slope.locate(relief.at)[2])
     if len(kinks) == 0:

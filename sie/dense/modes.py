@@ -373,7 +373,9 @@ def _values(
 
 
 def conformal_radius(left: Array, right: Array) -> Array:
-    """Conformal radius R for half-lines at two distances from a zone, of which one may be infinite."""
+    """Conformal radius R for half-lines at two distances from a zone, of which one may be
+    infinite.
+    """
     with np.errstate(divide="ignore"):
         return np.asarray(4 / (1 / left + 1 / right))
 

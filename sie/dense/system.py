@@ -349,7 +349,9 @@ class System(Rows):
 
     @cached_property
     def panels(self) -> Panels | Skeleton | None:
-        """Panels or a skeleton for fast sums of the kernel's regular part; None if neither applies."""
+        """Panels or a skeleton for fast sums of the kernel's regular part; None if neither
+        applies.
+        """
         return panels_over(self.equation.kernel, self.zones)
 
     @cached_property
@@ -369,7 +371,9 @@ class System(Rows):
         return moments_of(panels, zones, self.equation.kernel, table, ForcingJumps.none())
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
-        """(equation rows, levels) due to the kernel's regular part, from a density's panel moments."""
+        """(equation rows, levels) due to the kernel's regular part, from a density's panel
+        moments.
+        """
         assert self.panels is not None
         spread = self.panels.spread(self.targets.x)
         rows = self.projected(self.panels.at(spread, moments, False))
@@ -504,7 +508,9 @@ class System(Rows):
 
     @cached_property
     def wants_levels(self) -> bool:
-        """Whether any side condition contains levels (means of the potential minus the primitive)."""
+        """Whether any side condition contains levels (means of the potential minus the
+        primitive).
+        """
         return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
 
     @property
@@ -512,7 +518,9 @@ class System(Rows):
         return self.levels()[1]
 
     def level_changes(self, y: Array) -> Array:
-        """The part, linear in the unknowns y, of the levels (means of potential minus primitive)."""
+        """The part, linear in the unknowns y, of the levels (means of potential minus
+        primitive).
+        """
         return np.asarray(self.levels()[0] @ y)
 
     @property

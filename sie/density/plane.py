@@ -50,7 +50,9 @@ _FAR = float(np.exp(-decay_rate(SEPARATION)))
 
 
 class Plane:
-    """The transform of a density, the transform's derivative, and the potential, at complex points."""
+    """The transform of a density, the transform's derivative, and the potential, at complex
+    points.
+    """
 
     def __init__(self, density: Series) -> None:
         self.density = density
@@ -65,7 +67,9 @@ class Plane:
         self.total = float(np.pi * (c[:, 0] @ zones.half))
 
     def __call__(self, z: Complex, what: What) -> Complex:
-        """The transform, its derivative, or the potential at complex points z (n,) in any period."""
+        """The transform, its derivative, or the potential at complex points z (n,) in any
+        period.
+        """
         x, y = z.real, np.abs(z.imag)
         place = self.density.into_period(x)
         out = self.poles(place, y, what)

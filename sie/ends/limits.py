@@ -25,7 +25,9 @@ class DomainLimit:
 
 
 def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
-    """Whether and where outward steps `delta` (2, Z) of ends would leave the right side's domain."""
+    """Whether and where outward steps `delta` (2, Z) of ends would leave the right side's
+    domain.
+    """
     names, is_close = [], False
     distances, last = border_distances(zones, equation), len(zones) - 1
     for side, zone, name in ((0, 0, "left end of zone 0"), (1, last, f"right end of zone {last}")):
@@ -46,7 +48,9 @@ def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
 
 
 def border_distances(zones: Zones, equation: Equation) -> Array:
-    """Distance (2, Z) of each outermost end from the border of the right side's domain; else inf."""
+    """Distance (2, Z) of each outermost end from the border of the right side's domain; else
+    inf.
+    """
     distances = np.full((2, len(zones)), np.inf)
     low, high = equation.within
     distances[0, 0], distances[1, -1] = zones.a[0] - low, high - zones.b[-1]
@@ -54,7 +58,9 @@ def border_distances(zones: Zones, equation: Equation) -> Array:
 
 
 def pinned_at_limits(zones: Zones, limits: tuple[float, float]) -> Zones:
-    """The zones, with each end beyond a limit of the search fixed at this limit as a singular end."""
+    """The zones, with each end beyond a limit of the search fixed at this limit as a singular
+    end.
+    """
     low, high = zones.a[0] <= limits[0], zones.b[-1] >= limits[1]
     if not (low or high):
         return zones

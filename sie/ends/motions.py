@@ -106,7 +106,9 @@ class FreeEnds:
         self.at = np.searchsorted(zones.solved, self.zone)
 
     def of(self, values: Array) -> Array:
-        """Values at the free ends `self.ends`, shape (E, ...), from values at all ends (2, Z, ...)."""
+        """Values at the free ends `self.ends`, shape (E, ...), from values at all ends (2, Z,
+        ...).
+        """
         return np.asarray(values[self.side, self.zone])
 
     def spread(self, values: Array) -> Array:

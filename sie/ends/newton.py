@@ -274,7 +274,9 @@ class _Search:
         return state, loose, is_released
 
     def _state(self, decay: float) -> AnyState:
-        """The solution on the present zones, for the present guess of an unknown condition value."""
+        """The solution on the present zones, for the present guess of an unknown condition
+        value.
+        """
         state = solve_zones(self.equation, self.zones, decay, self.sizes)
         opened = self.equation.open_condition
         if opened is None or self.value == 0.0 or state.iterated:

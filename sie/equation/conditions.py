@@ -61,7 +61,9 @@ class Rows(Protocol):
         """
 
     def level_steps(self) -> Linear:
-        """Level of each zone (mean of potential minus primitive) minus that of its left neighbour."""
+        """Level of each zone (mean of potential minus primitive) minus that of its left
+        neighbour.
+        """
         matrix, constants = self.levels()
         return np.diff(matrix, axis=0), np.diff(constants)
 
@@ -163,7 +165,9 @@ def of_levels(condition: Condition, zones: Zones) -> Array:
 
 
 def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
-    """Whether a condition contains potentials, by declaration or by a test with trial potentials."""
+    """Whether a condition contains potentials, by declaration or by a test with trial
+    potentials.
+    """
     if condition.levels or type(condition).rows in _SILENT:
         return condition.levels
     level = np.random.default_rng(0).uniform(0.5, 1.5, (len(zones.solved), 1))
@@ -279,7 +283,9 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
 
 
 def summed(system: Rows, of_zones: Linear, value: float) -> tuple[Array, Array, Array]:
-    """(matrix, constants, values) of one row, by which a quantity's sum over all zones is `value`."""
+    """(matrix, constants, values) of one row, by which a quantity's sum over all zones is
+    `value`.
+    """
     weight = system.multiplicity()
     return (weight @ of_zones[0])[None], np.array([weight @ of_zones[1]]), np.array([value])
 

@@ -128,7 +128,9 @@ class Jumps(Kept):
 
     @cached_property
     def of_order_zero(self) -> tuple[Array, Array]:
-        """(positions, heights) of the jumps of the function itself (order 0), not of a derivative."""
+        """(positions, heights) of the jumps of the function itself (order 0), not of a
+        derivative.
+        """
         which = np.asarray(self.orders) == 0
         return self.at[which], self.heights[which]
 

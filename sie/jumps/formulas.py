@@ -105,7 +105,9 @@ class PlacedJumps(PerZone):
         return np.asarray(slope[k] * t + constant[k])
 
     def turn(self, k: Index, away: Array) -> Array:
-        """The factor of (t - s)^q in the transform on the zone, for a jump at s; `away` is t - s."""
+        """The factor of (t - s)^q in the transform on the zone, for a jump at s; `away` is t -
+        s.
+        """
         return np.where(away > 0, self.psi[k], -self.phi[k])
 
     def turn_off(self, k: Index, rho: Array) -> Array:

@@ -486,7 +486,9 @@ class ForcingJumps(PlacedJumps):
 
     @property
     def near(self) -> ExteriorLogarithms:
-        """Logarithms of the right side close to zones but outside these zones; here there are none."""
+        """Logarithms of the right side close to zones but outside these zones; here there are
+        none.
+        """
         return NOWHERE
 
     @cached_property

@@ -97,7 +97,9 @@ class SlitDensity(DensityBase):
 
     @property
     def coefficients(self) -> Array:
-        """Coefficients of the density's smooth part on the wide zones (zones joined across slits)."""
+        """Coefficients of the density's smooth part on the wide zones (zones joined across
+        slits).
+        """
         return self.smooth.coefficients
 
     @cached_property
@@ -120,7 +122,9 @@ class SlitDensity(DensityBase):
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
     def _of_slits(self, power: int) -> list[list[Array]]:
-        """Series of s X^(1 - power) on each slit, with the slit's unknown s and X = sqrt(1 - t^2)."""
+        """Series of s X^(1 - power) on each slit, with the slit's unknown s and X = sqrt(1 -
+        t^2).
+        """
         return [
             [slit.over(d, power) for slit, d in zip(here.slits, row, strict=True)]
             for here, row in zip(self.slits, self.series, strict=True)
@@ -395,7 +399,9 @@ class SlitDensity(DensityBase):
 
     # The methods below give the fields, and the slack (the unknown in a slit), at real points.
     def _into_wide(self, x: Array) -> Array:
-        """x moved by whole periods into the period that begins at the first wide zone's left end."""
+        """x moved by whole periods into the period that begins at the first wide zone's left
+        end.
+        """
         return wrapped(x, self.geometry.wide.a[0], self.kernel.period)
 
     @property
@@ -404,7 +410,9 @@ class SlitDensity(DensityBase):
         return len(self.geometry.slits)
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x is in a slit, integral from the slit's left end to x of the slit's unknown s)."""
+        """(whether x is in a slit, integral from the slit's left end to x of the slit's unknown
+        s).
+        """
         place = self._into_wide(np.asarray(x, dtype=float))
         slack = self._slack
         inside = slack.locate(place)[2]

@@ -167,7 +167,9 @@ class SlitKink(Kept):
 
     @property
     def total(self) -> float:
-        """Integral of psi (see `slope`) over the slit, divided by pi and by the slit's half width."""
+        """Integral of psi (see `slope`) over the slit, divided by pi and by the slit's half
+        width.
+        """
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:
@@ -179,7 +181,9 @@ class SlitKink(Kept):
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the integral of psi (see `slope`), over the zone's half width."""
+        """Mean over the wide zone of the integral of psi (see `slope`), over the zone's half
+        width.
+        """
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi
@@ -188,7 +192,9 @@ class SlitKink(Kept):
     # the wide zone.
     @cached_property
     def edge(self) -> tuple[float, float]:
-        """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the density that psi causes."""
+        """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the density that psi
+        causes.
+        """
         from_left, from_right, _, _ = self.seen
         return float(self._over_root @ (0.5 * (from_left - from_right))), float(
             self._over_root.sum()

@@ -523,7 +523,9 @@ class Slits(Kept):
 
     @cached_property
     def slack_of_kinks(self) -> Array:
-        """Coefficients s_k on the wide zone of the known part of the slits' unknown, due to jumps."""
+        """Coefficients s_k on the wide zone of the known part of the slits' unknown, due to
+        jumps.
+        """
         count = max(self.modes, OPTIONS.min_slack_modes)
         return np.sum(
             [np.zeros(count + 1), *(kink.slack_coefficients(count) for _, kink in self.kinks)],
@@ -532,7 +534,9 @@ class Slits(Kept):
 
     @property
     def mean_of_kinks(self) -> float:
-        """Mean over the zone of the integral of psi, the part of the slits' unknown due to jumps."""
+        """Mean over the zone of the integral of psi, the part of the slits' unknown due to
+        jumps.
+        """
         return self.w * sum(kink.mean_opening for _, kink in self.kinks)
 
     @cached_property

@@ -154,7 +154,9 @@ class SlitSystem(Kept):
         base, homogeneous, iteration = self.base, values is not None, self.base.iteration
 
         def slit_response(folded: Array) -> Array:
-            """Change of the wide zones' right side that the slits cause, for the unknowns `folded`."""
+            """Change of the wide zones' right side that the slits cause, for the unknowns
+            `folded`.
+            """
             return self._right(self._series(folded, True), True)
 
         given = self._right(
@@ -204,7 +206,9 @@ class SlitSystem(Kept):
         return s
 
     def slack(self, d: tuple[Array, ...], homogeneous: bool) -> dict[int, Array]:
-        """Coefficients s_k of the slack (the unknown in the slits) on every wide zone with slits."""
+        """Coefficients s_k of the slack (the unknown in the slits) on every wide zone with
+        slits.
+        """
         return {
             here.zone: here.slack_matrix @ one + (0.0 if homogeneous else here.slack_of_kinks)
             for here, one in zip(self.slits, d, strict=True)
@@ -307,7 +311,9 @@ class SlitState(Answered):
         return self.whole.linear_error[self.geometry.piece_zone]
 
     def wide_of(self, zones: Index) -> tuple[State, Index]:
-        """(solution on wide zones, index of the wide zone that contains each of the given zones)."""
+        """(solution on wide zones, index of the wide zone that contains each of the given
+        zones).
+        """
         return self.whole, self.geometry.piece_zone[zones]
 
     # The methods below give solutions for other values of the side conditions.

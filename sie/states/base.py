@@ -91,7 +91,9 @@ class Answered(Kept):
 
 @dataclass(frozen=True, eq=False)
 class Solved(Answered):
-    """Base class of `State` with the data of a solution, and its responses to changed conditions."""
+    """Base class of `State` with the data of a solution, and its responses to changed
+    conditions.
+    """
 
     density: Density
     system: System

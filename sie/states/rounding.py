@@ -86,7 +86,9 @@ def _of_others(state: Solved) -> Array | float:
 
 
 def _of_levels(state: Solved) -> Array | float:
-    """Effect on the intensities K (Z,) of the round-off of levels; 0 if no condition uses levels."""
+    """Effect on the intensities K (Z,) of the round-off of levels; 0 if no condition uses
+    levels.
+    """
     equation, zones = state.system.equation, state.density.zones
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0

@@ -105,7 +105,9 @@ class Nested:
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
 
     def _slices(self) -> list[slice]:
-        """Slices of nodes, one for each level of the tree; shorter ones if matrices are not stored."""
+        """Slices of nodes, one for each level of the tree; shorter ones if matrices are not
+        stored.
+        """
         levels, most = self.tree.levels, len(self.tree) if self.kept else SUMS.cache_pairs
         bounds = zip(levels[1:-1], levels[2:], strict=True)
         return [
@@ -142,7 +144,9 @@ class Nested:
 
 
 class FarSum:
-    """Field of far zones on targets, as a series of the transform and the potential at the middle."""
+    """Field of far zones on targets, as a series of the transform and the potential at the
+    middle.
+    """
 
     def __init__(self, sources: Nested, targets: Nested, kernel: Kernel) -> None:
         self.sources, self.targets, self.kernel = sources, targets, kernel

@@ -190,7 +190,9 @@ class Law(Named, sie.Kept):
         return None
 
     def work_of_adhesion(self, E_star: float) -> float:
-        """Work [J/m^2] of separating a unit of length against the edge intensity and the tension."""
+        """Work [J/m^2] of separating a unit of length against the edge intensity and the
+        tension.
+        """
         return pi / E_star * self.intensity(E_star) ** 2 + self.tension * self.reach
 
     def surface_energy(self, fields: Any, width: float) -> float:

@@ -266,7 +266,9 @@ class GridState:
 
     @property
     def touches_border(self) -> bool:
-        """Whether a cell at the border of a window (the search interval of one body) is in contact."""
+        """Whether a cell at the border of a window (the search interval of one body) is in
+        contact.
+        """
         return not self.influence.is_periodic and bool(
             self.pressure[0] > 0.0 or self.pressure[-1] > 0.0
         )

@@ -56,7 +56,9 @@ def proposed(
 
 
 def whole_response(problem: Problem) -> Response:
-    """The surface's response to pressure on the whole line, or on the period if there is a strip."""
+    """The surface's response to pressure on the whole line, or on the period if there is a
+    strip.
+    """
     operator, interaction = problem.operator, problem.interaction
     whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
     return Response(

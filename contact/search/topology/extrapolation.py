@@ -174,7 +174,9 @@ def _extrapolate(known: list[Motion], away: list[float], period: float | None) -
 
 
 def _hermite(away: Array) -> tuple[Array, Array]:
-    """Weights of the values and derivatives at the places `away`, for Hermite interpolation at 0."""
+    """Weights of the values and derivatives at the places `away`, for Hermite interpolation at
+    0.
+    """
     differences = away[:, None] - away
     np.fill_diagonal(differences, 1.0)
     others = ~np.eye(len(away), dtype=bool)

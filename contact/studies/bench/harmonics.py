@@ -56,7 +56,8 @@ class HarmonicZone(SymmetricZone):
         return float(self.pressure_at(np.linspace(0.0, 1.0, 101)).max())
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # The upper limit of the integral is `top`. Its square is cos(2 pi r) - cos(2 pi a), with the
+        # The upper limit of the integral is `top`. Its square is cos(2 pi r) - cos(2 pi a), with
+        # the
         # half width a. It equals 2 sin(pi d) sin(pi (a + r)), which has no cancellation.
         top = np.sqrt(2 * np.sin(pi * d) * np.sin(pi * (self.half_width + r)))
         nodes, weights = legendre.leggauss(len(self.amplitudes) + 1)
