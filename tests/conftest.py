@@ -8,6 +8,7 @@ import os
 import re
 import sys
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -35,6 +36,28 @@ def pytest_configure(config: pytest.Config) -> None:
         "ci", derandomize=True, deadline=None, max_examples=count, database=None
     )
     settings.load_profile("ci")
+
+
+@pytest.fixture
+def newton_steps(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], Any]], Any]:
+    """Function that returns the number of Newton steps in a call, and the result of the call."""
+    # numpy is loaded by this import, and must not be before the threads are limited above.
+    from sie.ends import newton
+
+    count, real = [0], newton.solve_zones
+
+    def counted(*arguments: Any, **options: Any) -> Any:
+        count[0] += 1
+        return real(*arguments, **options)
+
+    monkeypatch.setattr(newton, "solve_zones", counted)
+
+    def of(call: Callable[[], Any]) -> Any:
+        count[0] = 0
+        result = call()
+        return count[0], result
+
+    return of
 
 
 def pytest_make_parametrize_id(config: pytest.Config, val: Any, argname: str) -> str | None:

@@ -127,7 +127,7 @@ def _with_step_models(
         tips = logarithms_in_gaps(forcing, zones, kernel.period) if jumps else np.zeros(gaps.shape)
     across, holds = gap_steps(gaps, zones.b - zones.a, moves, side * residual, side * a, tips)
     delta, weak = np.where(holds, across, plain.delta), plain.weak & ~holds
-    by_gaps = 2 * state.intensity_noise / np.abs(np.where(holds, a, 1.0))
+    by_gaps = zones.weight.end_step(state.intensity_noise, np.abs(np.where(holds, a, 1.0)))
     noise = np.where(holds, by_gaps, plain.noise)
     if len(forcing.jumps):
         model = StepAtJumps(forcing, zones, kernel.period, (options.max_shrink, options.max_growth))

@@ -213,7 +213,7 @@ def _functions(kernel: Kernel) -> list[Any]:
 
 
 def _some(zones: Zones, count: int, shift: int) -> Array:
-    """About `count` positions spread over the zones; each `shift` gives other positions.
+    """About `count` positions, spread over the zones; another `shift` gives other positions.
 
     Each zone gets a number of positions in proportion to its width, but at least two. If there are
     very many zones, only some of them are used.

@@ -22,8 +22,8 @@ EXACT = design(ZONES, 1.0, 1e-3, 1.0)
 
 
 def certificate_of(zones):
-    """Of the state on these zones, whose ends are moved to where the pressure is bounded, whatever
-    the signs.
+    """The certificate of the state on these zones, after their ends have moved to where the pressure
+    is bounded. Signs of pressure and gap are not tested before.
     """
     problem = scaled(contact.Scene(EXACT.profile, 1.0, contact.Periodic(), load=1e-3))
     load = 1e-3 / problem.units.load

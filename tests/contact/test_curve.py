@@ -9,7 +9,6 @@ import contact
 import contact.search.context
 import contact.search.grid.nested_grids
 import contact.search.strategies.guesses
-import sie.ends.newton
 from contact.search import refine
 from contact.search.topology.extrapolation import CurvePoint, extrapolated
 from contact.search.topology.pressure_form import PressureForm
@@ -135,25 +134,15 @@ def test_a_curve_searches_one_grid_and_looks_for_full_contact_once(counted):
 
 
 def test_zones_that_come_and_go_at_close_loads_cost_little_more_than_searches_from_scratch(
-    monkeypatch,
+    newton_steps,
 ):
-    count, state = [0], sie.ends.newton.solve_zones
-
-    def solved(*arguments, **options):
-        count[0] += 1
-        return state(*arguments, **options)
-
-    monkeypatch.setattr(sie.ends.newton, "solve_zones", solved)
     random, k = np.random.default_rng(3), np.arange(1, 25)
     profile = contact.Fourier(1.0, *(1e-3 * k**-1.3 * random.normal(size=24) for _ in range(2)))
     loads = full_load(profile) * 0.3 * 1.06 ** -np.arange(12.0, 18.0)
-    count[0] = 0
-    along = contact.solve_many(scene(profile), loads)
-    together, count[0] = count[0], 0
+    together, along = newton_steps(lambda: contact.solve_many(scene(profile), loads))
     assert [len(one.zones) for one in along] == [4, 3, 3, 3, 3, 2]
-    for load in loads:
-        contact.solve(scene(profile, load=load))
-    assert together < 1.5 * count[0]
+    alone, _ = newton_steps(lambda: [contact.solve(scene(profile, load=load)) for load in loads])
+    assert together < 1.5 * alone
 
 
 def test_points_close_together_take_about_two_steps_of_newton():
@@ -187,8 +176,8 @@ def passed(profile, *loads):
 
 @pytest.mark.parametrize(("known", "order"), [(1, 2), (2, 4)])
 def test_ends_are_carried_on_by_values_and_rates_to_the_order_that_these_tell(known, order):
-    """Of three zones between which nothing happens, in the middle of its way: steps half as long
-    leave 2^order times less.
+    """No zone is born and none merge here: with half the step of the load, the error of the
+    extrapolated ends is smaller by 2^order.
     """
     profile, load = contact.Fourier(1.0, [0.0, 0.0, -0.01], [0.001, 0.002, 0.0]), 0.012
     missed = []
@@ -237,49 +226,33 @@ def test_a_curve_of_many_zones_is_the_same_whatever_the_spacing_of_its_loads(cou
 
 @pytest.mark.slow
 def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from_scratch(
-    monkeypatch,
+    monkeypatch, newton_steps
 ):
-    count = {"points": 0, "solves": 0}
-    grid, state = contact.search.grid.nested_grids.solve_grid, sie.ends.newton.solve_zones
+    points, grid = [0], contact.search.grid.nested_grids.solve_grid
 
     def gridded(f, *arguments, **options):
-        count["points"] += len(f)
+        points[0] += len(f)
         return grid(f, *arguments, **options)
 
-    def solved(*arguments, **options):
-        count["solves"] += 1
-        return state(*arguments, **options)
-
     monkeypatch.setattr(contact.search.grid.nested_grids, "solve_grid", gridded)
-    monkeypatch.setattr(sie.ends.newton, "solve_zones", solved)
     loads = np.geomspace(0.02, 0.04, 6) * full_load(TRACE)
-    contact.solve_many(scene(TRACE), loads)
-    together, count = dict(count), count
-    count.update(points=0, solves=0)
-    for load in loads:
-        contact.solve(scene(TRACE, load=load))
-    assert together["points"] < 0.5 * count["points"] and together["solves"] < 1.5 * count["solves"]
+    points[0] = 0
+    together, _ = newton_steps(lambda: contact.solve_many(scene(TRACE), loads))
+    points_together, points[0] = points[0], 0
+    alone, _ = newton_steps(lambda: [contact.solve(scene(TRACE, load=load)) for load in loads])
+    assert points_together < 0.5 * points[0] and together < 1.5 * alone
 
 
 @pytest.mark.slow
 def test_a_few_loads_far_apart_take_no_more_than_twice_the_solutions_of_searches_from_scratch(
-    monkeypatch,
+    newton_steps,
 ):
-    """Where a grid takes no time, zones that are carried far are not put right again and again."""
-    count, state = [0], sie.ends.newton.solve_zones
-
-    def solved(*arguments, **options):
-        count[0] += 1
-        return state(*arguments, **options)
-
+    """Zones extrapolated over a long step are given up for a grid, if the grid is fast."""
     profile = drawn(np.random.default_rng(3), "honed", 300)
     loads = np.geomspace(1e-3, 0.7, 12) * full_load(profile)
-    monkeypatch.setattr(sie.ends.newton, "solve_zones", solved)
-    contact.solve_many(scene(profile), loads)
-    together, count[0] = count[0], 0
-    for load in loads:
-        contact.solve(scene(profile, load=load))
-    assert together < 2 * count[0]
+    together, _ = newton_steps(lambda: contact.solve_many(scene(profile), loads))
+    alone, _ = newton_steps(lambda: [contact.solve(scene(profile, load=load)) for load in loads])
+    assert together < 2 * alone
 
 
 @pytest.mark.slow

@@ -119,8 +119,8 @@ def test_the_direct_way_has_the_answer_of_the_general_one_over_ten_decades_of_lo
         width = other.zone_widths
         assert np.all(np.abs(one.zones - other.zones) <= error * width[:, None])
         t = np.cos(np.linspace(0.03, np.pi - 0.04, 21))
-        # Beside a corner or a tip with a kink the pressure is not bounded: there it is counted over
-        # its singularity.
+        # Next to a corner or a kink the pressure is not bounded. There the pressure multiplied by
+        # sqrt(1 - t^2) is compared.
         weight = np.sqrt(1 - t**2) if not np.isfinite(other.max_pressure) else 1.0
         for zone in range(len(one.zones)):
             assert np.all(
@@ -410,7 +410,7 @@ def test_loads_that_numbers_hardly_hold_are_answered_or_left(load):
 def test_a_flat_top_is_left_to_the_general_ways():
     scene = contact.Scene(Plateau(), 1.0, PERIODIC, load=1e-3)
     assert solve_closed(scene, 1e-2) is None
-    # What a series makes of its edges is stated to about 0.05 to 0.07.
+    # A series resolves the edges of the flat top slowly: the stated error is some 0.02.
     assert 0.3 < contact.solve(scene, 0.1).zones[0, 1] < 0.35
 
 

@@ -209,7 +209,7 @@ def test_a_rough_profile_obeys_its_equations_by_quadrature_of_the_pressure(stres
     scene = contact.Scene(rough(), 1e9, contact.Periodic(), law=law, mean_pressure=2e6)
     solution = contact.solve(scene, branch=branch)
     assert solution.certificate.holds and len(solution.zones) >= 5
-    # Beside the parts, not on them: there the logarithm is smooth enough for the rule.
+    # The places lie outside the cohesive parts, where the logarithm is smooth enough for the rule.
     edges = np.concatenate(
         (solution.cohesive[:, 1], solution.cohesive[1:, 0], [solution.cohesive[0, 0] + 1e-4])
     )
@@ -630,7 +630,7 @@ def test_pull_off_of_one_zone_takes_the_states_of_its_curve(monkeypatch):
 
 @dataclass(frozen=True)
 class Hyperbola(contact.Profile):
-    """Of real places alone."""
+    """A hyperbola whose height takes real places only, not complex ones."""
 
     def height(self, x):
         return np.sqrt(1 + np.asarray(x, dtype=float) ** 2) - 1

@@ -143,7 +143,7 @@ class Objecting(contact.Frictionless):
 
 ROUGH = contact.Fourier(1.0, [-0.01, 0.004], [0.003, -0.002])
 ALONE = contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), load=0.01)
-# What each route gives: the class of the fields without a check, and with one.
+# For each route: a scene, and the class of the fields if the law has no check, and if it has one.
 ROUTES = {
     "one zone": (SCENE, ClosedFields, ZoneFields),
     "one zone alone": (ALONE, ClosedFields, ZoneFields),

@@ -109,8 +109,8 @@ class TestContact:
             np.abs(solution.pressure_at(t, 0) - pressure).max() / pressure.max(),
             np.abs(solution.zones - [[-a, a]]).max() / (2 * a),
         )
-        # What the profile's own numbers are rounded to, over the compliance that a thin layer has
-        # left.
+        # The last term is the round-off of the profile's heights divided by the layer's compliance
+        # for a wave as long as the contact, relative to that of a half-plane.
         assert off < solution.error + 4e-15 / layer.symbol(np.array([np.pi / (2 * a)]))[0]
 
     def test_a_thick_layer_is_a_half_plane_up_to_the_square_of_its_thickness(self, base, nu):

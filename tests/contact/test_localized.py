@@ -135,8 +135,8 @@ class TestNeighbours:
         assert abs(np.polyfit(np.log(2 * m[1:] + 1), np.log(errors[1:]), 1)[0] + 1) < 0.1
 
     def test_the_approach_comes_nearer_with_the_first_power_of_the_periods(self):
-        # What is left beyond the copies are their second moments over the squares of their
-        # distances.
+        # Each zone beyond the explicit copies leaves an error of its second moment divided by the
+        # square of its distance.
         whole = exact.Westergaard(0.01, 1.0, 1.0, 0.2)
         m = np.array([2, 4, 8, 16])
         models = [contact.Localized("self-consistent", neighbours=int(k)) for k in m]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import contact
-import sie.ends.newton
 from contact import path
 
 ROUGH = contact.Fourier(1.0, [-0.01, 0.004, 0.002], [0.003, -0.002, 0.004])
@@ -21,46 +20,26 @@ def full_load(profile):
     return contact.solve(scene(profile, contact_fraction=1.0)).load
 
 
-@pytest.fixture
-def steps(monkeypatch):
-    """Counts Newton's steps."""
-    count = [0]
-    real = sie.ends.newton.solve_zones
-
-    def counted(*arguments, **options):
-        count[0] += 1
-        return real(*arguments, **options)
-
-    monkeypatch.setattr(sie.ends.newton, "solve_zones", counted)
-
-    def of(call):
-        count[0] = 0
-        result = call()
-        return count[0], result
-
-    return of
-
-
 @pytest.mark.parametrize("profile", [WAVE, ROUGH], ids=["one zone", "several"])
 @pytest.mark.parametrize("part", [0.01, 0.29, 0.31, 0.6, 0.95, 1.2])
-def test_a_start_from_afar_takes_at_most_a_few_steps_more_than_none(steps, profile, part):
+def test_a_start_from_afar_takes_at_most_a_few_steps_more_than_none(newton_steps, profile, part):
     full = full_load(profile)
     near = contact.solve(scene(profile, load=0.3 * full))
-    cold, one = steps(lambda: contact.solve(scene(profile, load=part * full)))
-    warm, other = steps(lambda: contact.solve(scene(profile, load=part * full), near=near))
+    cold, one = newton_steps(lambda: contact.solve(scene(profile, load=part * full)))
+    warm, other = newton_steps(lambda: contact.solve(scene(profile, load=part * full), near=near))
     assert warm <= cold + 5
     assert len(one.zones) == len(other.zones)
     assert np.all(np.abs(one.zones - other.zones) < 1e-8)
 
 
-def test_a_start_from_the_solution_itself_takes_one_step(steps):
+def test_a_start_from_the_solution_itself_takes_one_step(newton_steps):
     here = scene(ROUGH, load=0.3 * full_load(ROUGH))
     near = contact.solve(here)
-    assert steps(lambda: contact.solve(here, near=near))[0] == 1
+    assert newton_steps(lambda: contact.solve(here, near=near))[0] == 1
 
 
-def test_a_path_to_beyond_full_contact_takes_a_few_steps_for_each_of_its_events(steps):
+def test_a_path_to_beyond_full_contact_takes_a_few_steps_for_each_of_its_events(newton_steps):
     full = full_load(ROUGH)
-    taken, along = steps(lambda: path(scene(ROUGH, load=1.0), [0.02 * full, 1.1 * full]))
+    taken, along = newton_steps(lambda: path(scene(ROUGH, load=1.0), [0.02 * full, 1.1 * full]))
     assert along.events[-1].kind == "full"
     assert taken <= 60 * len(along.events)

@@ -188,9 +188,8 @@ def _at_jump(
     assert last.contact_fraction is not None and problem.period is not None
     error = abs(last.contact_fraction - control.value / problem.period)
     load = Load(last.load / problem.units.load)
-    found: SolvedZones | SolvedGaps | Failure = NOT_APPLICABLE
-    if error <= KnownLoads().closed:
-        found = _from_solution(context, problem, load, last)
+    is_there = error <= KnownLoads().closed
+    found = _from_solution(context, problem, load, last) if is_there else NOT_APPLICABLE
     if isinstance(found, Failure):
         raise NotConverged(
             "no load that double precision tells from its neighbours has the contact fraction "
