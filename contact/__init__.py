@@ -66,8 +66,9 @@ if TYPE_CHECKING:
     from contact.sweeps.solve_many import solve_many
     from contact.sweeps.sweep.run import sweep
 
-# Names, by module, that a single solve does not need. Their modules are imported at first use.
-# Readers and type checkers find the same names in the imports above.
+# Public names, by the module that defines them. A single solve needs none of these modules, so each
+# is imported when one of its names is first used. Readers and type checkers find the names in the
+# imports above.
 _HOMES = {
     "contact.explorer.explore": "explore",
     "contact.model.scene_file": "load_scene",
@@ -79,7 +80,7 @@ _HOMES = {
     "contact.sweeps.sweep.run": "sweep",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
-# Submodules that can be used as attributes of `contact` without being imported.
+# Submodules that a user reaches as attributes of `contact` after `import contact` alone.
 _MODULES = ("axisymmetric", "exact", "inverse", "paper", "testing")
 
 if not TYPE_CHECKING:  # so that a type checker still reports unknown names

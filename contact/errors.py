@@ -27,7 +27,8 @@ class ContactError(Exception):
     amplitude = -1.0 is refused: it must be a finite number > 0
     """
 
-    # A longer message is shortened in the middle. This length is about five lines on a terminal.
+    # Largest length of a message [characters], about five lines on a terminal. Longer messages are
+    # shortened in the middle.
     longest: ClassVar[int] = 400
     longest_value: ClassVar[int] = 80  # longest text of a value within a message
 
@@ -148,7 +149,7 @@ class MissingExtra(ContactError, ImportError):
 
 
 class ModelWarning(UserWarning):
-    """Warning that the model is doubtful, or that a file's numbers are not those of a surface.
+    """Warning of a doubtful model, or of numbers in a file that may not be those of a surface.
 
     Examples
     --------
@@ -164,7 +165,7 @@ class ModelWarning(UserWarning):
 
 
 def warn(messages: Iterable[str], stacklevel: int = 3) -> None:
-    """Issue each message as a ModelWarning, attributed to the line that called the caller."""
+    """Issue each message as a ModelWarning at the line that called the caller of `warn`."""
     for message in messages:
         warnings.warn(_cut(message, ContactError.longest), ModelWarning, stacklevel=stacklevel)
 

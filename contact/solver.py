@@ -39,12 +39,15 @@ from contact.verify.error import SolvedGaps
 
 @dataclass(frozen=True)
 class SolverOptions:
-    """Sizes of a scene, in shortest lengths per period, that change settings of the process."""
+    """Sizes of a scene above which settings of the process are changed.
+
+    A size is the number of shortest lengths of the profile in its period.
+    """
 
     # For larger scenes, BLAS runs on one thread, as several threads would wait for each other.
     one_blas_thread: int = 2**6
-    # For larger scenes, freed memory is kept. Otherwise, the system would clear the pages of this
-    # memory again and again.
+    # For larger scenes, freed memory is kept. If it were not kept, the system would clear the pages
+    # of this memory again and again.
     keep_memory: int = 2**17
 
 
@@ -139,7 +142,7 @@ def tolerance(tol: object) -> float:
 
 
 def _of(scene: Scene) -> tuple[object, ...]:
-    """All fields of a scene except for its control and its modulus."""
+    """The profile, interaction, substrate and law of a scene."""
     return scene.profile, scene.interaction, scene.substrate, scene.law
 
 

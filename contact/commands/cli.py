@@ -79,8 +79,8 @@ class Commands(click.Group):
         except NotConverged as error:
             _stop(ExitStatus.NOT_CONVERGED, str(error))
         except BrokenPipeError:
-            # The reader has closed the pipe. Without a new stdout, Python's flush at exit would
-            # print an error.
+            # The program that reads the output has closed the pipe. Without a new stdout, Python's
+            # flush at exit would print an error.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(1)
         except click.ClickException as error:
@@ -392,7 +392,7 @@ _listed("controls", controls, "controls, with their units,", "unit")
 
 
 def _show_solution(solution: Solution, seconds: float, zones_shown: int = 20) -> None:
-    """Print a solution as tables; the table of zones is limited to the first ones."""
+    """Print a solution as tables; of its zones, only the first `zones_shown` are listed."""
     scene = solution.scene
     show_profile(scene.profile)
     turning = (

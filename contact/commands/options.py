@@ -102,7 +102,7 @@ class Outputs:
             write(made, path, self._overwrite)
 
     def finish(self, made: Any, as_json: bool, quiet: bool, show: Callable[[], None]) -> None:
-        """Write the files, then print the result as JSON, or as tables unless `quiet` is set."""
+        """Write the files, then print the result: as JSON, or as tables unless `quiet` is set."""
         self.write(made)
         if as_json:
             click.echo(json.dumps(made.to_dict(), allow_nan=False))

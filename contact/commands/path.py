@@ -171,7 +171,7 @@ def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[
     text = given[names[0]] or ""
     values = values_of(f"--{names[0]}", text)
     if not scene.law.pressure_range.has_tension:
-        # Without adhesion there is no contact at zero load.
+        # A load of 0 is left out: without adhesion there is no contact at zero load.
         values = values[values != 0]
         if not values.size:
             raise SceneError.of(f"--{names[0]}", text, "at least one value other than 0")

@@ -152,8 +152,9 @@ def _show(table: Any, seconds: float) -> None:
 
 
 def _span(values: Any, unit: str) -> str:
-    """The least and the greatest value in a common unit; texts are listed unchanged, and no values
-    give "".
+    """The least and the greatest of the values, as text in a common unit.
+
+    If the values are texts, all are listed. The result is "" if there are no values.
     """
     flat = np.ravel(values)
     if flat.dtype.kind not in "iuf":

@@ -130,7 +130,7 @@ def trace_command(
         path.write_text(
             starting_scene(file, path.parent, keys, measured, read.period), encoding="utf-8"
         )
-        # Reading the file again raises SceneError if it is not a valid scene.
+        # Reading back the written file raises SceneError if it is not a valid scene.
         load_scene(path)
 
     outputs = Outputs(overwrite)

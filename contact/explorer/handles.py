@@ -171,8 +171,8 @@ def _allowed(scene: Scene, handle: Handle) -> Handle:
 
 
 def _stands(profile: Profile) -> list[Handle]:
-    """Sliders for the position of a body relative to another one: up to half its length to each
-    side.
+    """Sliders for the position of a body relative to another one. The ranges reach half the body's
+    length to each side of the present position.
     """
     found = []
     for place, table in profile.tables().items():
@@ -245,8 +245,9 @@ def _together(
     lengths: float = 1.0,
     places: int = 33,
 ) -> tuple[str, ...]:
-    """The smallest set of parameters that, when doubled, multiply the heights by `heights` and
-    stretch lengths by `lengths`.
+    """The fewest parameters that, all doubled, scale heights by `heights`, lengths by `lengths`.
+
+    The result is empty if there are no such parameters.
 
     places: number of places at which heights are compared.
     """

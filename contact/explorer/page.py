@@ -137,7 +137,8 @@ class Explorer:
         self.sliders.objects = [self._slider(handle) for handle in self.known]
 
     def _slider(self, handle: Handle) -> Any:
-        # A slider for integers starts at its low end, which means that the shape stays as it is.
+        # A slider for an integer starts at its low end, which stands for "as it is": the shape is
+        # not changed.
         start = handle.low if handle.whole else handle.value
         low, high = handle.low, handle.high
         if handle.log:
@@ -296,8 +297,8 @@ class Explorer:
         }
 
     def _write(self, scene: Scene) -> None:
-        """Show the text of the scene file. In this text, the name of a file stands for a trace
-        that is unchanged.
+        """Show the text of the scene file. It names the file of a trace if the trace is unchanged,
+        and otherwise lists the points of the trace.
         """
         try:
             read = self.base.profile.bodies

@@ -93,12 +93,12 @@ def poisson_ratio(field: str, value: Any) -> float:
 
 
 def positive_or_none(field: str, value: Any) -> float | None:
-    """Return a finite number > 0, or None (left out)."""
+    """Return a finite number > 0, or None if the value is left out (None)."""
     return None if value is None else positive(field, value)
 
 
 def finite_or_none(field: str, value: Any) -> float | None:
-    """Return a finite number, or None (left out)."""
+    """Return a finite number, or None if the value is left out (None)."""
     return None if value is None else finite(field, value)
 
 

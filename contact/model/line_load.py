@@ -77,8 +77,8 @@ class SmoothPart:
             return cls(1.0, zero, zero, zero, 0.0, None, np.inf)
         first = 0.5 * OPTIONS.nodes / top
         integral = _integral(symbol, top)
-        # r m(r) is constant once r is well above 1/q, where q is the wavenumber [1/m] below which
-        # L(q) has its long-wave limit.
+        # The product r m(r) of distance and smooth part is constant once r is well above 1/q, where
+        # q is the wavenumber [1/m] below which the symbol L(q) has its long-wave limit.
         slow = _longest(symbol)
         panels: list[Array] = []
         lo, hi, limit = 0.0, first, 0.0
@@ -100,7 +100,8 @@ class SmoothPart:
         M = _integrated(m, half)
         M[:, 0] += start - _at_end(M) if grounded else 0.0
         N = _integrated(M, half)
-        # As a function of the wavenumber q, L - 1 decreases about as exp(-q length).
+        # The last argument, `length`: L(q) - 1 decreases about as exp(-q length), with L the symbol
+        # and q the wavenumber.
         return cls(first, m, M, N, limit, first if grounded else None, -np.log(EPS) / top)
 
     @property
@@ -116,8 +117,8 @@ class SmoothPart:
         return np.asarray(np.sign(r) * out / self.first)
 
     def potential(self, r: Array) -> Array:
-        """M(r), the primitive of the kernel's smooth part m. On a body with a base, ln(r / scale)
-        + M(r) is the potential.
+        """M(r), the primitive of the kernel's smooth part m. On a body with a base, the line load's
+        potential is ln(r / scale) + M(r), with `scale` an attribute of this class.
         """
         t = np.abs(r) / self.first
         out = _summed(self.M, t)
@@ -191,8 +192,9 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
             out[near] = np.sin(r[near, None] * q) @ weighted
         if not near.all():
             far = r[~near, None]
-            # int_0^inf sin x dx is taken as 1 (its Abel sum). The sum over L minus the long-wave
-            # limit of L vanishes for large r.
+            # With x = q r, the integrand is (L(x / r) - 1) sin x. Its part with the long-wave limit
+            # `base` of L gives base - 1, as the integral of sin x is 1 (Abel sum). The integral of
+            # (L - base) sin x vanishes for large r.
             out[~near] = (
                 base - 1 + (np.asarray(symbol(_OOURA / far)) - base) @ _OOURA_WEIGHTS
             ) / far[:, 0]
@@ -217,7 +219,7 @@ def _ooura_mori(density: float = 40.0, reach: float = 7.0) -> tuple[Array, Array
         below = -np.expm1(exponent)
         phi = t / below
         slope = 1 / below + t * grown * rate / below**2
-    # At t = 0 the function phi and its slope are 0/0: their limits are set here.
+    # At t = 0 the function `phi` and its slope are 0/0: their limits are set here.
     zero = np.abs(t) < 1e-12
     first, second = 2 + alpha + beta, (alpha - beta)
     phi[zero], slope[zero] = 1 / first, 0.5 * (1 + second / first**2)
@@ -266,7 +268,10 @@ def _at_end(series: Array) -> float:
 
 
 def _summed(series: Array, t: Array) -> Array:
-    """Sum of the series at t >= 0, in units of the first panel; constant after the last one."""
+    """Values at t >= 0 of a function that is given by one Chebyshev series on each panel.
+
+    t is in units of the first panel's width. Beyond the last panel, the value is that at its end.
+    """
     panels = len(series)
     end = 2.0 ** (panels - 1)
     out = np.full(np.shape(t), _at_end(series))

@@ -107,8 +107,8 @@ class Operator(sie.Kept):
 
     @cached_property
     def excess(self) -> Array | None:
-        """L_n - 1 for the symbol L_n at the harmonic n of the period, up to the last value that is
-        not zero. It is None if there is no symbol.
+        """L_n - 1, with L_n the symbol at the harmonic n of the period, up to the last value that
+        is not zero. It is None if the contact is not periodic, or if there is no symbol.
         """
         if not self.is_periodic or self.symbol is None:
             return None
@@ -126,7 +126,7 @@ class Operator(sie.Kept):
     @cached_property
     def inverse_excess(self) -> Array | None:
         """1 / L_n - 1 for the inverse operator, with L_n the symbol at the harmonic n of the
-        period.
+        period. It is None if there is no inverse.
         """
         return None if self.excess is None else np.asarray(-self.excess / (1 + self.excess))
 
@@ -139,7 +139,7 @@ class Operator(sie.Kept):
 
     @cached_property
     def is_plain(self) -> bool:
-        """Whether the kernel is that of line loads on a half-plane, without any further part."""
+        """Whether the kernel is that of line loads on a half-plane, without a smooth part."""
         if self.is_own:
             return self.interaction.strip or self.rest is None
         return self.compression is None and (
@@ -169,15 +169,15 @@ class Operator(sie.Kept):
     @property
     def datum(self) -> float | None:
         """Distance [m] from a line load at which the load causes no displacement; None if the
-        approach is undefined.
+        approach of a contact without a period is undefined.
 
         It is for bodies that do not repeat.
         """
         return self.smooth_part.scale if self.compression is not None else self.interaction.datum
 
     def inverse_kernel(self, unit: float) -> sie.Kernel:
-        """The kernel that has the symbol 1 / L, in scaled lengths, for equations in the slope of
-        the gap.
+        """The kernel of the inverse operator, in scaled lengths, for equations in the slope of the
+        gap. Its symbol is 1 / L, with L the symbol of the operator.
         """
         assert self.period is not None and self.inverse_excess is not None
         return kernel_of(self.inverse_excess, self.period / unit)
@@ -396,8 +396,9 @@ def _rest(kernel: sie.Kernel, period: float | None, lag: Array, width: float = 0
     found = _smooth_rest(kernel, period, lag)
     near = np.flatnonzero(np.abs(lag) < _OPTIONS.near_cells * width)
     if len(near):
-        # A source may lie less than the width of a cell below the surface. Then the value at the
-        # middle of a cell does not represent the cell.
+        # Within a cell, the smooth part may vary like a logarithm if a singularity lies nearer to
+        # the surface than the width of a cell. Then the value at the middle of the cell does not
+        # represent the cell.
         places, weights = _crowded_nodes()
         found[near] = (
             _smooth_rest(kernel, period, (lag[near][:, None] + width * places).ravel()).reshape(
@@ -426,8 +427,8 @@ def _crowded_nodes() -> tuple[Array, Array]:
 
 
 def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
-    """The smooth part of a kernel's potential Lambda: Lambda(lag) - ln|lag|. Without a period,
-    ln(datum) is added.
+    """Lambda(lag) - ln|lag|, with Lambda the kernel's potential. Without a period, it is
+    Lambda(lag) - ln|lag / datum|.
     """
     out = np.zeros(np.shape(lag))
     if kernel.period is not None:

@@ -232,7 +232,8 @@ class Scene(sie.Kept):
             named.check(self)
         self._check_law()
         if self.interaction.follows_isolated and self.is_flat:
-            # The isolated load of the same width exists only where zones have free ends.
+            # The closure uses an isolated contact of the same width as the zones. Under a flat
+            # punch, the width of an isolated contact cannot be chosen.
             allowed = (
                 "another model or closure: every isolated load has the width of a "
                 f"{self.profile.name} profile"
@@ -271,15 +272,15 @@ class Scene(sie.Kept):
 
     @property
     def given_load(self) -> float | None:
-        """The load [N/m] that the control prescribes, directly or as a mean pressure; None
-        otherwise.
+        """The load [N/m] that the control prescribes, directly or as a mean pressure. It is None if
+        the control prescribes another quantity.
         """
         return self.held(Quantity.LOAD)
 
     @property
     def given_fraction(self) -> float | None:
-        """The contact fraction that the control prescribes, directly or as a width; None
-        otherwise.
+        """The contact fraction that the control prescribes, directly or as a width. It is None if
+        the control prescribes another quantity.
         """
         width, period = self.held(Quantity.WIDTH), self.profile.period
         if width is None or period is None:

@@ -84,7 +84,7 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
         q = np.asarray(2 * np.pi / period * np.arange(1, count + 1), dtype=np.float64)
         found = checked(symbol, q, of)
         deviation = np.asarray(found - 1.0, dtype=np.float64)
-        # A deviation from 1 that is smaller than this is the rounding error of L.
+        # A deviation of the symbol from 1 below 4 EPS is a rounding error.
         seen = np.flatnonzero(np.abs(deviation) > 4 * EPS)
         if len(seen) == 0 or seen[-1] < 0.9 * count:
             return deviation[: seen[-1] + 1] if len(seen) else np.zeros(0)
@@ -115,7 +115,7 @@ def kernel_of(excess: Array, period: float) -> sie.Kernel:
         Sum.of(np.asarray(c, dtype=np.complex128))
         for c in (-2j * np.pi / period * excess, -excess / n)
     )
-    # The harmonics of the smooth part decrease about as exp(-2 pi n length / period).
+    # The harmonics n of the smooth part decrease about as exp(-2 pi n length / period).
     length = -np.log(EPS) * period / (2 * np.pi * len(excess))
     return plain + sie.Smooth(
         partial(_waves, value, period),

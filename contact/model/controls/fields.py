@@ -52,8 +52,8 @@ class Approach(Control):
     quantity = Quantity.APPROACH
 
     def signed(self, scene: Any) -> bool:
-        # Both signs are possible. The approach of a tilted body counts from its lowest point, but
-        # the body touches elsewhere. Adhesive contacts can carry tension.
+        # The approach may have either sign in two cases. The approach of a tilted body counts from
+        # its lowest point, but the body may touch elsewhere. Adhesive contacts can carry tension.
         return bool(scene.turned or scene.law.pressure_range.has_tension)
 
     def check(self, scene: Any) -> None:

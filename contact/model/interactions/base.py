@@ -89,17 +89,19 @@ class Interaction(Named):
         )
 
     def symbol(self, q: Array) -> Array:
-        """The symbol L(q), q in 1/m, of the interaction's own kernel. This symbol makes the
-        operator invertible, and may replace `kernel` if all periods act.
+        """The symbol L(q), q in 1/m, of the interaction's own kernel. With a symbol, the operator
+        can be inverted. If all periods act, a symbol may be given instead of a kernel.
         """
         raise NotImplementedError(
             f"{type(self).__name__} has no symbol of its own: that of the substrate acts"
         )
 
     def columns(self, period: float | None, centre: float) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with unknown amplitudes, with lengths measured from the centre of
-        the strip. A model that has a `strip` and does not define this method has one term, that of
-        the nominal pressure outside the strip.
+        """Terms of the right side with unknown amplitudes. Positions count from the centre of the
+        strip, which is the period that is solved exactly.
+
+        A model with a `strip` that does not define this method has one term, that of the nominal
+        pressure outside the strip.
         """
         return ()
 
@@ -112,15 +114,15 @@ class Interaction(Named):
     def placed_columns(
         self, period: float | None, centre: float, scaled: Scaled
     ) -> tuple[sie.Forcing, ...]:
-        """Terms of unknown amplitude that depend on places of the profile. The function `scaled`
-        converts these places [m] to scaled lengths. If a model does not define this method, the
-        terms are those of `columns`.
+        """Terms of the right side with unknown amplitudes, if they depend on places of the profile.
+        The function `scaled` converts a place [m] to scaled lengths. If a model does not define
+        this method, the terms are those of `columns`.
         """
         return self.columns(period, centre)
 
     def placed_conditions(self, period: float | None, scaled: Scaled) -> tuple[sie.Condition, ...]:
-        """Conditions that depend on places of the profile, which `scaled` converts to scaled
-        lengths. If a model does not define this method, the conditions are those of
-        `side_conditions`.
+        """Conditions for the amplitudes, if they depend on places of the profile. The function
+        `scaled` converts a place [m] to scaled lengths. If a model does not define this method, the
+        conditions are those of `side_conditions`.
         """
         return self.side_conditions(period)

@@ -26,9 +26,9 @@ CLOSURES = ("first-order", "self-consistent")
 @register_interaction("localized")
 @dataclass(frozen=True)
 class Localized(Interaction):
-    """One strip solved exactly, with the rest of the surface replaced by its nominal pressure.
-    This pressure is a load over the period: the strip's own load (self-consistent), or the load of
-    the isolated contact of the same width (first order).
+    """One strip (a period of the profile) solved exactly; elsewhere only the nominal pressure acts.
+    This is a load divided by the period: the strip's own load (self-consistent), or that of the
+    isolated contact of the same width (first order).
 
     (I. G. Goryacheva & I. Y. Tsukanov, Front. Mech. Eng. 6:45, 2020, doi 10.3389/fmech.2020.00045,
     eq. (13).)

@@ -39,7 +39,8 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
     points = np.asarray(profile.algebraic_points, dtype=np.float64)
     for s, jump in declared:
         seen = float(np.diff(slope(np.array([s - 2 * reach, s + 2 * reach])))[0])
-        # An algebraic point with an exponent near 1 looks like a kink from any distance.
+        # An algebraic point with an exponent near 1 looks like a kink from any distance. The jump
+        # that such a point seems to have is subtracted.
         seen -= sum(
             (left + right) * n * (2 * reach) ** (n - 1) for at, n, left, right in points if at == s
         )
@@ -114,9 +115,7 @@ def _sharp_slope(
 
 
 def undeclared_corner(profile: Profile, intervals: Array) -> str:
-    """A message on the first corner in intervals (n, 2) [m] that the profile does not declare;
-    empty if there is none.
-    """
+    """A message on the first undeclared corner in intervals (n, 2) [m]; "" if there is none."""
     for lo, hi in intervals.tolist():
         found = corner(profile, lo, hi)
         if found is not None:
@@ -142,9 +141,9 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
     if not rough[i] > CHECKS.stands_out * float(np.median(rough)):
         return None
     a, b = float(x[i]), float(x[i + last])
-    # The interval around the corner shrinks until round-off hides the corner. The first width of
-    # the interval is a scale for this limit, too. Without it, an interval around a corner at 0
-    # would be halved into underflow.
+    # The interval around the corner shrinks until round-off hides the corner. Its smallest width is
+    # relative to its ends and to the searched interval, hi - lo. Without hi - lo, an interval
+    # around a corner at 0 would be halved into underflow.
     while b - a > 64 * EPS * max(abs(a), abs(b), hi - lo):
         x = np.linspace(a, b, 4 * last + 1)
         rough, last = _roughness(function, x)

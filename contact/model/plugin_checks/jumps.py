@@ -48,8 +48,8 @@ CHECKS = CheckOptions()
 # Number of steps, each half of the one before, down to round-off.
 _HALVINGS = int(-np.log2(ROUND_OFF))
 # Step of the differences that show the second derivative, relative to the checked interval. A
-# corner is examined from ever shorter distances, and this is also the ratio of the smallest to the
-# first of them.
+# corner is examined from ever shorter distances, and the smallest of these distances over the first
+# one has this ratio, too.
 BEND_STEP = np.sqrt(ROUND_OFF)
 
 
@@ -96,7 +96,7 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
             for side in (1, -1)
         )
         size = np.maximum(np.abs(right), np.abs(left)).max(axis=1)
-        # The round-off of the place itself changes the values.
+        # The round-off of each place changes the values there.
         moved = np.abs(places) / h * np.maximum(np.ptp(right, axis=1), np.ptp(left, axis=1))
         for order in (1, 2, 3):
             m = order - first
@@ -167,8 +167,9 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
         step = BEND_STEP * width
         room = room_around(found, np.concatenate((declared, found, ends)), width, periodic)
         seen = jumps_at(profile, found, room, nearest=100 * step)
-        # Next to the jump, the slopes of both sides, each continued, differ by about the jump times
-        # the distance from it. Their quotient gives this distance, by which the place is corrected.
+        # At a place found at the distance d from a true jump of f'', the slopes extrapolated from
+        # its two sides differ by about d times the jump. The quotient gives d, by which the place
+        # is corrected.
         distance = seen.height[:, 0] / np.where(seen.height[:, 1] == 0, np.inf, seen.height[:, 1])
         found = found - np.where(np.abs(distance) < 10 * step, distance, 0.0)
         seen = jumps_at(profile, found, room, nearest=step / 100)
@@ -187,7 +188,8 @@ def _declared_places(profile: Profile, lo: float, width: float) -> Array:
         )
     )
     apart = np.diff(places, prepend=-np.inf) > _one_place(width)
-    # At algebraic points of low powers these derivatives are infinite; `powers` checks such points.
+    # Algebraic points of a power up to 3 are left out, as the third derivative is not continuous
+    # there. `powers` checks these points.
     places = np.setdiff1d(places[apart], _rough(profile))
     if ends := ends_of(profile):
         places = places[(places > ends[0]) & (places < ends[1])]
@@ -233,8 +235,8 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) -> float:
-    """The fraction of the declared powers that the differences do not show, as the least over a
-    sequence of halved steps.
+    """The fraction of the declared powers that the differences do not show. It is the least of the
+    fractions found with steps that are halved again and again.
 
     It is 0 where round-off hides the powers, or hides them before smooth parts have vanished.
     """
@@ -254,7 +256,8 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
         rounding = EPS * float(np.abs(weights) @ np.abs(values)) * (1.0 + abs(s) / y[0])
         if abs(declared) > 10 * rounding / (2 * CHECKS.jump):
             found.append(abs(float(weights @ values) - declared) / abs(declared))
-    # If the last value is still decreasing from step to step, smooth parts have not vanished yet.
+    # If the fraction still decreases from step to step, the smooth part of the function has not
+    # vanished yet from the differences.
     return 0.0 if len(found) < 3 or found[-1] < 0.7 * found[-2] else min(found)
 
 

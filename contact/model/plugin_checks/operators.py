@@ -28,8 +28,8 @@ from contact.model.symbols import OPTIONS as SYMBOLS
 from contact.model.symbols import WAVES, checked
 from sie import Array
 
-# Distances x - xi, relative to the scale, at which values are compared. All are below half a
-# period.
+# Distances x - xi at which values are compared, in units of the period (without a period, of the
+# parameter `scale`). All are below one half.
 _LAGS = np.random.default_rng(0).uniform(0.0, 0.5, 5)
 
 
@@ -124,7 +124,8 @@ def _require_regular(kernel: sie.Kernel) -> None:
         "is not odd in x - xi: what a load does elsewhere, one elsewhere does here",
     )
     nodes, weights = np.polynomial.legendre.leggauss(5)
-    # The error of the quadrature grows with the step, whereas round-off decreases with it.
+    # Half the step of the differences. The error of the quadrature grows with the step, whereas
+    # round-off decreases with it.
     half = 0.5 * np.sqrt(CHECKS.same)
     rise = potential(_LAGS + half, zero) - potential(_LAGS - half, zero)
     within = half * np.asarray(regular(_LAGS[:, None] + half * nodes, zero)) @ weights
@@ -219,8 +220,8 @@ def require_body(substrate: Substrate) -> None:
                 "compresses it",
             )
         return
-    # The height of the body [m] is about 1/q, with q the wavenumber at which the symbol L rises to
-    # 1.
+    # The height of the body [m] is about 1/q, with q the lowest tested wavenumber at which the
+    # symbol L exceeds 1/2.
     found, height = long / wave, float(1 / WAVES[np.argmax(values > 0.5)])
     if not abs(found - compression) <= CHECKS.same * max(abs(compression), 1e-3 * height):
         raise SceneError.of(

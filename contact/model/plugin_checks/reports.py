@@ -375,8 +375,8 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
     given = profile.slope_conjugate(at)
     if given is None:
         return
-    # (1/L) PV int f'(x - s) cot(pi s/L) ds, with L the period, by the midpoint rule. The pole lies
-    # between two of its points.
+    # The Hilbert transform (1/L) PV int f'(x - s) cot(pi s/L) ds, with L the period, by the
+    # midpoint rule. The pole s = 0 lies between two points of the rule.
     per_length = DETAIL.samples_per_length
     n = per_length * ceil(profile.period / (profile.resolution or profile.period))
     n = max(DETAIL.max_samples, n)
@@ -384,7 +384,7 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
     slope = np.asarray(profile.slope(at[:, None] - profile.period * s))
     expected = slope @ (1 / np.tan(np.pi * s)) / n
     difference = np.abs(np.asarray(given) - expected)
-    # The error of the midpoint rule grows towards a kink.
+    # The midpoint rule is less accurate for an x near a kink.
     away = np.abs(at[:, None] - np.append(np.asarray(profile.kinks)[:, 0], np.inf)).min(axis=1)
     relative = 2 * CHECKS.jump + 4 * (profile.period / (n * away)) ** 2
     excess = difference - relative * max(float(np.abs(slope).max()), float(np.abs(expected).max()))

@@ -167,8 +167,8 @@ class Combined(Profile):
         return np.asarray(one - other if self.mirrored else one + other)
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
-        """The sum of the Hilbert transforms H f' of the bodies. A transform is the same for any
-        multiple of the period.
+        """The sum of the Hilbert transforms H f' of the bodies. A body's own period may be a
+        fraction of the common period: the transform over either period is the same.
         """
         if self.period is None:
             return None

@@ -264,7 +264,8 @@ def _compared(
     last = fit[-options.nodes // 2 :].T
     of_heights, of_slopes = (np.abs(part @ last).max(axis=1) for part in (heights, slopes))
     rounded = EPS * (np.abs(heights).max(axis=1) + np.abs(x) * steepest)
-    # If the heights of an interval are all equal, a change may be hidden below their round-off.
+    # An interval allows a verdict only if its heights are not all equal: otherwise round-off may
+    # hide a change of the height.
     digits = np.sqrt(options.counts)
     tells = (total > 0) & (of_heights <= digits * total) & np.isfinite(discrepancy)
     tells &= rounded <= digits * size
@@ -389,8 +390,9 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
         np.median(rough, axis=2), options.sure, axis=0
     )
     before, after = (np.median(half, axis=2) for half in np.split(windows, 2, axis=2))
-    # Steps too short to change a height show no round-off. At a kink, the difference grows with the
-    # step and more than doubles here.
+    # A window is level if its differences are round-off, which does not grow with the step. Steps
+    # too short to change a height give differences 0. At a kink, the median more than doubles from
+    # the first half of the window to the second.
     level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
     found = np.where(level, np.max(windows, axis=2), np.inf)
     # The shortest steps that change a height at all may show only 1/128 (1/`part`) of the

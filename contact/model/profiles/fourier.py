@@ -115,7 +115,7 @@ def _is_long(harmonics: int) -> bool:
 
 @record
 class _Waves:
-    """The sum Re sum_k c_k exp(2 pi i k x/L) of harmonics c_k, at x [m] in the cell of length L."""
+    """The sum Re sum_k c_k exp(2 pi i k x/L) with amplitudes c_k, at x [m], with period L [m]."""
 
     amplitudes: Complex
     period: float
@@ -125,8 +125,8 @@ class _Waves:
         return Sum.of(self.amplitudes)
 
     def __call__(self, x: Array) -> Array:
-        """The sum at x. A sum of few harmonics N uses k = r + s q: a matrix product over r, then a
-        sum of about sqrt(N) terms over q.
+        """The sum at x. If there are few harmonics (N), their numbers are split as k = r + s q: a
+        matrix product sums over r, then about sqrt(N) terms are summed over q.
 
         Each power is an exponential of its own, so no round-off accumulates as in a recurrence.
         """

@@ -17,7 +17,8 @@ from sie import Array, Complex, record
 # Half width and width of the spreading kernel psi, in cells of the grid.
 _HALF = 8
 WIDTH = _HALF + _HALF
-# Steepness b of the spreading kernel for a grid twice as fine as needed (section 4 of the paper).
+# Steepness b of the spreading kernel for a grid twice as fine as needed (section 4 of the paper
+# cited above).
 _STEEP = 0.98 * np.pi * WIDTH * 0.75
 # Number of points that are computed at once, so that the values of their kernels stay in the
 # processor's cache.

@@ -40,13 +40,13 @@ class WarningLimits:
     """
 
     # Least distance of a spike from its neighbours, relative to the range of the other heights. For
-    # a mark (such as -32768), the least step to its neighbours, relative to the upper quartile of
-    # the other steps.
+    # a value that may mark missing heights (such as -32768): the least step to its neighbours,
+    # relative to the upper quartile of the steps between other heights.
     far: float = 10.0
     # Number of points of the running median; a spike has less than half as many points.
     median_points: int = 9
-    # A larger fraction of missing heights causes a warning. A larger fraction of "spikes" belongs
-    # to the surface.
+    # Largest fraction of missing heights without a warning. Also the largest fraction of points
+    # that may be spikes: more points far from the others belong to the surface.
     max_part: float = 0.1
 
 
@@ -163,8 +163,8 @@ def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
     if not inner.any() or float(np.median(steps[inner])) == 0:
         return False
     usual = float(np.quantile(steps[inner], 0.75))
-    # On the flanks of a narrow bump all steps are large, not only the step at the top of the bump.
-    # The steps that follow count, too.
+    # On the flanks of a narrow bump all steps are large, not only the step at its top. Therefore
+    # the usual step is at least the median of the steps next to those at the border.
     following = inner & (np.append(border[1:], False) | np.append(False, border[:-1]))
     if following.any():
         usual = max(usual, float(np.median(steps[following])))

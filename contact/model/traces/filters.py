@@ -21,7 +21,7 @@ ALPHA = sqrt(log(2) / pi)
 # Half width of the Gaussian weights, in cut-off wavelengths. Outside it, weights are below the
 # round-off of the largest one.
 _REACH = ALPHA * sqrt(-log(EPS) / pi)
-# Largest relative deviation from equal spacing that does not matter.
+# Largest deviation from equal spacing, relative to the pitch, that is neglected.
 MAX_UNEVENNESS = 1e-3
 
 

@@ -57,8 +57,8 @@ class TraceLimits:
     # Longest plausible trace and widest plausible pitch [m], as for a guideway or a road.
     max_length: float = 1.0
     max_pitch: float = 1e-3
-    # Fraction of these limits that counts if no units are given. Metres are then a guess, and a
-    # trace in mm would look longer.
+    # If no units are given, the largest length and pitch above are multiplied by this. Metres are
+    # then a guess, and a trace in mm would look longer.
     guessed: float = 0.1
 
 
@@ -101,8 +101,8 @@ class Preparation:
         if self.invert is not None and not isinstance(self.invert, bool):
             raise SceneError.of("invert", self.invert, "true or false")
         _degree(self.detrend)
-        # True stands for the number of points, or the measured length; False means that the step is
-        # left out.
+        # True stands for the number of points of the trace (`regrid`), or for its measured length
+        # (`period`). False means that the step is left out.
         for name, check in (("regrid", partial(integer, least=MIN_POINTS)), ("period", positive)):
             given = getattr(self, name)
             if not (given is None or isinstance(given, bool)):
@@ -365,8 +365,10 @@ def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
 
 
 def taper_ends(x: Array, height: Array, fraction: float) -> Array:
-    """Heights blended into their mean near both ends, with the weight (1 - cos(pi s))/2. s grows
-    from 0 at an end to 1.
+    """Heights drawn towards a common height near both ends: the mean of the heights there.
+
+    The deviation from this mean is multiplied by (1 - cos(pi s))/2. s grows from 0 at an end to 1
+    at the distance `fraction` times the length.
 
     The slopes at the ends become 0.
     """
@@ -377,7 +379,7 @@ def taper_ends(x: Array, height: Array, fraction: float) -> Array:
 
 
 def _pitch_behind_rounding(x: Array) -> float | None:
-    """The pitch of even positions whose rounded values are given; None if there is none."""
+    """The pitch of positions that are even except for their rounding; None for uneven positions."""
     n = x.size
     length = float(x[-1] - x[0])
     if n < LONG_TABLE or length <= 0:
