@@ -168,9 +168,10 @@ class Spot(sie.Kept):
 
     @cached_property
     def _bend(self) -> tuple[Array, Array, Array]:
-        """Chebyshev series of e'(x)/x in x^2/a^2, and nodes and weights of a Gauss rule for it.
+        """Chebyshev series of e'(x)/x, e the effect of other spots; Gauss nodes and weights.
 
-        Here e is the effect of the other spots (head of `system`), and a is the radius of the spot.
+        The series is in x^2/a^2, with a the radius of the spot. The rule is that for the integral
+        over s from 0 to 1 at the head of this module.
 
         The nearest singularity is the neighbours' rim, so the coefficients fall like
         (rim + sqrt(rim^2 - 1))^(-degree): to round-off at the degree taken.
@@ -246,8 +247,8 @@ class Spot(sie.Kept):
                 "contact is not a full circle: "
                 f"the pressure would fall to {least:.6g} Pa in the spot"
             )
-        # The gap is checked up to half of the distance to the neighbours. The other half is checked
-        # for the neighbouring spots.
+        # The gap is checked up to the middle between this spot and the edge of its neighbours. The
+        # checks of the neighbouring spots cover the other half.
         end = 3.0 * self.radius if isinf(self.reach) else 0.5 * (self.reach + self.radius)
         r = np.linspace(self.radius, end, count + 1)[1:]
         gap = self.gap(r)

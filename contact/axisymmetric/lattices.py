@@ -119,9 +119,10 @@ class Lattice:
         return 1.0 / (self.unit_area * self.spacing**2)
 
     def distances(self, shift: Site, reach: float) -> Array:
-        """Distances |R + shift|/l up to `reach`, ascending, without 0.
+        """Ascending distances of a shifted lattice's points from the origin, in spacings.
 
-        R runs over all lattice points, and l is the spacing.
+        They are |R + shift|/l, above 0 and up to `reach`. R runs over all lattice points, and l is
+        the spacing.
 
         The shift is in fractions of the basis vectors.
         """
@@ -140,7 +141,7 @@ class Lattice:
         return radii * self.spacing, counts
 
     def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
-        """(radii of the rings of shifted lattices over the spacing, number of spots on each ring).
+        """(radii of the rings, divided by the spacing; spots on each ring) for shifted lattices.
 
         The radii are ascending, and at most `reach`.
         """
@@ -155,7 +156,7 @@ class Lattice:
         return found[0][:count], found[1][:count]
 
     def cut(self, shifts: list[Site], rings: float) -> float:
-        """Radius, over the spacing, of ring number `rings` of shifted lattices; inf for inf."""
+        """Radius of ring number `rings`, divided by the spacing; 0 for ring 0, inf for ring inf."""
         return (
             rings
             if rings == 0 or isinf(rings)
@@ -235,7 +236,7 @@ class Square(Lattice):
 
 
 def own_radius(density: float) -> float:
-    """Radius A = (pi N)^(-1/2) of the circle with the area per spot, N spots per unit area.
+    """Radius A = (pi N)^(-1/2) of the circle with the area per spot; N: spots per unit area.
 
     Parameters
     ----------

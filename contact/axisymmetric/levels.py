@@ -313,7 +313,7 @@ def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
 
 
 def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -> _Contact:
-    """The first touch of the asperities of level j, on the surface deformed by active levels."""
+    """First touch of level j (pressure, approach) on the surface deformed by active levels."""
     last = inf
     try:
         for state in settled(kinds, _start(kinds, active, None, kinds[j].depth), closed_edge(j)):
@@ -346,7 +346,8 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
     radii = np.zeros(len(kinds))
     for j in active:
         over = delta - kinds[j].depth
-        # Without interaction, this level would not touch yet. It starts with a small radius.
+        # If `over` is not positive, this level would not touch without interaction. It then starts
+        # with a small radius.
         radii[j] = first_radius(kinds[j].profile.line, over, scale) if over > 0 else 0.05 * scale
     while room(kinds, radii) < 0.1:
         radii *= 0.9

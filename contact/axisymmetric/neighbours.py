@@ -42,8 +42,8 @@ from contact.axisymmetric.lattices import Lattice, Site
 from contact.model.profiles.noise import EPS
 from sie import Array
 
-# Rings within this many spacings are summed directly. For rings of larger radius D, the variable (x
-# - t)^2/D^2 of the series is below 1/12.
+# Rings within this many spacings are summed one by one. For wider rings, of radius D, the kernel
+# 1/sqrt(D^2 - y^2) is a power series in y^2/D^2, which is below 1/12.
 _NEAR_RINGS = 3.5
 
 
@@ -97,9 +97,9 @@ class Surroundings:
     density: float = 0.0
 
     def outside(self, x: ArrayLike) -> Array:
-        """sqrt(A^2 - x^2), A the circle's radius; 0 for x > A. With a kernel, A is subtracted.
+        """sqrt(A^2 - x^2), or 0 for x > A, with the circle's radius A; less A if there is a kernel.
 
-        The kernel's constant contains A.
+        The constant of the kernel contains this A.
         """
         x = np.asarray(x, dtype=np.float64)
         root = np.sqrt(np.maximum((self.circle - x) * (self.circle + x), 0.0))
@@ -126,14 +126,15 @@ class Surroundings:
 
 
 def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:
-    """The surroundings made by shifted lattices, whose spots up to `cut` spacings are kept.
+    """Neighbours on shifted lattices; those within `cut` spacings keep their places.
 
-    For an infinite `cut` all spots are kept.
+    For an infinite `cut` all spots keep their places.
     """
     density = lattice.density * len(shifts)
     radii, counts = lattice.rings(shifts, min(cut, _NEAR_RINGS) if isinf(cut) else cut)
     near = radii <= _NEAR_RINGS
-    # Exponents of the series in (x - t)^2/D^2 for the farther rings of radius D, up to round-off.
+    # For rings of radius D beyond the near ones, 1/sqrt(D^2 - y^2) is a series in y/D. `order`
+    # contains its exponents, up to round-off.
     order = 2 * np.arange(ceil(log(EPS) / log(_NEAR_RINGS**-2)) + 1)
     powers = -(order + 1)
     # Coefficients B_k of the series 1/sqrt(1 - z) = sum_k B_k z^k.

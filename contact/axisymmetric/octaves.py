@@ -29,15 +29,17 @@ from sie import Array, record
 class OctaveOptions:
     """Numbers that truncate the series on an octave and recognize round-off in the series."""
 
-    # Degrees of the series that are tried one after another; the first resolves powers of r.
+    # Degrees of the series that are tried one after another; the first one resolves any power of r.
     degrees: tuple[int, ...] = (24, 96, 384)
-    # If the last coefficients fall by less than this factor at the next degree, they are round-off.
+    # If the last coefficients are above this fraction of those at the degree before, they are
+    # round-off.
     min_decay: float = 0.2
-    # Coefficients below this multiple of the noise are noise, and so are differences of two series.
+    # Coefficients of a series, or of the difference of two series, are noise if they are below this
+    # multiple of the noise.
     noise_factor: float = 10.0
     # A series is long enough if its last coefficients are below this fraction of the largest one.
-    # If the derivative has a larger relative error, a power law fitted to the next octave may
-    # replace it.
+    # On an octave whose derivative has a larger relative error, a power law fitted to the octave
+    # above may replace the series.
     exact: float = 1e-13
 
 
@@ -120,7 +122,7 @@ class Octave:
 
 @record
 class PowerFit:
-    """A power law for r f' of the shape f: value (r / radius)^exponent, used at smaller r.
+    """Power law value (r / radius)^exponent for r f' of the shape f, used below `radius`.
 
     relative_error: error of its derivative over the derivative.
     """
@@ -185,7 +187,8 @@ class Octaves:
         fraction, exponent = np.frexp(r)
         exponent = np.where(r > 0, np.maximum(exponent, _LOWEST), _LOWEST)
         value = np.zeros(r.shape)
-        # Large radii come first, since differences can confirm the complex step there.
+        # Octaves of large radii are computed first. There, difference quotients are accurate enough
+        # to confirm the derivative by a complex step.
         for k in np.unique(exponent)[::-1]:
             here = exponent == k
             # The fraction given by frexp lies in [1/2, 1). It is mapped to [-1, 1).
@@ -200,8 +203,8 @@ class Octaves:
         The power law is used if it is more accurate.
         """
         if k > self._highest:
-            # A power law may now start from a higher octave, so octaves that were computed with
-            # errors are computed again.
+            # The new octave is the highest one, from which a power law may start. So octaves that
+            # were computed with errors are computed again.
             self._highest, self._power = k, None
             self._known = {one: octave for one, octave in self._known.items() if octave.is_exact}
         if k not in self._known:

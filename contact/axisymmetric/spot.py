@@ -53,7 +53,7 @@ def solve_spot(
     rings: float = 0,
     tol: float = 1e-10,
 ) -> Spot:
-    """The spot at a given load of one spot, a nominal pressure, or a radius.
+    """Solve for a spot, alone or among equal ones, at a given load, pressure or radius.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def solve_spot(
 
 
 def correction_share(ratio: float) -> float:
-    """Share F(a/A) of the load that the surrounding nominal pressure contributes.
+    """Share F(a/A) of a spot's load that is due to the nominal pressure on its surroundings.
 
     F(q) = (2/pi)(arcsin q - q sqrt(1 - q^2)), with the radius a of the spot and A of its circle.
 
@@ -273,7 +273,7 @@ def spot_of(j: int, kinds: Sequence[Kind], state: State, E_star: float, rings: f
 def refined(
     states: Iterable[State], spots_of: Callable[[State], list[Spot]], tol: float
 ) -> list[Spot]:
-    """The spots, with checks and errors, for the first state that changes by at most tol."""
+    """The spots, checked, of the first state that differs by at most tol from the one before."""
     last: list[Spot] | None = None
     trace: list[float] = []
     for state in states:
@@ -351,7 +351,8 @@ def first_radius(
     there: OutOfRange. ratio: of successive radii that are tried; a smaller one costs time only.
     """
     a = 1e-3 * scale
-    # If a steep flank begins far out, round-off may make the quantity negative at small radii.
+    # The first radius is reduced until the quantity there is below the target and not negative.
+    # Round-off may make it negative at small radii if a steep flank begins far out.
     while not 0.0 <= growing(a) < target and a >= 1e-60 * scale:
         a *= 0.5
     last = growing(a)

@@ -98,7 +98,10 @@ class Surface:
         )
 
     def kept_slope(self, x: ArrayLike) -> Array:
-        """Slope of the effect of singly summed neighbours; smooth up to the neighbours' edges."""
+        """Derivative of the effect of the neighbours that are summed one by one.
+
+        It is smooth up to the edges of these neighbours.
+        """
         return sum((source.slope(np.asarray(x)) for source in self.sources), np.zeros(np.shape(x)))
 
 
@@ -151,9 +154,9 @@ class Linear:
         return nodes, -2.0 * weights * profile.line(nodes)
 
     def displaced(self, j: int, x: Array, e: Array) -> Array:
-        """Matrix rows for w_j + g_j, transforms of displacement and profile, from those for e_j.
+        """Matrix rows for w_j + g_j (transforms of displacement and profile), from the rows `e`.
 
-        Here e_j is the effect of the neighbours.
+        The rows `e` are those for e_j, the effect of the neighbours.
         """
         rows = -e
         rows[:, self.at_delta] += 1.0
@@ -295,11 +298,12 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
         for j in active:
             a = radii[j]
             slope = float(kinds[j].profile.line_slope(a)) + float(state.surfaces[j].slope(a))
-            # Newton's step needs a positive slope at the edge. Otherwise, the radius is doubled or
-            # reduced.
+            # Newton's step needs a positive slope at the edge. If the slope is not positive, the
+            # radius is doubled or halved.
             steps[j] = state.edges[j] / slope if slope > 0 else np.copysign(a, state.edges[j])
             size = abs(state.delta) + kinds[j].depth
-            # The residual at the edge of a tiny spot is only round-off of the approach.
+            # The iteration also ends if the residual at every edge is only round-off of the
+            # approach, as happens for tiny spots.
             rounding &= bool(abs(state.edges[j]) <= 4 * EPS * size)
         steps[active] = np.clip(steps[active], -0.5 * radii[active], radii[active])
         trace.append(float(np.max(np.abs(steps[active] / radii[active]))))

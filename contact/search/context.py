@@ -60,7 +60,7 @@ class SceneCache(sie.Kept):
 
     @cached_property
     def operator(self) -> Operator:
-        """The elastic operator of these scenes, which gives the displacement from the pressure."""
+        """The elastic operator of the cache's scenes; it gives displacement from pressure."""
         return self.scene.operator
 
     @cached_property
@@ -74,7 +74,10 @@ class SceneCache(sie.Kept):
         return starts_from_one_zone(self.scene)
 
     def relief(self, problem: Problem) -> ScaledRelief:
-        """The relief R (see `Relief`) in the units of `problem`; R is sampled once and shared."""
+        """The relief R, minus the pressure that flattens the profile, in the units of `problem`.
+
+        R has mean zero (see `Relief`). It is sampled once and shared.
+        """
         return self.gap_guesses(problem).relief
 
     def gap_guesses(self, problem: Problem) -> GapGuesses:

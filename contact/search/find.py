@@ -53,8 +53,8 @@ def found(context: SolveContext) -> Outcome:
         ):
             refused = outcome
         if strategy is _from_previous_zones:
-            # The last solution has the same zones as the failed search. Newton's method would fail
-            # on them once more.
+            # The failed search started from zones extrapolated from the last solutions. Newton's
+            # method from the last solution's own zones would fail in the same way.
             context = context.with_warm_start(None)
     assert refused is not None and refused.refusal is not None
     raise refused.refusal

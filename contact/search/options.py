@@ -7,8 +7,8 @@ from dataclasses import dataclass
 class SearchOptions:
     """Tolerances of intermediate solutions, fractions that count as small, iteration limits."""
 
-    # Relative error of rough solutions: of coarse grids, of loads from which zones are guessed, and
-    # of the first rounds of very many zones. Zones or gaps narrower than this fraction of their
+    # Relative error of rough solutions: coarse grids, trial loads for a guess of the zones, and the
+    # first rounds for very many zones. Zones or gaps narrower than this fraction of their
     # neighbours are lost in rough solutions.
     rough: float = 1e-3
     # Relative error of the solution on the last grid, and of solutions under trial loads by which

@@ -123,8 +123,8 @@ def full_contact_solution(
     )
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
-    # Round-off of the closed form, relative to the peak pressure, or to the mean pressure if the
-    # peak is infinite.
+    # The error is relative to the peak pressure, or to the mean pressure if the peak is infinite.
+    # Its part 1e-13 is the round-off of the closed form.
     peak = (
         max(abs(fields.max_pressure), abs(least))
         if math.isfinite(fields.max_pressure)
@@ -143,7 +143,7 @@ def full_contact_solution(
 
 
 def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
-    """The solution for surfaces that do not touch, at a given approach [m] or at none."""
+    """The solution for surfaces that do not touch. approach [m]: None if it is not given."""
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces are apart"
     gap, holds = (None, True) if approach is None else (-approach, approach <= 0.0)

@@ -192,9 +192,10 @@ def _draw_pressure(axes: Any, solution: Solution, x: Array, zones: Array, along:
 
 
 def _close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | None:
-    """The interval around the highest pressure, with the zone there and the next zones.
+    """The interval around the highest pressure that a second column of panels enlarges.
 
-    None if the whole figure shows the zones well enough.
+    It is up to six times as wide as the zone there. None if the whole figure shows the zones well
+    enough.
     """
     zones = zones_within(solution, lo, hi)
     widths = np.diff(zones).ravel()

@@ -15,7 +15,10 @@ from sie import Array
 
 
 class Borne(NamedTuple):
-    """Share of the load on unmeasured intervals of one kind. highest: whether one has the peak."""
+    """Share of the load on a body's unmeasured intervals of one kind.
+
+    highest: whether one of them has the peak pressure.
+    """
 
     place: str
     kind: Any

@@ -52,8 +52,8 @@ Symbol = Callable[[Array], Array]
 class GridOptions:
     """Tolerances of the linear solves between changes of the contact set."""
 
-    # Largest number of iterations in which the error has not decreased by a tenth. The error has
-    # then reached the rounding of the heights f, so that every linear solve ends.
+    # A linear solve ends after this many iterations in which the error has not decreased by a
+    # tenth. The error has then reached the rounding of the heights f.
     max_stalled: int = 60
     # Tolerance of the first linear solve, and ratio of the next solve's tolerance to the present
     # one. An error well below the change of the contact set is small enough.
@@ -61,8 +61,9 @@ class GridOptions:
 
     @property
     def rate_tolerance(self) -> float:
-        """Tolerance of the rates of level (displacement plus height) with load, and moment with
-        tilt.
+        """Tolerance of the derivatives of level by load and of moment by tilt.
+
+        The level is displacement plus height in the contact.
         """
         return self.first_tolerance**2
 
@@ -266,9 +267,7 @@ class GridState:
 
     @property
     def touches_border(self) -> bool:
-        """Whether a cell at the border of a window (the search interval of one body) is in
-        contact.
-        """
+        """Whether a cell at the border of a lone body's search interval (window) is in contact."""
         return not self.influence.is_periodic and bool(
             self.pressure[0] > 0.0 or self.pressure[-1] > 0.0
         )

@@ -245,7 +245,10 @@ class Request:
 def propose(
     height: Height, cell: tuple[float, float], response: Response, **request: Any
 ) -> Proposal:
-    """Zones on one period or window `cell` for heights `height`, from nested grids (`Request`)."""
+    """Contact zones of heights `height` in the period or window `cell`, from nested grids.
+
+    request: fields of `Request`.
+    """
     asked = Request(**request)
     width, tol = cell[1] - cell[0], asked.tol
     if asked.points is not None:
@@ -253,7 +256,8 @@ def propose(
     else:
         target, limit = points_for(width, asked.resolution, asked.max_points)
         if _features(width, asked.resolution) > OPTIONS.many_features:
-            # The first check of signs also corrects the error due to this larger tolerance.
+            # This tolerance is larger than the wanted one. The first check of signs corrects the
+            # errors that it causes.
             tol = max(tol, SEARCH.rough)
     n, start = target, None
     while n % 2 == 0 and n // 2 >= OPTIONS.coarsest and start is None:
@@ -307,8 +311,9 @@ def _refine(p: Array, periodic: bool) -> Array:
     out = np.stack((0.75 * p + 0.25 * left, 0.75 * p + 0.25 * right), axis=1)
     for side, outer, inner in ((-1, left, right), (1, right, left)):
         ends = np.flatnonzero((p > 0) & (outer == 0))
-        # Here the extrapolated end of the zone is less than 0.75 cells from the last point in
-        # contact. The pressure is therefore zero in the nearer half of the next cell.
+        # At these ends, the extrapolated end of the zone is less than 0.75 cells from the last
+        # point in contact. The midpoint of the next cell's nearer half lies outside the zone, with
+        # pressure zero.
         beyond = (ends[_to_end(p[ends], inner[ends]) < 0.75] + side) % len(p)
         out[beyond, 0 if side > 0 else 1] = 0.0
     return np.asarray(out.ravel(), dtype=np.float64)
@@ -469,6 +474,9 @@ class _Window:
         return window
 
     def _compliance(self, state: GridState) -> float:
-        """The rate d level / d load of a flat punch; level: displacement plus height in contact."""
+        """Derivative of level by load, for a flat punch on the points of this contact.
+
+        The level is displacement plus height in the contact.
+        """
         flat = np.where(state.contact, 0.0, np.inf)
         return solve_grid(flat, state.influence, load=1.0, tol=SEARCH.rough).level

@@ -56,8 +56,10 @@ def proposed(
 
 
 def whole_response(problem: Problem) -> Response:
-    """The surface's response to pressure on the whole line, or on the period if there is a
-    strip.
+    """The response of the surface to pressure on the whole line or period.
+
+    A localized model solves only a strip of the period, but this response is that of the whole
+    period.
     """
     operator, interaction = problem.operator, problem.interaction
     whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
@@ -172,8 +174,9 @@ def placed(problem: Problem, zones: Array) -> Array:
         return scaled
     bounded = np.isfinite(problem.corners).all()
     if problem.profile.symmetric or bounded:
-        # The period is centred on the middle between the corners if the body has corners. Otherwise
-        # it is centred on the origin, so that it contains the mirror image of each zone.
+        # The period of a body with corners is centred on the middle between them. The period of a
+        # symmetric profile is centred on the origin, so that it contains the mirror image of each
+        # zone.
         middle = 0.5 * sum(problem.corners) if bounded else 0.0
         scaled = ascending(centred_on(scaled, middle, period))
     if problem.interaction.strip and len(scaled) and not bounded:
@@ -186,7 +189,10 @@ def placed(problem: Problem, zones: Array) -> Array:
 
 
 def about(problem: Problem, table: Array) -> Problem:
-    """The problem with its strip centred on the scaled zones from which Newton's method starts."""
+    """The problem, with a localized model's strip centred on the zones of a first guess.
+
+    table: these zones, scaled. The problem of a model without a strip is unchanged.
+    """
     if not problem.interaction.strip:
         return problem
     middle = 0.5 * float(table[0, 0] + table[-1, 1])

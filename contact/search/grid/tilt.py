@@ -82,8 +82,9 @@ def window_at_load(
 
 
 def first_window(profile: Profile) -> Window | None:
-    """First search interval, as large as the profile's details. It is None if their size
-    is unknown, or if the profile is not known on the whole line.
+    """First search interval, as wide as the profile's details on either side of x = 0.
+
+    None if the size of the details is unknown, or if the profile is not known on the whole line.
     """
     size = profile.resolution
     return None if size is None or profile.extent is not None else (-size, size)

@@ -50,7 +50,7 @@ class AtTilt:
 def balanced(
     measure: Callable[[float], AtTilt], centre: float, tilts: Sequence[float], most: int
 ) -> AtTilt:
-    """The contact whose load has the given centre, or else the closest of `most` contacts.
+    """The contact whose load has the given centre, or the closest one of `most` trials.
 
     tilts: tilts to try first. Raises the error of `measure` if it fails at all of these.
     """

@@ -89,9 +89,9 @@ def _decide(context: SolveContext, way: str, changes: int) -> None:
 
 
 def _is_followed(context: SolveContext) -> bool:
-    """Whether all values share one scaled problem, and the signs determine the zones.
+    """Whether one scaled problem serves all values of the control, and signs fix the zones.
 
-    A strip, or an unknown tilt, changes the scaled problem with the value.
+    The scaled problem of a localized model's strip, or of an unknown tilt, changes with the value.
     """
     scene = context.scene
     changes = scene.turned or scene.interaction.strip or scene.interaction.follows_isolated

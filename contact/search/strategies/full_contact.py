@@ -79,8 +79,8 @@ def closed_pressure(context: SolveContext) -> float | None:
         return None
     if scene.given_load is not None:
         return scene.given_load / period if scene.mean_pressure is None else scene.mean_pressure
-    # The part of the approach that exceeds the profile's mean height compresses the substrate
-    # against its base, and the spring.
+    # In full contact, the approach minus the profile's mean height compresses the substrate against
+    # its base, and the spring.
     base = 2 * (context.operator.compression or 0.0) / scene.E_star
     compliance = base + (context.spring_compliance or 0.0) * period
     if approach is None or compliance == 0.0:
@@ -89,7 +89,7 @@ def closed_pressure(context: SolveContext) -> float | None:
 
 
 def closed(context: SolveContext) -> Full:
-    """Full contact by adhesion; raises OutOfRange if the mean pressure is left open."""
+    """Full contact by adhesion; raises OutOfRange if the control fixes no mean pressure."""
     mean_pressure = closed_pressure(context)
     if mean_pressure is None:
         raise OutOfRange(

@@ -50,11 +50,13 @@ class GuessOptions:
     # Full contact is tested only if the guessed zones fill more than this fraction of the period,
     # as the test takes time.
     maybe_full: float = 0.4
-    # Smallest gap at the border of a strip, relative to the narrowest gap in the table of contacts
-    # with one zone (`single_branch`). The modes do not resolve narrower gaps.
+    # Smallest gap between a zone and the border of a localized model's strip. It is relative to the
+    # narrowest such gap in the table of one-zone contacts (`single_branch`). The modes do not
+    # resolve narrower gaps.
     narrowest_border_gap: float = 0.1
-    # A zone from the closed form is useless as a first guess if it is wider than this fraction of
-    # the largest width. If a zone of such a width fails, the reason is narrow gaps.
+    # Contact wider than this fraction of the largest width is almost full. A zone of such a width
+    # from the closed form is useless as a first guess. If the search fails there, the reason is
+    # narrow gaps.
     almost_full: float = 0.99
 
 
@@ -132,8 +134,9 @@ def _given_zone(
 
 
 def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -> Outcome | Failure:
-    """The contact of one symmetric asperity, from one zone about its tip, its gaps, or full
-    contact.
+    """The contact of one symmetric asperity, from a guess of its only zone.
+
+    If the guess is wide, full contact or the gaps between the periodic images are tried first.
     """
     problem, control = scaled.problem, scaled.control
     if not context.single or problem.amplitude is not None:
@@ -155,8 +158,8 @@ def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -
         if full := full_under(context, control, but_for_kinks=True):
             return full
     has_branch = control.load is not None or control.approach is not None
-    # In a strip with neighbours, contact never becomes full. The width is then searched along the
-    # contacts from zero load, unless the corners of a punch limit it.
+    # In a localized model's strip with neighbours, contact never becomes full. The width is then
+    # searched along the contacts from zero load, unless the corners of a punch limit it.
     needs_branch = bool(
         has_branch
         and problem.interaction.neighbours

@@ -116,7 +116,7 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
     def solve(load: float, nearest: Solution | None) -> Solution:
         return _under_load(context, load, nearest)
 
-    # Round-off closes a bracket of this relative width.
+    # A bracket of this relative width is closed: round-off keeps it from narrowing further.
     limits = KnownLoads(closed=64 * EPS)
     for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
         last, fraction = here, contact_fraction(here)[0]
@@ -139,7 +139,7 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
 def _by_first_guess(
     context: SolveContext, scaled: ScaledScene, goal: float
 ) -> SolvedZones | SolvedGaps | float:
-    """The contact of a given contact fraction from a first guess, else the load of a grid."""
+    """The contact of a given fraction from a first guess; if that fails, the load of a grid."""
     problem, control = scaled.problem, scaled.control
     # Close to full contact, grids do not resolve the narrow gaps that remain. These gaps are
     # guessed from the tension in full contact.
@@ -180,10 +180,10 @@ def _from_grid(
 def _at_jump(
     context: SolveContext, problem: Problem, control: Control, last: Solution
 ) -> SolvedZones | SolvedGaps:
-    """The contact of a given width, solved under its load if solving for the width fails.
+    """The contact of a given width, solved under the load at which `last` has this width.
 
-    It fails where a zone is born or two merge. Raises NotConverged where the fraction jumps with
-    the load.
+    It is used where solving for the width fails, as a zone is born or two merge there. Raises
+    NotConverged where the fraction jumps with the load.
     """
     assert last.contact_fraction is not None and problem.period is not None
     error = abs(last.contact_fraction - control.value / problem.period)
@@ -244,12 +244,13 @@ def _solver_of_loads(context: SolveContext) -> Callable[[float, Solution | None]
     """A function that solves the scene under a load, from the nearest solution."""
 
     def solve(load: float, nearest: Solution | None) -> Solution:
-        """The solution under a load; if this fails, the best one with an error below `rough`."""
+        """The solution under a load; if it does not converge, a rough one (`SEARCH.rough`)."""
         loaded, start = context.scene.under("load", load), nearest or context.warm_start
         try:
             return context.solve_scene(loaded, SEARCH.intermediate, start, context.progress)
         except NotConverged as failure:
-            # A solution with a larger error is precise enough as an intermediate solution.
+            # An error below `SEARCH.rough`, though above the wanted one, is small enough for an
+            # intermediate solution.
             if failure.best is None or not failure.best.error < SEARCH.rough:
                 raise
             return failure.best

@@ -33,10 +33,10 @@ class Change:
 
     @property
     def ahead(self) -> bool:
-        """Whether the zones before the change (birth, merger ...) serve to find its exact place.
+        """Whether the exact place is found from the zones before the change, not those after it.
 
-        The condition of the change is smooth with the zones without the one that begins, or with
-        the two as one.
+        It is so for a birth and a split. The condition of the change is smooth with the zones
+        without the one that begins or vanishes, or with two zones as one.
         """
         return self.kind in ("birth", "split")
 

@@ -174,9 +174,7 @@ def _extrapolate(known: list[Motion], away: list[float], period: float | None) -
 
 
 def _hermite(away: Array) -> tuple[Array, Array]:
-    """Weights of the values and derivatives at the places `away`, for Hermite interpolation at
-    0.
-    """
+    """Hermite interpolation at 0: weights of values and of derivatives at the places `away`."""
     differences = away[:, None] - away
     np.fill_diagonal(differences, 1.0)
     others = ~np.eye(len(away), dtype=bool)
@@ -252,7 +250,7 @@ def _half_widths(square: Array, before: Array) -> tuple[Array, Mask]:
     An interval that may have vanished keeps a small half width.
     """
     # An interval counts as vanished only if it also vanishes after half of the step. Newton's
-    # method removes other intervals if necessary.
+    # method removes an interval that vanishes later in the step.
     gone = square <= -0.5 * (before - square)
     return np.sqrt(np.maximum(square, SEARCH.doubtful_part**2 * before)), gone
 

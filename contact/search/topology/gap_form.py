@@ -91,7 +91,7 @@ class GapForm:
         return GapFields(self.problem, free.state, load / self.problem.repeat_length, self.relief)
 
     def refuse(self, table: Array, free: sie.Free) -> None:
-        """Accept every result, as rounding loses no gap."""
+        """Accept every result: with the gaps as the unknown, round-off loses no gap."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> GapFields:
         """Fields of the gaps under the mean pressure that was found with the gaps."""

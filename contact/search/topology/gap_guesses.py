@@ -95,7 +95,7 @@ class GapGuesses:
         return float(np.sum(table[:, 1] - table[:, 0]))
 
     def _about(self, place: float, highest: float, mean: float) -> Array:
-        """The gap (1, 2) about a maximum of the relief; none if below the mean pressure."""
+        """The gap (1, 2) about a maximum of the relief; empty if below the mean pressure."""
         sides = np.asarray(self.relief(np.array([place - self.step, place + self.step])))
         bend = 2 * highest - float(sides.sum())
         if highest <= mean or not bend > 0:
@@ -104,7 +104,7 @@ class GapGuesses:
         return np.array([[place - half, place + half]])
 
     def _placed(self, seen: Array, mean: float) -> Array:
-        """The gaps `seen`; gaps about maxima of the relief replace very narrow ones."""
+        """The gaps `seen`, with very narrow ones replaced by gaps about maxima of the relief."""
         out = []
         for row in seen:
             if row[1] - row[0] < NARROW * self.step:
@@ -130,7 +130,7 @@ class GapGuesses:
         return {}
 
     def _over_kinks(self, mean: float) -> Array:
-        """Single gaps over kinks of valleys, where the samples do not resolve the gap.
+        """Gaps over kinks of valleys, one for each kink, if too narrow for the samples.
 
         Gaps too narrow to have two different ends in double precision are left out.
         """
@@ -142,7 +142,7 @@ class GapGuesses:
 
     @cached_property
     def _valleys(self) -> tuple[Index, Array]:
-        """Indices of kinks in valleys; the relief at each kink, without this kink's logarithm."""
+        """(indices of kinks in valleys, relief at each kink without the kink's own logarithm)."""
         kinks = np.flatnonzero(self.relief.heights < 0)
         return kinks, self.relief.without_own(kinks)
 

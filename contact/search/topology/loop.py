@@ -212,7 +212,7 @@ class _Loop(Generic[Kind]):
         self.removals = 0
 
     def rounds(self, table: Array) -> Iterator[Kind]:
-        """Yield results whose signs pass, first at the wanted and then at the least tolerance."""
+        """Yield results whose signs pass, first at the wanted tolerance, then at the smallest."""
         self._begin_roughly(len(table))
         free: sie.Free | None = None
         done = 0
@@ -220,8 +220,8 @@ class _Loop(Generic[Kind]):
             done += 1
             if self.observer.progress is not None:
                 self.observer.progress(f"{self.form.what}s", done, None)
-            # The last result of many intervals takes much memory, so this memory is freed before
-            # the next solve.
+            # The result of the last round may take much memory if there are many intervals. The
+            # memory is freed before the next solve.
             before = None if free is None or free.state.iterated else free
             free = None
             free = self._ends_from(table, before)
@@ -338,9 +338,9 @@ class _Loop(Generic[Kind]):
             return self.form.corrected(zones, here.certificate) if is_missing else zones.table
         if here.certificate.holds:
             return here
-        # After an iterative solve, this initial error makes the next solve start as precisely as
-        # the present one. Otherwise the next solve would begin roughly and lose intervals whose
-        # pressure is small.
+        # After an iterative solve, the next solve starts as precisely as the present one: its
+        # initial error is this tolerance. With the initial error 1 it would begin roughly and lose
+        # intervals whose pressure is small.
         known = self.newton.tolerance if here.free.state.iterated else 1.0
         self.newton = replace(self.newton, initial_error=known)
         return self._after_failed_signs(here)
