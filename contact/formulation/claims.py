@@ -82,7 +82,10 @@ def of(profile: Profile, zones: Array | None = None) -> Claims:
 
 
 def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | None:
-    """The interval to check [m], equal for similar zones; None without a cell and zones."""
+    """The interval to check [m]; None for an unbounded profile without given zones.
+
+    An interval around given zones is rounded outward, so that similar zones have the same interval.
+    """
     known = profile.support or profile.known
     if known is not None:
         return float(known[0]), float(known[1])
@@ -195,7 +198,10 @@ class _Panels:
 
 
 def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
-    """Largest relative error of the slope that parts of a panel confirm, and a description."""
+    """Largest relative error of the slope, and a message on it; (0, "") if no error is found.
+
+    An error counts only if it remains when the two worst parts of its panel are left out.
+    """
     which = np.flatnonzero(np.abs(panels.difference) > panels.doubt)
     if not len(which):
         return 0.0, ""

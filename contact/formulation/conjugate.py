@@ -53,18 +53,19 @@ class ConjugateOptions:
     # or of the residual's conjugate if that is larger. The factor 2 allows for peaks of noise
     # between the samples.
     residual_margin: float = 2.0
-    # The factor for a residual whose Fourier terms fall like those of a jump, or more slowly. At
-    # 1e-5 of the period from a corner, the conjugate is 4 times the jump.
+    # The same multiple, for a residual whose Fourier terms fall like those of a jump or more
+    # slowly. At 1e-5 of the period from a corner, the conjugate is 4 times the jump.
     jump_margin: float = 8.0
-    # Terms that do not decay are noise if they are below this fraction of the largest term. Larger
-    # terms may come from a kink that is not declared.
+    # Fourier terms that do not decay are noise if they are below this fraction of the largest term.
+    # Larger terms may come from a kink that is not declared.
     max_noise: float = 1e-9
     no_decay: float = 0.6  # ratio of terms one octave apart, above which they do not decay
 
 
 OPTIONS = ConjugateOptions()
-# A closed form is extrapolated linearly at distances from a kink below this, in periods. The error
-# of the extrapolation is about the square of the distance. Round-off is EPS over the distance.
+# Nearer to a kink than this distance, in periods, a closed form of H f' is replaced by a linear
+# interpolation. The error of the interpolation is about the square of the distance. The closed form
+# itself would have a round-off of EPS over the distance.
 _KINK_REACH = np.cbrt(EPS)
 
 
@@ -402,8 +403,9 @@ class _PeriodicPoles:
                 odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
-                # Exactly at an algebraic point, the poles that are too close for `poles` still
-                # contribute. A pole with coefficient c at distance eta adds i c / (-i eta).
+                # The poles closest to an algebraic point are not in `poles`. Exactly at this point
+                # they still contribute: a pole with coefficient c at distance eta adds
+                # i c / (-i eta).
                 out[turns == 0.0] -= self.points.left_out(place, 0.5 * self.length).real
         return out.reshape(np.shape(x))
 
@@ -480,10 +482,9 @@ def _bernoulli3(u: Array) -> Array:
 def _clausen_series(terms: int = 26) -> tuple[Array, Array]:
     """Coefficients in the power series of Clausen's functions.
 
-    They are |B_2k| / (2k (2k+1)!) and |B_2k| / (2k (2k+2)!), with the Bernoulli numbers B_2k.
-
-    B_2k| = 2 (2k)! zeta(2k) / (2 pi)^2k (DLMF 25.6.2). Within half a period each term is at most a
-    uarter of the last one.
+    They are |B_2k| / (2k (2k+1)!) and |B_2k| / (2k (2k+2)!), with the Bernoulli numbers B_2k. Here
+    |B_2k| = 2 (2k)! zeta(2k) / (2 pi)^2k (DLMF 25.6.2). For arguments within half a period, each
+    term of the series is at most a quarter of the term before it.
     """
     even = 2.0 * np.arange(1, terms + 1)
     second = 2 * zeta(even) / (2 * pi) ** even / (even * (even + 1))

@@ -21,10 +21,10 @@ from sie import Array, wrapped
 
 
 def elastic_energy(fields: Fields) -> float | None:
-    """Elastic energy [J/m], half of int pressure * displacement dx; None if it is undefined.
+    """Elastic energy [J/m], half of int pressure * displacement dx; None without an approach.
 
-    The energy is taken per period if there is one. It is undefined without an approach, and for the
-    strip of a localized model, which is only a part of the body.
+    The energy is taken per period if there is one. It is also None for the strip of a localized
+    model, which is only a part of the body.
     """
     if isinstance(fields, ApartFields):
         return 0.0

@@ -87,7 +87,7 @@ def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
 
 
 def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
-    """The solution on given zones for a unit of nominal pressure outside the model's strip."""
+    """The solution on given zones for unit nominal pressure outside a localized model's strip."""
     equation = sie.Equation(
         problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential())
     )
@@ -186,7 +186,10 @@ class ZoneFields(sie.Kept):
 
     @property
     def bending(self) -> float:
-        """Largest intensity by one coefficient of the density, over the prescribed intensity."""
+        """Largest end intensity that one coefficient has alone, over the prescribed intensity.
+
+        The coefficients are those of the density, the scaled pressure.
+        """
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         return float(
@@ -270,16 +273,15 @@ class ZoneFields(sie.Kept):
     def scaled_gap(self, x: Array) -> Array:
         """The scaled gap; exactly zero on the zones.
 
-        Between the zones, it is F - V + lambda C + level.
-
-        F is the scaled profile, V the potential, lambda C the columns with their amplitudes.
+        Between the zones, it is F - V + lambda C + level. F is the scaled profile, V the potential
+        of the pressure, and lambda C the additional terms C with their amplitudes lambda.
         """
         return np.where(self.inside(x), 0.0, self.formal_gap(x))
 
     def formal_gap(self, x: Array) -> Array:
-        """The scaled gap from F - V + lambda C + level, also on the zones.
+        """The scaled gap by the formula of `scaled_gap` for the gaps, also on the zones.
 
-        On the zones, the values of this formula show the error. The symbols are those of `gap`.
+        On the zones, where the gap is zero, the values of this formula show its error.
         """
         gap = np.asarray(self.standing_shape(x) + self.level + self._relative_displacement(x))
         # In narrow gaps, this difference loses digits. There `opening` replaces the difference.
@@ -304,7 +306,10 @@ class ZoneFields(sie.Kept):
         return float(self.density.amplitudes[-1])
 
     def _relative_displacement(self, x: Array) -> Array:
-        """Scaled displacement up to a constant: terms of unknown amplitude minus the potential."""
+        """Scaled displacement up to a constant: minus the potential, plus the additional terms.
+
+        The potential is that of the pressure. The additional terms have unknown amplitudes.
+        """
         return self._raised(x, self.density.potential(x))
 
     def _raised(self, x: Array, potential: Array) -> Array:
@@ -415,8 +420,8 @@ class ZoneFields(sie.Kept):
             yield last + away
 
     def _scaled(self, x: ArrayLike) -> Array:
-        # Move x into the period about the zones, where density, strip and kinks were evaluated. The
-        # period of the scene is used, as the density in a localized model's strip has no period.
+        # Move x by whole periods to the period around the zones, where density and kinks are given.
+        # The period is that of the problem: the density in a localized model's strip has none.
         zones = self.density.zones
         middle = 0.5 * float(zones.a[0] + zones.b[-1])
         return nearest_image(

@@ -42,7 +42,7 @@ class FullLimit(sie.Kept):
         self.profile, self.E_star, self.operator, self.law = profile, E_star, operator, law
         self.approached = operator.is_periodic and profile.support is None
         self.is_known = self.approached and operator.has_inverse and law.routes.full_contact
-        # No load closes a valley where the slope jumps down.
+        # No load closes the gap at a concave kink, where the slope f' jumps down.
         self.possible = self.is_known and not np.any(profile.kinks[:, 1] < 0)
 
     @cached_property
@@ -71,8 +71,8 @@ class FullLimit(sie.Kept):
         around = np.concatenate(
             (valleys[-1:] - relief.period, valleys, valleys[:1] + relief.period)
         )
-        # A single gap is twice as wide as the interval in which the pressure of full contact is
-        # negative.
+        # `least` is half the width of the interval in which the pressure of full contact is
+        # negative. A single gap is twice as wide as this interval.
         least = NARROWEST * relief.period / 2
 
         def beside_valleys(x: Array) -> Array:
@@ -89,7 +89,7 @@ class FullLimit(sie.Kept):
 
 
 def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
-    """Least height of the profile over its period, or over an interval `cell` with the minimum."""
+    """Least height of the profile; without a period, `cell` is an interval with the minimum."""
     if profile.summits is not None:
         return float(np.min(profile.height(np.asarray(profile.summits))))
     if profile.period is not None:

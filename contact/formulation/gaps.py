@@ -229,9 +229,9 @@ class GapFields(sie.Kept):
 
     @cached_property
     def unit_pressure(self) -> float:
-        """The pressure [Pa] relative to which errors are stated: peak, or mean contact pressure.
+        """The pressure [Pa] relative to which errors are stated: the peak pressure if finite.
 
-        The mean is taken where the peak is infinite.
+        If the peak pressure is infinite, it is the mean pressure over the contact.
         """
         if np.isfinite(self.max_pressure):
             return self.max_pressure

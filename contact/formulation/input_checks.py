@@ -36,9 +36,10 @@ _PARTS = CLAIMS.panels
 
 
 def height_rounding(problem: Problem, table: Array) -> str:
-    """Message on the digits that round-off leaves in the heights over scaled zones (n, 2).
+    """Message on round-off in the heights over scaled zones (n, 2); "" if it is harmless.
 
-    It is empty where the digits suffice, or where height and slope contradict each other otherwise.
+    The message says how many digits are left. It is also empty if height and slope contradict each
+    other for another reason than round-off.
     """
     zone = table[int(np.argmax(table[:, 1] - table[:, 0]))]
     middle, half = 0.5 * float(zone[0] + zone[1]), 0.5 * float(zone[1] - zone[0])
@@ -51,7 +52,8 @@ def height_rounding(problem: Problem, table: Array) -> str:
     scale = np.full(at.shape, half / _PARTS)
     if verdicts(problem.shape, problem.slope, at, scale).contradicted.any():
         return ""
-    # The widest interval is up to 1/sqrt(EPS) times as wide as the zone.
+    # Wider intervals are compared, up to 1/sqrt(EPS) times the zone's width. If height and slope
+    # agree on one of them, the difference on the zone is round-off.
     for power in range(2, int(0.5 * -np.log(EPS) / np.log(VERDICTS.ratio)) + 1):
         wider = VERDICTS.ratio**power
         there, risen, _ = _differences(problem, middle, wider * half)
@@ -71,9 +73,10 @@ def height_rounding(problem: Problem, table: Array) -> str:
 
 
 def _differences(problem: Problem, middle: float, half: float) -> tuple[float, float, float]:
-    """Scaled differences between rises and integrals of the slope, over parts of an interval.
+    """Compare the height's rise with the slope's integral on each part of an interval; scaled.
 
-    Returns the median of the differences, then the ranges of the cumulated rises and differences.
+    Returns the median of the absolute differences, then the range of the cumulated integrals and
+    the range of the cumulated differences. All are 0 if a value is not finite.
     """
     nodes, weights = np.polynomial.legendre.leggauss(_PARTS)
     at = middle + half * np.linspace(-1, 1, _PARTS + 1)

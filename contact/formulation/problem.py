@@ -96,7 +96,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def corners(self) -> tuple[float, float]:
-        """Scaled corners where the profile ends, or borders of the model's strip; else infinite."""
+        """Scaled ends of the profile, or of the strip of a localized model; infinite if none."""
         lo, hi = -np.inf, np.inf
         if self.profile.support is not None:
             lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
@@ -110,12 +110,16 @@ class Problem(sie.Kept):
 
     @property
     def round(self) -> float | None:
-        """Scaled period if zones may lie across the border of the period; else None."""
+        """Scaled period; None if there is none, or if no zone may lie across its border."""
         return self.period if self.corners == (-np.inf, np.inf) else None
 
     @cached_property
     def borders(self) -> tuple[float, float]:
-        """Scaled limits of an isolated cell or trace, which no zone may touch; else infinite."""
+        """Scaled ends of the interval in which the profile is known; infinite without such ends.
+
+        No zone may touch these ends. The interval is a trace without a period, or the one cell of a
+        periodic profile that is solved without its images.
+        """
         known = None if self.period is not None or self.reference else self.profile.known
         if known is None:
             return -np.inf, np.inf
@@ -154,7 +158,8 @@ class Problem(sie.Kept):
             ),
         )
         # The given pressure outside the strip of a localized model is part of the right side. Near
-        # the border of the strip, this part of the right side varies on arbitrarily short lengths.
+        # the border of the strip, this part varies on arbitrarily short lengths. Therefore no
+        # shortest length is stated for the right side.
         if not self.amplitude:
             return whole
         return replace(

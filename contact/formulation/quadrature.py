@@ -14,9 +14,9 @@ from sie import Array
 
 IN_PANEL = 32  # nodes of a panel with crowded nodes
 _PERIOD_NODES = 12  # nodes of a panel in a rule over a period
-# Number of halvings of the panels next to a point where the profile is like |y|^n, n > 1. The
-# integral of |y|^n over the last panel is below the square of the panel's width, which is
-# round-off.
+# Number of halvings of the panels next to a point where the profile is like |y|^n, with n > 1 and
+# the distance y from this point. The integral of |y|^n over the last panel is below the square of
+# the panel's width, which is round-off.
 _HALVINGS = int(-np.log2(np.sqrt(EPS)))
 
 

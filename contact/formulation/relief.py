@@ -29,9 +29,10 @@ from sie import Array, Complex, Index, record
 
 @record
 class Relief(Conjugate):
-    """The relief R of a periodic profile, as a function of x [m].
+    """The relief R(x) of a periodic profile: in full contact, p = mean pressure - (E*/2) R(x).
 
-    `kinks` (k, 2) are those of the profile, `breakpoints` its other breakpoints.
+    The place x is in metres. `kinks` (k, 2) are those of the profile, `breakpoints` its other
+    breakpoints.
     """
 
     operator: Operator
@@ -50,7 +51,7 @@ class Relief(Conjugate):
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
-        """Contribution of the kinks to the relief by waves n whose symbol L_n differs from 1.
+        """The kinks' contribution to the relief R from all waves n whose symbol L_n is not 1.
 
         It is the sum over all kinks of (J/pi) times the smooth part of the inverse kernel's
         potential.

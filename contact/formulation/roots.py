@@ -47,7 +47,8 @@ def smooth_root(
             return here
         guess = _inverse(points)
         step = abs(guess - here)
-        # Convergence is superlinear, so the next step would be below the tolerance.
+        # Convergence is superlinear: the next step would be at most about step^2 divided by the
+        # step before. If this is below the tolerance, `guess` is the root.
         closes = math.isfinite(steps[-1]) and step * step <= rtol * abs(guess) * steps[-1]
         if (
             step <= rtol * abs(guess)

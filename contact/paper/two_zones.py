@@ -78,7 +78,7 @@ class LocalizedPair(TwoZones):
 
     @cached_property
     def pair(self) -> EvenPair:
-        """The solution as a function of the distance s from the centre of the strip."""
+        """The solution as a function of the distance s from the middle of the one-period strip."""
 
         def ratio(y: Array, middle: float, half: float) -> Array:
             s = np.sqrt(y)
@@ -92,7 +92,7 @@ class LocalizedPair(TwoZones):
         return pair_at_load(ratio, self.load, self.E_star, 0.25 * self.period**2)
 
     def _nominal(self, width: float) -> float:
-        """The nominal pressure outside the strip, if each zone has the given width."""
+        """Nominal pressure outside the strip of one period, if each zone has the given width."""
         if self.closure == SELF_CONSISTENT:
             return self.mean_pressure
         # The ends a and b of the isolated pair have a^2 + b^2 = 2c^2, so that the width b - a

@@ -247,7 +247,7 @@ class Equilibria(Generic[State]):
         return root(residual, lo, hi)
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
-        """Ends of the branches that are stable at prescribed load.
+        """Ends of the branches that are stable at prescribed load, and the loads at these ends.
 
         Each row is (first parameter, last parameter, load at the first, load at the last).
         """
@@ -258,9 +258,9 @@ class Equilibria(Generic[State]):
         ]
 
     def advancing(self, load: float) -> State | None:
-        """The equilibrium reached from first touch at zero load by changing the load.
+        """The equilibrium at a load, reached from first touch at load 0; None in full contact.
 
-        None means full contact; OutOfRange past pull-off.
+        Raises OutOfRange past pull-off.
         """
         load = finite("load", load)
         parts = self._stable_parts()
@@ -268,9 +268,9 @@ class Equilibria(Generic[State]):
         return self._lowered(parts[: reached[0] + 1], load) if reached else None
 
     def receding(self, load: float) -> State | None:
-        """The equilibrium reached by lowering the load from the largest contact.
+        """The equilibrium at a load, reached from the largest contact; None in full contact.
 
-        None means full contact; OutOfRange past pull-off.
+        Raises OutOfRange past pull-off.
         """
         load = finite("load", load)
         parts = self._stable_parts()
@@ -302,7 +302,7 @@ class Equilibria(Generic[State]):
 
 @dataclass(frozen=True)
 class Cylinder:
-    """Parameters of the curves of equilibria of an isolated parabola f = x^2/2R."""
+    """Data of an isolated parabola f = x^2/2R with adhesion, for its curves of equilibria."""
 
     radius: float
     E_star: float
@@ -316,7 +316,7 @@ class Cylinder:
 
 @dataclass(frozen=True)
 class Wave:
-    """Parameters of the curves of equilibria of a periodic wave Delta (1 - cos(2 pi x/L))."""
+    """Data of a periodic wave Delta (1 - cos(2 pi x/L)) with adhesion, for its equilibria."""
 
     amplitude: float
     period: float

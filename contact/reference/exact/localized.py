@@ -180,14 +180,14 @@ class LocalizedZone(SymmetricZone):
 
     half_width = property(lambda self: self.isolated.half_width)  # type: ignore[assignment]
     E_star = property(lambda self: self.isolated.E_star)  # type: ignore[assignment]
-    # The nominal pressure outside the strip does not fix the constant of the displacement, so that
-    # there is no approach.
+    # The nominal pressure outside the zone's own period does not fix the constant of the
+    # displacement. Therefore there is no approach.
     approach = property(lambda self: None)
     stiffness = property(lambda self: None)
 
     @property
     def nominal_load(self) -> float:
-        """The nominal pressure outside the strip, times the period [N/m]."""
+        """The nominal pressure outside the zone's own period, times the period [N/m]."""
         return self.isolated.load if self.closure == FIRST_ORDER else self.load
 
     @property

@@ -414,8 +414,9 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
         for j in range(m):
             field = strength[j] * poles[:, j] / x_root
             if j in (g, (g + 1) % m):
-                # A multiple of the derivative of X times the pole is subtracted, so that the field
-                # becomes integrable. The integral of this derivative has no finite part.
+                # The field is not integrable at end j of this gap. A multiple of the derivative of
+                # X times the pole is subtracted, which leaves an integrable field. The finite part
+                # of the integral of this derivative is zero.
                 share = (-2.0 if j == g else 2.0) * unit * strength[j] / others[j]
                 field = field - share * _pole_slope(design, g, (dl, dr), j, poles[:, j]) * x_root
             given[row, j] = -np.sum(weight * field)

@@ -71,7 +71,7 @@ class _Strip:
     h: Array
 
     def far(self, t: Array) -> Array:
-        """Cauchy integral of 1/X over the strip, where X^2 is the product of t - e, all ends e.
+        """Cauchy integral of 1/X over the strip; X^2 is the product of t - e over all ends e.
 
         The points t of evaluation lie away from the strip.
         """
@@ -227,7 +227,7 @@ class CohesiveDesign:
         return np.sqrt(np.prod(factors, axis=0)) * sign
 
     def _smooth_in_own_gap(self, strip: _Strip, t: Array) -> Array:
-        """X times the Cauchy integral of 1/X over a strip; X^2 is the product of t - e, all ends e.
+        """X times the Cauchy integral of 1/X over a strip; X is the signed root given by `_root`.
 
         The points t lie in the strip's own gap. The closed part
         2 direction artanh(zeta or 1/zeta) is left out: see the head of this module.
@@ -238,7 +238,7 @@ class CohesiveDesign:
 
     @cached_property
     def _count(self) -> int:
-        """Number of conditions on the polynomial M, without those on `rise` and on the load."""
+        """Number of conditions on the polynomial M, apart from a given `rise` and a given load."""
         return 3 * len(self.cohesive) - 1 + sum(strip.direction == 0 for strip in self._strips)
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
@@ -373,7 +373,7 @@ class CohesiveDesign:
         return np.any((x >= self.cohesive[:, 0]) & (x <= self.cohesive[:, 1]), axis=-1)
 
     def _on_zones(self, strip: _Strip, t: Array) -> Array:
-        """Cauchy integral of 1/X over a strip, where X^2 is the product of t - e, all ends e.
+        """Cauchy integral of 1/X over a strip; X^2 is the product of t - e over all zone ends e.
 
         The points t lie on the zones. The integral is accurate up to the end of the strip.
         """

@@ -246,9 +246,9 @@ class GivenZones(ExactContact):
         return self.approach - (self.height(x) - self._least_height) + self.gap(x)
 
     def _greatest(self, margin: float, samples: int) -> float:
-        """Greatest pressure [Pa] of all zones, at the angles from `margin` to pi - `margin`.
+        """Greatest pressure [Pa] of all zones, at positions cos(phi) in the zones.
 
-        The normalised position in a zone is the cosine of an angle from 0 to pi.
+        The position is normalised to [-1, 1]. The angle phi goes from `margin` to pi - `margin`.
         """
 
         def peak(zone: int) -> float:
@@ -396,8 +396,9 @@ class DesignedContact(GivenZones):
         power_sums = np.array([np.sum(exponents * np.exp(-1j * k * angle)) for k in range(n + 1)])
         phase = np.exp(0.5j * np.sum(exponents * angle))
         coefficients = phase * exp_of_power_sums(power_sums)
-        # The constant coefficient is 2i/E* times the mean pressure. The mean pressure is positive,
-        # which fixes the sign of the square root X.
+        # `coefficients[k]` is the factor of w^(k - n) in X M above the real axis. The constant one,
+        # k = n, is 2i/E* times the mean pressure. The mean pressure is positive, which fixes the
+        # sign of the square root X.
         coefficients *= np.sign(coefficients[n].imag) * self._extended_scale
         return self._of_slope(coefficients[n - 1 :: -1])
 
