@@ -32,8 +32,8 @@ class ArcOptions:
     # two ends of a step. The predictor's deviation from the tangent, divided by the length, has the
     # same bound.
     longest_step: float = 0.5
-    # Largest number of known equilibria used to interpolate inside a step, and of halvings of the
-    # distance to a known equilibrium.
+    # Largest number of known equilibria used to interpolate inside a step, and largest number of
+    # halvings of the distance to a known equilibrium after a failed solve.
     interpolation_nodes: int = 3
 
 
@@ -121,7 +121,7 @@ class Step:
         return found
 
     def _about(self, length: float) -> Array:
-        """A cubic curve through both ends of the step, corrected by known equilibria inside it."""
+        """Scaled displacement at a length: a cubic, corrected by known equilibria in the step."""
         nodes: list[float] = []
         for node in sorted(self.known, key=lambda k: abs(k - length)):
             if len(nodes) < ARC_OPTIONS.interpolation_nodes and min(
@@ -144,7 +144,7 @@ class Step:
         )
 
     def _cubic(self, length: float) -> Array:
-        """The cubic curve through both ends of the step, with the tangents at these ends."""
+        """Scaled displacement at a length, on the cubic that has the tangents at both ends."""
         square, cube = self._leaves
         return np.asarray(length * self.start.tangent + length**2 * square + length**3 * cube)
 
@@ -296,13 +296,15 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
         if step.lets_go:
             why = "an end that was held at a sharp corner has let go"
             break
-        # An end could forever be pinned and freed again in turn, in steps of zero length.
+        # Several steps of zero length in a row end the curve: an end could forever be pinned and
+        # freed again in turn.
         stands = stands + 1 if step.length < TOLERANCES.rough else 0
         if stands > ARC_OPTIONS.interpolation_nodes:
             why = "ends at sharp corners are neither held nor free"
             break
         place = step.end if step.after is None else _stood_by(curve, step.after, step.end.rises)
-        # The next step is made so long that its tangent turns by about half of the largest angle.
+        # The next step is made so long that its tangent turns by about half of the largest allowed
+        # angle.
         aimed = 0.5 * ARC_OPTIONS.longest_step
         growth = aimed / max(step.turned, aimed * MOVES.least_part)
         length = min(growth * length, ARC_OPTIONS.longest_step)
@@ -468,8 +470,8 @@ def _begun(curve: Curve, here: State, sense: float) -> CurvePoint:
 def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
     """The curve point at the next equilibrium, with its tangent in the same direction."""
     # At a turning point, a change of the control moves the ends infinitely far, so that the unit of
-    # the control would be 0. The fall of the unit is limited, as the tangent would otherwise turn
-    # too sharply.
+    # the control would be 0. The unit falls by a limited factor from one point to the next. Without
+    # this limit the tangent would turn too sharply.
     scales = np.append(ahead.widths, max(_unit(curve, ahead), MOVES.least_part * before.scales[-1]))
     tangent, carried = _tangent(ahead, scales), scales / before.scales
     tangent = tangent if before.tangent @ (tangent * carried) >= 0.0 else -tangent
@@ -485,9 +487,10 @@ def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
 
 
 def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
-    """Coefficients (2, 2n + 1) of the squared and the cubed length in a cubic curve.
+    """Coefficients (2, 2n + 1) of length^2 and length^3 in a cubic curve from the present point.
 
-    They belong to the cubic through another point, displaced by `moved`, with tangent `there`.
+    The cubic leaves the present point along the unit vector `tangent`, on which the length is
+    measured. It passes through a second point, displaced by `moved`, with the tangent `there`.
     """
     length = float(tangent @ moved)
     if abs(length) < TOLERANCES.rough:
@@ -515,9 +518,10 @@ def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
 
 
 def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
-    """Whether a step has lost zones of contact, but neither turned nor changed stability.
+    """Whether a step has lost zones of contact, with no extreme of the control inside.
 
-    Its width vanishes like a square root, so that the curve bends sharply there.
+    The step must not change the stability either. The width of a lost zone vanishes like a square
+    root, so that the curve bends sharply there.
     """
     cosine = before.rises * ahead.rises > 0.0 and before.at.growth * ahead.at.growth > 0.0
     return cosine and len(ahead.at.contact) < len(before.at.contact)
@@ -534,8 +538,8 @@ def _unit(curve: Curve, at: State) -> float:
         rank < len(moves)
         and np.abs(at.rates @ moves - at.by_value).max() * least > TOLERANCES.resting_step
     ):
-        # At a turning point, the ends move while the control does not change. So the least unit is
-        # used.
+        # At a turning point, the ends move while the control does not change. So the lower bound of
+        # the unit is used.
         return least
     # One unit of the control may change the residual r of a pinned end by no more than max(1, |r|).
     driven = np.where(
@@ -580,10 +584,9 @@ def _corrected(
 def _newton(
     curve: Curve, here: CurvePoint, start: Array, normal: Array, tight: bool, formal: bool = False
 ) -> tuple[State | None, Array | None]:
-    """(equilibrium; last iterate). The latter is None if no further attempt can succeed.
+    """(equilibrium, None if not found; last iterate, None if no further attempt can succeed).
 
-    The equilibrium is None if it was not found. formal: the zones of contact inside the intervals
-    keep their number.
+    formal: the zones of contact inside the intervals keep their number.
     """
     at_start, length, widths, unit = (
         here.at,
@@ -630,8 +633,9 @@ def _newton(
         ):
             return at, start
         start = start + step
-        # The residual falls at least in proportion to the Newton steps. If zones have very
-        # different widths, round-off may stop this fall earlier.
+        # This Newton step is the last one if the next would be below the tolerance. The estimate is
+        # that steps shrink at least by the same factor again. If zones have very different widths,
+        # round-off stops the steps from shrinking earlier (`rounded`).
         if size * min(size / before if k else 1.0, 1.0) < TOLERANCES.neutral or rounded:
             how_solved.pop("tolerance", None)
             return curve.at(

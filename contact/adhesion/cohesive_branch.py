@@ -214,10 +214,10 @@ def _refuse_narrow(context: SolveContext, width: float) -> None:
 
 
 def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
-    """The zones, with ends moved outward by a fraction of the Newton step for edge intensity.
+    """Zones whose ends are moved outward if the strips of tension next to them are narrow.
 
-    Only zones with narrow strips are moved. Afterwards the strips are wide enough to be resolved,
-    and the ends are still driven outward.
+    The motion is a fraction of the Newton step that removes the edge intensity. Afterwards the
+    strips are wide enough to be resolved, and the ends are still driven outward.
     """
     problem, zones = curve.problem, fields.density.zones.table
     wanted = math.sqrt(2 * curve.stress * curve.reach / math.pi)
@@ -263,7 +263,7 @@ def _sampled_farther(
 
 
 def _touch_intervals(scaled: ScaledScene, curve: CohesiveCurve) -> tuple[Array, Array]:
-    """(intervals where the gap at first touch is below the tension's reach, starting zones)."""
+    """(intervals where the gap at first touch is below the reach, first guess of the zones)."""
     problem, (lo, hi) = scaled.problem, scaled.problem.units.scaled(np.array(scaled.cell))
     profile, length, corners, round_ = (
         problem.profile,
@@ -371,7 +371,7 @@ def _receded_from_all(context: SolveContext, curve: CohesiveCurve, value: float)
 def under_all(context: SolveContext, problem: Problem) -> Array | None:
     """Scaled zones of contact under tension on the whole period; None in full contact.
 
-    Raises ContactLost where there are none.
+    Raises ContactLost if there is no contact.
     """
     scene, period = context.scene, context.scene.period
     assert period is not None
@@ -451,9 +451,9 @@ def _solved_zones(
 def _solved_at_corners(
     pulled: TractionLoaded, load: float, zones: Array
 ) -> tuple[CohesiveFields, sie.Free, Load]:
-    """The result of `_solved_zones` if tension is spread over zones pinned at corners.
+    """The result of `_solved_zones` if zones are pinned at corners, over which the tension fades.
 
-    That tension follows the free ends. load: the given load.
+    The tension on such a zone depends on its free end. load: the given load.
     """
     before = np.inf
     while True:

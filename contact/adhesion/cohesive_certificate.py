@@ -28,9 +28,9 @@ class CohesiveLimits:
     # Largest error of the gap at an end of the tension, relative to the reach, with which the
     # certificate holds. Round-off of the gap is added to this limit.
     reach_error: float = 1e-7
-    # Bound of the ratio between the error of the pressure, at equal normalised positions in a zone,
-    # and the error of the ends. Zones and strips of tension move together, and the normalised slope
-    # of the pressure next to an end is below this bound.
+    # Bound of the pressure's relative error divided by the relative error of the ends. Pressures
+    # are compared at equal normalised positions in a zone. The bound holds as strips of tension
+    # move with their zones, and as the pressure's normalised slope next to an end is below it.
     pressure_factor: float = 16.0
     # Least angle [rad] from the ends of a zone at which the slope of the zone's pressure is
     # sampled. The cosine of the angle is the normalised position.
@@ -186,7 +186,8 @@ def _steepness(density: AnyDensity) -> Array:
 def rounded_load(fields: CohesiveFields) -> float:
     """Relative error of zones due to round-off of the load, for tension on the whole period.
 
-    The load of q is the sum of the tension's and the given one, which may nearly cancel.
+    The load of q = p + s is the sum of the tension's force and the given load, which may nearly
+    cancel.
     """
     total, pull = fields.density.total, fields.tension.total
     rounding = 2 * np.finfo(np.float64).eps * (abs(total - pull) + pull) / total

@@ -36,9 +36,10 @@ At = Callable[[float], CohesiveState]
 class CohesiveEvents(Events):
     """Events of a loading path under a tension of finite range.
 
-    advanced: the least equilibrium about first touch under no load. pressed: scaled zones under
-    tension in all of a period. full: value of the control at which surfaces under tension
-    everywhere close. size: scale of the values of the control.
+    advanced: returns the equilibrium that grows from first touch under no load. pressed: returns
+    the scaled zones under tension on the whole period, at a control value. full: value of the
+    control at which surfaces under tension everywhere close. size: scale of the values of the
+    control.
     """
 
     curve: CohesiveCurve
@@ -127,7 +128,7 @@ class CohesiveEvents(Events):
             try:
                 at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
             except EndsCovered:
-                # The contact reaches the new ends: they are too far apart.
+                # The contact reaches the new ends, so their distance is reduced.
                 if half < TOLERANCES.neutral:
                     raise
                 half *= 0.1
@@ -146,8 +147,9 @@ class CohesiveEvents(Events):
     def _wrong(self, here: State, outside: bool) -> Array:
         """Intervals (n, 2) in which the gap is on the wrong side of the reach of the tension.
 
-        Outside the tension the gap is below the reach there; inside the tension it is above the
-        reach. Places next to the ends of the tension do not count.
+        If `outside` is true, these lie outside the tension and have a gap below the reach. If not,
+        they lie inside the tension and have a gap above the reach. Places next to the ends of the
+        tension do not count.
         """
         curve, period = self.curve, self.curve.problem.round
         assert isinstance(here, CohesiveState)
@@ -293,8 +295,9 @@ class CohesiveEvents(Events):
             if not ahead:
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
-            # Computed with the zones of one end of the step, the change of the zones may lie a
-            # little past the other end of the step.
+            # `formally` keeps the zones of `here`, the state at one end of the step. The change of
+            # the zones that it finds may lie a little past the other end, so longer and longer
+            # ranges are offered.
             for past in (0.0, MOVES.small_part, arc_length.ARC_OPTIONS.longest_step):
 
                 def formally(u: float, part: float = 1.0 + past) -> CohesiveState:
@@ -420,8 +423,8 @@ class CohesiveEvents(Events):
     def _under_all_to(self, here: CohesiveState, value: float) -> Iterator[Jump | PathState]:
         rises = value > here.value
         end = min(value, self.full - TOLERANCES.resting_step * self.size) if rises else value
-        # The states that are followed end a little below full contact, where there is no gap to
-        # follow.
+        # The states are followed to a little below full contact only, since full contact has no gap
+        # to follow.
         at, step, halvings = here.value, MOVES.small_part * (end - here.value), 0
         while at != end:
             ahead = end if abs(step) >= abs(end - at) else at + step

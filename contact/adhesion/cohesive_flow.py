@@ -33,10 +33,10 @@ def advanced(
     guide: GridGuide | None = None,
     zones: Array | None = None,
 ) -> CohesiveState:
-    """The least equilibrium that contains the given intervals, whose ends all tend to advance.
+    """The smallest equilibrium around the given intervals, if all their ends tend to advance.
 
-    An end tends to advance if its residual is positive. Raises `Closed` if there is none. zones:
-    first guess of the contact, where it may cover some intervals.
+    An end tends to advance if its residual is positive. Raises `Closed` if there is no such
+    equilibrium. zones: first guess of the contact, which may cover ends of the intervals.
     """
     start = None if zones is None else jkr_guide.before_advanced(curve, zones, value)
     if start is None and guide is not None:
@@ -54,24 +54,24 @@ def advanced(
 
 
 def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState) -> CohesiveState:
-    """The state `here`, or the state after its new zones have snapped into wider contact.
+    """The state `here`, or the one after its new zones have snapped into wider contact.
 
-    The latter state is found from a law without range.
+    The state after the snap is found from a law without range (JKR).
     """
     if len(here.zones) <= len(before.zones) or here.residual.max() < MOVES.hard_drive:
         return here
     ahead = jkr_guide.before_advanced(curve, here.zones, here.value)
     if ahead is None:
         return here
-    # If the state found lacks a new zone, surfaces do not snap into contact there under the law
-    # without range (JKR). Then the state `here` is kept.
+    # If a zone of `here` is missing from `ahead`, the surfaces do not snap into contact there under
+    # the law without range (JKR). Then `here` is kept.
     return ahead if ahead.q is not None and ahead.q.inside(here.zones.mean(axis=1)).all() else here
 
 
 def receded(
     curve: CohesiveCurve, table: Array, value: float, guide: GridGuide | None = None
 ) -> CohesiveState | None:
-    """The greatest equilibrium inside the given intervals, whose ends all tend to recede.
+    """The largest equilibrium inside the given intervals, if all their ends tend to recede.
 
     An end tends to recede if its residual is negative. None where contact is lost.
     """
@@ -83,7 +83,7 @@ def receded(
 
 
 def guide_of(curve: CohesiveCurve, zones: int, table: Array | None) -> GridGuide | None:
-    """The grid that predicts where ends come to rest if they start from these intervals.
+    """The grid that predicts where the ends of given intervals come to rest.
 
     None without contact, between sharp corners, or under the control of a spring. table: None for
     tension in all of a period.
@@ -191,8 +191,8 @@ def _on_new_intervals(
 def _filled(curve: CohesiveCurve, zones: Array, table: Array) -> Array:
     """The zones, and one more zone in each wide interval of tension without contact.
 
-    In an interval far wider than a strip of tension, surfaces snap into contact. As long as the
-    interval had no contact, its tension would move the ends of all other intervals.
+    In an interval far wider than a strip of tension, surfaces snap into contact. Without the new
+    zone, the tension of this interval would move the ends of all other intervals.
     """
     empty = np.ones(len(table), dtype=bool)
     empty[interval_of(zones, table)] = False
@@ -235,7 +235,8 @@ def settled(curve: CohesiveCurve, here: State, sign: float) -> CohesiveState | N
 def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) -> Array:
     """The intervals of tension, widened where contact covers the ends of an interval.
 
-    Each widening is larger than the one before, until the ends are no longer driven inward.
+    Each widening is by a larger factor than the one before. If the ends are driven inward
+    afterwards, the last widening is replaced by several small ones.
     """
     before, power, faster = table, 0, 1
     for _ in range(LIMITS.max_iterations):
@@ -290,7 +291,7 @@ def _widened(
 
 
 def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """The old and new intervals of tension, joined where all of the gap between is below reach.
+    """Old and new intervals of tension; two are joined if the whole gap between is below the reach.
 
     None if nothing changed.
     """
@@ -327,7 +328,8 @@ def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
 def _intervals_cut(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
     """The intervals of tension, without places where the gap exceeds the tension's reach.
 
-    Parts that begin at an end are not removed: that end recedes over them. None if nothing changed.
+    Places next to an end of an interval are not removed, since that end recedes over them. None if
+    nothing changed.
     """
     (x, gap), table, period = here.gap_samples, here.table, curve.problem.round
     out: list[tuple[float, float]] = []
@@ -354,7 +356,7 @@ def _intervals_cut(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
 
 
 def _outside(curve: CohesiveCurve, table: Array) -> list[tuple[float, float]]:
-    """The gaps between the intervals; with a period, also the gap across its border."""
+    """Places outside the intervals (left, right); with a period, the last crosses its border."""
     if curve.problem.round is not None:
         return [(a, b) for a, b in gaps_between(table, curve.problem.round)]
     return list(zip(np.append(-np.inf, table[:, 1]), np.append(table[:, 0], np.inf), strict=True))

@@ -54,8 +54,8 @@ def pull_off(curve: CohesiveCurve, here: State) -> State:
             < MOVES.small_part * np.diff(last.table, axis=1).sum()
         ):
             raise
-    # The point is sought in the widest zone. If several zones are alike, any of them will do: all
-    # touch at once.
+    # The last point of contact is sought in the widest zone. If several zones are equally wide, any
+    # of them will do, since all shrink to points at once.
     widest = int(np.argmax(np.diff(last.zones, axis=1)))
     return touching(curve, last.table, float(last.zones[widest].mean()))
 
@@ -85,7 +85,7 @@ def _highest_within(curve: CohesiveCurve, here: State) -> float:
 def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
     """An equilibrium near the least control value at which an approximate search finds one.
 
-    The state itself is returned if there is no guide.
+    The state `here` is returned if no approximate search is possible, or if it fails.
     """
     if (
         len(here.contact) > MOVES.few_zones
@@ -159,7 +159,7 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
 
 
 def _cut_near_pull_off(curve: CohesiveCurve, zones: Array, value: float) -> State | None:
-    """An equilibrium with tension on intervals; its control is near the least one on a grid.
+    """An equilibrium with tension on intervals, near the least control value found on a grid.
 
     None if the grid gives no answer, or if no gap exceeds the reach.
     """

@@ -134,7 +134,7 @@ class CohesiveState(State):
 
     @property
     def gains(self) -> Array:
-        """Ones (2n,), since the energy's derivative by an end is proportional to the residual."""
+        """Ones (2n,): each residual is proportional to the energy's derivative by its end."""
         return np.ones(len(self.residual))
 
 
@@ -265,8 +265,8 @@ class CohesiveCurve(Curve):
         left = np.clip(move[:count], -0.4 * width, None)
         right = np.clip(move[count:], -0.4 * width, None)
         new = zones + np.column_stack((-left, right))
-        # The distance from the end of a zone to the end of its interval is reduced to a fifth at
-        # most.
+        # The new distance from the end of a zone to the end of its interval is at least a fifth of
+        # the old one.
         room = np.array([zones[:, 0] - before.table[i, 0], before.table[i, 1] - zones[:, 1]])
         new[:, 0] = np.maximum(new[:, 0], table[i, 0] + 0.2 * room[0])
         new[:, 1] = np.minimum(new[:, 1], table[i, 1] - 0.2 * room[1])
@@ -280,7 +280,7 @@ class CohesiveCurve(Curve):
         return np.asarray(new)
 
     def nearest(self, table: Array, value: float) -> PastState:
-        """The known state with equally many intervals and the nearest ends; else the last known."""
+        """The known state with as many intervals and the nearest ends; the last if none has."""
 
         def away(one: PastState) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)
@@ -426,8 +426,9 @@ class CohesiveCurve(Curve):
     def unit(self, here: State) -> float:
         if here.whole.by_value.any():
             return super().unit(here)
-        # No residual depends on the control. So the unit of the control is the force of the tension
-        # under a fixed load, and otherwise the reach plus the effect of this force.
+        # No residual depends on the control. So under a fixed load the unit of the control is the
+        # force of the tension. Under another control it is the reach plus the change of the control
+        # by this force.
         bears = self.stress * float(np.diff(here.table, axis=1).sum())
         return bears if self.control.load is not None else self.reach + self.yields * bears
 
@@ -616,7 +617,7 @@ class CohesiveCurve(Curve):
         )
 
     def explicit(self, pulled: TractionLoaded, at: Array, transform: Array) -> Array:
-        """Derivatives of the gap at the tension's ends by their outward motions, for fixed q.
+        """Derivatives of the gap at the tension's ends by outward motions, for fixed pressure q.
 
         transform: the kernel's transform of the contact pressure q at the ends.
         """

@@ -374,7 +374,8 @@ class Curve:
             size = float(np.abs(here.newton / here.widths).max())
             if size > TOLERANCES.other_equilibrium:
                 break
-            # The last step is taken, too: after it, the error is about the square of this step.
+            # Each Newton step is taken before its size is tested. After the last one, the error is
+            # about the square of this step.
             here = self.at(here.moved(here.newton), here.value)
             if size < TOLERANCES.neutral:
                 break

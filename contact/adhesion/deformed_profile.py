@@ -61,7 +61,7 @@ class TractionLoaded(Problem):
         """This problem, with the tension adapted to given zones of contact.
 
         If the first or the last zone is pinned at a sharp corner, the tension's end is spread over
-        it.
+        this zone.
         """
         tension, (lo, hi) = self.pulling, self.corners
         if len(tension.table) == 0 or len(zones) == 0 or not np.isfinite(lo):

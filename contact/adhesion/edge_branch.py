@@ -184,7 +184,11 @@ def start_contact(context: SolveContext, load: float | None = None) -> Solution:
 
 
 def advancing(context: SolveContext, scaled: ScaledScene, curve: Curve, value: float) -> State:
-    """The least equilibrium about the point of first touch; the control value is at least 0."""
+    """The equilibrium reached by advancing from first touch, or from the zones without adhesion.
+
+    It has the smallest zones of all equilibria that contain the start. `value`: of the control; the
+    start is first touch at 0, and the zones without adhesion above 0.
+    """
     with closing_foreseen(context, curve, value):
         table = touched(curve, scaled.cell) if value == 0.0 else _pressed(context, scaled)
         return grown(curve, table, value)

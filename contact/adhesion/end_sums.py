@@ -113,7 +113,7 @@ class EndSum:
     def _inside(self, x: Array, given: Array) -> Array:
         """The sums at points x within the cells.
 
-        given: the points before a shift by periods, in which they were rounded.
+        given: the same points before they were shifted by periods, which has rounded them.
         """
         edges, (near, count) = self._cells.edges, self._cells.near
         cell = np.searchsorted(edges, x, side="right") - 1
@@ -169,7 +169,7 @@ class EndSum:
 def _terms() -> int:
     """Number of terms of each Chebyshev series; n terms leave an error of (3 + sqrt(8))^-n.
 
-    Its singularities are a cell's width away.
+    The singularities of the summed function are a cell's width away from the cell.
     """
     return math.ceil(-math.log(EPS) / math.log(3.0 + math.sqrt(8.0)))
 

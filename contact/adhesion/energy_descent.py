@@ -20,7 +20,7 @@ from sie import Array
 
 
 def relaxed(curve: Curve, table: Array, value: float) -> State | None:
-    """The stable equilibrium that is reached from these zones under a value of the control.
+    """The stable equilibrium that is reached from given zones under a value of the control.
 
     None if all zones are lost. Raises `Closed` if the surfaces close altogether.
     """

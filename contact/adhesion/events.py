@@ -103,7 +103,7 @@ class Events:
     def reopening(self, here: PathState, value: float) -> Jump | None:
         """The jump by which closed surfaces open as the control falls to a value.
 
-        None if they do not open.
+        None here, since closed surfaces stay closed under adhesion without range.
         """
         return None
 
@@ -115,7 +115,7 @@ class Events:
         return None
 
     def grown(self, table: Array, value: float) -> PathState:
-        """The path state reached after the ends advance from these zones and come to rest."""
+        """The path state reached after the ends of given zones advance and come to rest."""
         try:
             try:
                 return self._at_rest(grown(self.curve, table, value))
@@ -130,7 +130,7 @@ class Events:
             return PathState(value, closed=True)
 
     def shrunk(self, table: Array, value: float) -> PathState:
-        """The path state reached after the ends recede from these zones and come to rest.
+        """The path state reached after the ends of given zones recede and come to rest.
 
         Under a fixed approach of a period, a lost zone lets the surface come closer elsewhere, so
         that zones may begin there.
@@ -248,7 +248,7 @@ def first_zero(
         length = step.where(condition, first, last, length)
         end = step.at(length)
         place = least(end, lo, hi)[0]
-        # In other intervals, the condition may have become negative earlier in the step.
+        # The next pass searches intervals in which the condition became negative earlier.
         seen = others(end)
         seen = seen[(seen[:, 0] > place) | (seen[:, 1] < place)]
     return length, place, width

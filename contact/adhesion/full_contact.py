@@ -45,8 +45,8 @@ class SnapOptions:
     # grid has errors of a few per cent. If following the contact has failed, the whole work is
     # used.
     work_share: float = 0.9
-    # Width of the strip of attraction, in cells of the grid. With 3 cells, the grid would pin the
-    # ends of the zones.
+    # Width of the strip of attraction, in cells of the grid. With only 3 cells, the ends of the
+    # zones would stick to the cells.
     strip_cells: float = 6.0
 
 

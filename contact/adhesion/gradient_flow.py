@@ -35,10 +35,10 @@ from sie import Array, Mask
 def advanced(
     curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step
 ) -> State:
-    """The least equilibrium that contains the given intervals, whose ends all tend to advance.
+    """The smallest equilibrium around the given intervals, if all their ends tend to advance.
 
-    An end tends to advance if its residual is positive. Raises `Closed` if there is none. rest:
-    largest Newton step, relative to the widths, of ends at rest.
+    An end tends to advance if its residual is positive. Raises `Closed` if there is no such
+    equilibrium. rest: largest Newton step, relative to the widths, of ends at rest.
     """
     found = _flow(curve, table, value, 1.0, rest)
     assert found is not None
@@ -46,7 +46,7 @@ def advanced(
 
 
 def receded(curve: Curve, table: Array, value: float) -> State | None:
-    """The greatest equilibrium inside the given intervals, whose ends all tend to recede.
+    """The largest equilibrium inside the given intervals, if all their ends tend to recede.
 
     An end tends to recede if its residual is negative. None if all zones are lost.
     """
@@ -132,7 +132,7 @@ def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor
 
 
 def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, largest motion of an end, divided by the width of its zone or next gap)."""
+    """(next state, largest motion of an end divided by the lesser width of its zone and gap)."""
     onward = sign * here.residual
     if onward.min() < -MOVES.small_drive or (
         here.growth >= 0.0 and onward.max() <= TOLERANCES.coarse < -onward.min()
@@ -330,8 +330,8 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
         | (here.growth < 0.0 <= ahead.growth)
         | (after < -MOVES.small_drive)
     )
-    # If the state after the step is more unstable than the state before was stable, an end that has
-    # passed an equilibrium would not come back.
+    # No overshoot is allowed if the state after the step is more unstable than the state before was
+    # stable: an end that has passed an equilibrium would not come back.
     if 0.0 < -here.growth <= ahead.growth:
         allowed = np.where(before > 0.0, -TOLERANCES.coarse, allowed)
     # A pinned end was at rest before the step, so that it has passed no equilibrium.

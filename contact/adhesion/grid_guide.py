@@ -46,7 +46,7 @@ GRID = GridOptions()
 
 @record
 class GridRest:
-    """Scaled intervals at rest (m, 2), ascending, and the zones of contact inside each."""
+    """Scaled intervals at rest (m, 2), ascending, and the zones of contact inside them."""
 
     table: Array
     zones: Array
@@ -85,8 +85,7 @@ class GridGuide(sie.Kept):
         strip = 0.25 * math.pi * units.E_star * law.reach / law.tension
         least = GRID.cells * width / feature
         wanted = max(least, GRID.cells * width / strip)
-        # For narrower strips of tension, the grid would be so fine that the gradient flow without a
-        # grid takes less time.
+        # With more cells than this limit, the gradient flow without a grid takes less time.
         if not wanted <= max(GRID.max_points, min(least, MOST_POINTS)):
             return None
         return cls(problem, x0, width, 2 ** math.ceil(math.log2(wanted)), by_load)

@@ -176,11 +176,13 @@ def _settled(
         least = np.minimum(width, np.where(shared | pinned, np.inf, np.maximum(room, 1e-300)))
         miss = float(np.abs(step / least).max())
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
-        # Next to narrow strips of tension, round-off of the Newton steps may exceed the tolerance.
+        # The search also ends if short Newton steps no longer decrease: next to narrow strips of
+        # tension, their round-off may exceed the tolerance.
         if miss < tolerances.ends or (stuck > 2 and miss < 10 * TOLERANCES.resting_step):
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)
-        # A strip of tension that ends at a sharp corner may be arbitrarily narrow.
+        # Contact covers the end of an interval if it has closed the strip of tension there. Strips
+        # that end at a sharp corner do not count, as they may be arbitrarily narrow.
         covers = (
             ~shared
             & (room < TOLERANCES.resting_step * width)
@@ -222,7 +224,7 @@ def _steps(
     """(edge intensities K, outward Newton steps) of the ends, each (2, n).
 
     before: zones and K of the previous step; around: distance to the next obstacle, and whether
-    that is a zone (`_room`); corners: ends at sharp corners, and those that stay there (`_held`).
+    that is a zone (`_room`); corners: ends at sharp corners, and those that stay there (`_pinned`).
     """
     (here, state), (room, shared), (pinned, rests) = found, around, corners
     k, slope = np.array(state.density.intensities), edge_slopes(here, state)
@@ -254,9 +256,11 @@ def _moved(pulled: TractionLoaded, zones: Array, moved: Array, reaches: Mask) ->
 
 
 def edge_slopes(pulled: TractionLoaded, state: sie.AnyState) -> Array:
-    """The edge slopes A (2, Z) of pressure plus tension, p + s, at the ends of the zones.
+    """The edge slopes A (2, Z) of pressure plus full tension, p + s, at the ends of the zones.
 
-    If a zone is pinned at a corner, the slope of q at its other end is smaller than that of p + s.
+    The density of `state` is q = p + s. On a zone pinned at a corner it is q = p + s eta, where eta
+    < 1 is the local fraction of the tension (contact.adhesion.deformed_profile). There s (1 - eta)
+    adds to the slope at the other end of the zone.
     """
     slope, zones = np.array(state.density.edge_slopes), state.density.zones
     more = 2 * pulled.pulling.stress / np.pi / np.sqrt(2 * zones.half)
@@ -277,7 +281,7 @@ def _pinned(pulled: TractionLoaded, zones: Array, k: Array) -> tuple[Mask, Mask]
 def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
     """Newton steps of the ends that leave a sharp corner.
 
-    A narrow strip of width (pi K/2 s)^2 under the tension s has the intensity -K.
+    A narrow strip of width (pi K/(2 s))^2 under the tension s has the intensity -K.
     """
     stress = pulled.pulling.stress if len(pulled.pulling.table) else 0.0
     return (
@@ -288,7 +292,7 @@ def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
 
 
 def _beside_corners(pulled: TractionLoaded, zones: Array) -> Mask:
-    """Mask (2, n) of the ends toward which the interval of tension ends at a sharp corner."""
+    """Mask (2, n) of the ends on whose side the interval of tension ends at a sharp corner."""
     return np.asarray((_own(pulled, zones) == np.array(pulled.corners)).T)
 
 
@@ -354,7 +358,7 @@ def _searched(
 def _room(pulled: TractionLoaded, zones: Array) -> tuple[Array, Mask]:
     """Distance (2, n) of each end to the next obstacle; whether the obstacle is another zone.
 
-    The other obstacle is the end of its interval.
+    The obstacle is another zone or the end of the interval of tension around the zone.
     """
     right = np.diff(gaps_between(zones, pulled.round))[:, 0]
     to_obstacle, own = np.array([np.roll(right, 1), right]), _own(pulled, zones)

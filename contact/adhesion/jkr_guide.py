@@ -26,10 +26,10 @@ from sie import Array
 
 
 def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> CohesiveState | None:
-    """A state just inside the least equilibrium that contains these zones.
+    """A state just inside the smallest equilibrium that contains given zones.
 
-    Its ends are all driven outward. It is put about the zones of a little less adhesion without
-    range. None where strips are wider than zones, or the guide fails.
+    Its ends are all driven outward. It is built around the zones that a law without range has with
+    a little less adhesion. None where strips are wider than zones, or the guide fails.
     """
     for margin in MOVES.margins:
         short = _curve_without_range(curve, zones, 1.0 - margin)
@@ -104,7 +104,7 @@ def near_pull_off(
     here: State,
     recede: Callable[[CohesiveCurve, Array, float], CohesiveState | None],
 ) -> CohesiveState | None:
-    """An equilibrium near the least control, found with the help of a law without range (JKR).
+    """An equilibrium near the least control value, found by means of a law without range (JKR).
 
     The law without range has a larger work of adhesion. recede: brings ends driven inward to rest.
     None where the guide fails.

@@ -22,7 +22,7 @@ from sie import Array
 
 
 def grown(curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step) -> State:
-    """The least equilibrium, without overlap of the surfaces, that contains these zones.
+    """The smallest equilibrium around given zones in which the surfaces do not overlap.
 
     Their ends are all driven outward. Raises `Closed` if there is none. rest: largest Newton step,
     relative to the widths, of ends at rest.
@@ -60,8 +60,8 @@ def with_new(table: Array, overlaps: Array) -> Array:
 def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Array:
     """Narrow intervals about the lowest places of the profile in a cell [m].
 
-    Their ends are all driven outward under a value of the control, or pinned at sharp corners. On
-    a level stretch the interval is as wide as that.
+    Their ends are all driven outward under a value of the control, or pinned at sharp corners. On a
+    level stretch of the profile the interval is as wide as this stretch.
     """
     problem, (lo, hi) = (
         curve.problem,
@@ -83,7 +83,8 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
     if profile.support is not None:
         low = np.append(low, ends[[f[0] <= f[1], f[-1] <= f[-2]]])
     together = TOLERANCES.neutral * max(float(np.ptp(f)), 1.0)
-    # A level stretch across the border of the cell would be found twice, at both borders.
+    # No level stretch is used if one crosses the border of the cell: it would be found twice, at
+    # both borders.
     whole = profile.support is not None or not (
         f[0] - least <= together and f[-1] - least <= together
     )
@@ -145,7 +146,7 @@ def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float
 
 
 def condition(curve: CohesiveCurve, here: CohesiveState, change: Change) -> tuple[float, float]:
-    """(place, value) of the least gap where a zone begins, or least pressure where two merge."""
+    """(place, value) of the least gap, or for a merger or split of the least pressure."""
     x = np.linspace(*change.where, SAMPLES.samples)
     if change.of_gap:
         return minimum(partial(curve.gap, here), x)

@@ -38,7 +38,7 @@ class PathRoute:
 
     law: the events. started: the path state at a value of the control, not below first touch.
     fields: the fields of an equilibrium. outcome: the solution at the present state of the path.
-    separation: where a contact under a fixed approach is lost; None if it was not followed so far.
+    separation: where a contact under a fixed approach is lost; None if the path to it fails.
     """
 
     law: Events
@@ -49,7 +49,7 @@ class PathRoute:
 
 
 def route_of(context: SolveContext) -> PathRoute:
-    """The functions of a loading path for the law of a context without load or approach."""
+    """The functions of a loading path for the context's law of adhesion."""
     return _by_cohesive_zone(context) if context.scene.law.tension else _by_edge_intensity(context)
 
 
@@ -156,7 +156,7 @@ class _CohesivePath:
         if self.curve.control.yields:
             if known and len(known[-1].zones) and value < self._full[0] - self._full[1]:
                 return known[-1].zones
-            # Near full contact, the load of the spring is about the load at full contact.
+            # Near full contact, the load on the spring is about the load of full contact.
             scene = context.scene
             assert scene.period is not None and scene.law.bare is not None
             full = FullLimit(scene.profile, scene.E_star, context.operator, scene.law.bare).pressure
@@ -197,7 +197,7 @@ class _CohesivePath:
     def separation(self, here: State) -> State | None:
         """The state at which the surfaces separate as the approach falls.
 
-        None if it was not followed so far.
+        None if the path could not be followed to that state.
         """
         value = -here.level
         if isinstance(here, CohesiveState) and here.everywhere:
@@ -207,8 +207,8 @@ class _CohesivePath:
         else:
             zones = here.contact[np.diff(here.contact, axis=1)[:, 0] > 0.0]
             start = self.curve.from_zones(here.table, value, zones)
-        # At an approach of this size, the present approach and the reach are below the tolerance
-        # `resting_step`.
+        # `far` is so low an approach that the present approach and the reach, divided by it, are
+        # below the tolerance `resting_step`.
         far = value - (self.curve.reach + abs(value)) / TOLERANCES.resting_step
         try:
             for found in LoadingPath(self.events).to(PathState(value, start), far):

@@ -153,7 +153,7 @@ class Predictor(Kept):
     def closes(self, gap: Array, adjacent: Array) -> Mask:
         """Mask (n,) of the zones whose gap on the right will close.
 
-        adjacent: width of the narrower one of its two zones.
+        adjacent: width of the narrower one of the two zones next to each gap.
         """
         left, right = np.split(self.driven.min(axis=1) + self.held_back > MOVES.hard_drive, 2)
         far_left, far_right = np.split(self.farthest, 2)

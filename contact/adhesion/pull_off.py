@@ -118,7 +118,7 @@ def controls_above(least: float, value: float) -> tuple[float, ...]:
 
 
 def near_the_last(curve: Curve, here: State, recede: Recede = receded) -> State:
-    """An equilibrium near the last equilibrium, with one turning point of the curve between."""
+    """An equilibrium near the last one, with one turning point of the curve between them."""
     here, high = _bracket(curve, here, recede)
     for _ in range(LIMITS.patience):
         middle = 0.5 * (here.value + high)

@@ -101,9 +101,9 @@ class SpreadEnd:
         return of_poles(x, self.primitive) + rate * (x - self.middle) + self.mean(remainder, x)
 
     def lacking(self, end: int, panels: int, breaks: Array) -> tuple[Array, Array]:
-        """(points, weights) for integrals with a factor, the fraction of tension that is missing.
+        """(points, weights) for integrals of a function times the missing fraction of the tension.
 
-        This fraction is 1 - eta, where eta is the local fraction of the tension.
+        The missing fraction is 1 - eta, where eta is the local fraction of the tension.
 
         end: 0 if the left end of the tension is spread, -1 if the right one is. The rule has panels
         between the `breaks`.

@@ -87,7 +87,7 @@ class UniformTension(sie.Kept):
         return out
 
     def share(self, x: Array) -> Array:
-        """Local fraction eta of the tension: 1 in intervals, 0 outside, between at spread ends."""
+        """Local fraction eta of the tension: 1 in intervals, 0 outside, 0 to 1 at spread ends."""
         out = self.holds(x).astype(float)
         for end, zone in self.spreads:
             t = nearest_image(x - zone.middle, 0.0, self.period) / zone.half
