@@ -19,9 +19,9 @@ from sie.states.state import LOOKS, THETA, State
 class ReasonOptions:
     """Limit above which a measured cause is named as the reason for an error."""
 
-    # Errors of the rows cause errors of the density. If these are larger by more than this factor,
-    # the side conditions nearly depend on each other. A residual below this factor times the
-    # round-off of its terms is explained by round-off.
+    # Errors of the rows cause errors of the density. If the errors of the density are larger by
+    # more than this factor, the side conditions nearly depend on each other. A residual below this
+    # factor times the round-off of its terms is explained by round-off.
     max_ratio: float = 1e4
 
 
@@ -46,7 +46,8 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
                 f"{open_:.1e} of its width"
             )
     iteration, conditions, resolution = _parts(state)
-    # The part `resolution` contains the error of the iteration, multiplied by the number of modes.
+    # The error of the iteration also enters `resolution`, multiplied by the number of modes. So it
+    # is compared with a small fraction of `resolution`.
     if iteration > max(0.1 * tol, ERRORS.negligible * resolution):
         return (
             "the iteration by which so many zones are solved does not come to rest: "
@@ -114,7 +115,8 @@ class _Worst:
         )
         sizes = whole.system.field_sizes
         if sizes is not None:
-            # The terms of sums over quadrature nodes may cancel; this product bounds their size.
+            # The terms of sums over quadrature nodes may cancel. This product is a bound of their
+            # size.
             terms += float(sizes.max() * np.abs(whole.unknowns).sum())
         return cls(
             whole,
@@ -136,7 +138,7 @@ def _causes(worst: _Worst) -> dict[str, float]:
     state, zone = worst.state, worst.zone
     zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
     fall = float(modes.decay(zones, equation.kernel)[zone])
-    # This is the round-off of places above 4 `EPS`, which every number has.
+    # Round-off of positions over the zone's half width, without the 4 `EPS` that every number has.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
     # The right side is a cause only if its coefficients no longer decay or have reached their
     # largest number. The fields of other zones are a cause only if the number of modes is at its
@@ -152,7 +154,7 @@ def _causes(worst: _Worst) -> dict[str, float]:
 
 
 def _is_noisy(worst: _Worst) -> bool:
-    """Whether more modes no longer reduce the last coefficients of the zone's field."""
+    """Whether more modes no longer reduce the last coefficients of the field on the zone."""
     growth = worst.state.sizes.growth
     return growth is not None and bool(growth.floor[worst.zone] > 0.0)
 

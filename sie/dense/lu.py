@@ -46,8 +46,8 @@ class Factored:
             return np.zeros(right.shape)
         if right.ndim == 1 or right.size > SUMS.min_matrix_pairs:
             return np.asarray(lapack.dgetrs(self.lu, self.pivots, right, trans)[0])
-        # For a few right sides together, BLAS would use several threads. This takes as long, and
-        # the threads would go on spinning for 0.1 s.
+        # A few right sides are solved one by one. Together, they would make BLAS use several
+        # threads. That takes as long, and the threads would go on spinning for 0.1 s.
         out = np.empty_like(right)
         for i, column in enumerate(right.T):
             out[:, i] = lapack.dgetrs(self.lu, self.pivots, column, trans)[0]

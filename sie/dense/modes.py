@@ -35,16 +35,16 @@ class ModeOptions:
     """Limits of the numbers of nodes and modes of zones, and tolerances of their choice."""
 
     # Largest number of nodes of a zone. A zone whose last coefficients have nearly decayed may have
-    # more nodes, while the table of all zones has at most `memory_pairs` numbers.
+    # more nodes, as long as the table of all zones has at most `memory_pairs` numbers.
     max_nodes: int = 8192
-    # Coefficients below this fraction of the largest one have nearly decayed. Only below this
-    # fraction, coefficients that have stopped decreasing are taken for noise. Even the coefficients
-    # of a kernel as rough as |x - xi| decrease to less than half if there are 1.5 times as many
-    # modes.
+    # Coefficients below this fraction of the largest one have nearly decayed. Coefficients that no
+    # longer decrease count as noise only if they are below this fraction. A kernel's coefficients
+    # no longer decrease if 1.5 times as many modes do not halve them. Even for a kernel as rough as
+    # |x - xi|, that many modes more than halve the coefficients.
     nearly_decayed: float = 1e-5
-    # First number of nodes of a zone, and least number of coefficients that count as its leading
-    # ones. If the right side is singular close to the zone, the first number is larger, so that the
-    # coefficients decay to round-off.
+    # First number of nodes of a zone. If the right side is singular close to the zone, the first
+    # number is larger, so that the coefficients decay to round-off. At least this number of
+    # coefficients also count as the leading ones of a series.
     first_nodes: int = 16
     # The decay of a zone's coefficients is judged only if the zone has at least this number of
     # nodes for each jump.
@@ -56,9 +56,10 @@ class ModeOptions:
     max_modes: int = 768
     # If the matrix would have more entries than this, no zone gets more than `max_modes` modes.
     max_matrix_numbers: float = 4e7
-    # First number of modes of a zone, divided by sqrt(half width / length of the regular kernel).
-    # Only close to the ends, where Chebyshev nodes are dense, does the density vary on this length.
-    # The factor 24 gives an error of about 1e-12, and modes are added where they are too few.
+    # First number of modes of a zone, divided by sqrt(half width / L), where the kernel's regular
+    # part varies over the length L. The square root suffices, because the density varies over L
+    # only close to the ends, where Chebyshev nodes are dense. The factor 24 gives an error of about
+    # 1e-12, and modes are added where they are too few.
     first_modes_per_root: float = 24.0
 
 
@@ -98,13 +99,13 @@ class Growth:
 
     @classmethod
     def first(cls, m: Index, tails: Array) -> "Growth":
-        """The history after the first solution, with m modes and the last coefficients `tails`."""
+        """The `Growth` after the first solution, with m modes and the last coefficients `tails`."""
         return cls(
             m, np.array([np.full(len(m), np.inf), np.full(len(m), np.inf), tails]), np.zeros(len(m))
         )
 
     def after(self, m: Index, tails: Array, own: Index) -> "Growth":
-        """The history after one more solution, with m modes and the last coefficients `tails`.
+        """The `Growth` after one more solution, with m modes and the last coefficients `tails`.
 
         own: number of coefficients of the right side on each zone.
         """
@@ -112,8 +113,8 @@ class Growth:
             return Growth.first(m, tails)
         grew = m > self.m
         kept = np.where(grew, self.tails[1:], self.tails[:2])
-        # If a zone has fewer modes than the right side has coefficients, its last coefficients may
-        # be more than noise. So only zones with more modes are judged.
+        # Only zones with more modes than the right side has coefficients are judged. With fewer
+        # modes, the last coefficients may contain the right side, and not only noise.
         noisy = grew & (m > own) & (tails < OPTIONS.nearly_decayed) & (tails > 0.5 * kept[0])
         # The factor four is a margin, since the noise differs between solutions.
         return Growth(
@@ -203,7 +204,7 @@ def decay(zones: Zones, kernel: Kernel) -> Array:
 
 
 def least_distance() -> float:
-    """Least distance of a singularity, as a fraction of the zone's width, that nodes resolve.
+    """Least distance of a singularity from a zone, over its width, at which nodes still suffice.
 
     With the largest number of nodes, the coefficients of the zone then nearly decay.
     """
@@ -251,8 +252,8 @@ def sample(
     # The largest of many coefficients that are noise is about four times their standard deviation.
     noise = np.maximum(jumps.rounding(len(zones)), 4 * np.sqrt(2) * forcing.resolution.rounding)
     found: list[tuple[Index, Array]] = []
-    # These are, for each zone, the last two numbers of nodes and the sizes of the last coefficients
-    # for these numbers.
+    # `sizes`: the last two numbers of nodes of each zone. `tails`: for each of these two numbers,
+    # the largest of the last coefficients.
     sizes, tails = np.ones((len(zones), 2)), np.full((len(zones), 2), -np.inf)
     calm = np.zeros(len(zones), dtype=np.intp)
     pending = zones.solved
@@ -270,8 +271,8 @@ def sample(
             scale = np.where(
                 bent[group], largest_value, np.maximum(np.abs(g).max(axis=1), subtracted[group])
             )
-            # Positions are rounded to half a unit in their last digit. By the slope of g, this
-            # rounding causes noise in all coefficients of the right side g.
+            # A position is rounded to half a unit in its last digit. This rounding, multiplied by
+            # the slope of the right side g, causes noise in all coefficients of g.
             rounded = (
                 place_rounding(zones, group)
                 * root_of_squares(g, np.arange(1.0, int(n) + 1))
@@ -283,15 +284,16 @@ def sample(
             grow &= (n < OPTIONS.max_nodes) | (last <= OPTIONS.nearly_decayed * scale)
             # If the right side g jumps, the last of n coefficients decrease as 1/n. If the last
             # coefficients are round-off, they decrease as 1/sqrt(n). So coefficients that decrease
-            # more slowly than n^-0.75 are round-off. This is tested for the last two numbers of
-            # nodes, since next to knots one of them may agree by chance.
+            # more slowly than n^-0.75 are round-off. They are compared with those of the last two
+            # numbers of nodes: next to knots, a single comparison may show a slow decrease by
+            # chance.
             slow = (tails[group, 1] >= 0) & (
                 last[:, None] > tails[group] * (sizes[group] / n) ** 0.75
             ).all(axis=1)
             sizes[group], tails[group] = sizes[group][:, [1, 1]], tails[group][:, [1, 1]]
             sizes[group, 1], tails[group, 1] = n, last
-            # If there are too few nodes to resolve the function between its jumps, the coefficients
-            # do not yet show how they decay.
+            # Only a zone with enough nodes between its jumps counts. With too few nodes, the
+            # coefficients do not yet show how they decay.
             calm[group] += (
                 slow
                 & (last < OPTIONS.nearly_decayed * scale)
@@ -358,11 +360,12 @@ def _values(
     # below the last digit.
     rest = zones.rest[:, group][:, :, None]
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
-    # These are arrays of the nodes of all zones, one zone after another.
+    # The zone of every node, and the node's distance from the zone's left end in half widths, one
+    # zone after another.
     of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
     if float(place_rounding(zones, group).max()) > SUM_ROUNDING:
-        # The slope of g is needed. Jumps of g are removed first, so that values on both sides of a
-        # jump give the slope.
+        # The values at rounded nodes are corrected by the slope of g. Jumps of g are removed first,
+        # so that values on both sides of a jump give the slope.
         levels = jumps.level_part(*of_jumps).reshape(len(group), -1)
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)
     else:
@@ -373,15 +376,16 @@ def _values(
 
 
 def conformal_radius(left: Array, right: Array) -> Array:
-    """Conformal radius R for half-lines at two distances from a zone, of which one may be
-    infinite.
+    """Conformal radius R at a zone between two half-lines, at the distances `left` and `right`.
+
+    One of the distances may be infinite.
     """
     with np.errstate(divide="ignore"):
         return np.asarray(4 / (1 / left + 1 / right))
 
 
 def felt(left: Array, right: Array) -> tuple[Array, Array]:
-    """Weights of both neighbours' constant potentials (levels) in the potential between them.
+    """Weights of the left and right neighbour's potential (level) in the potential between them.
 
     They are harmonic measures (see the head of this file), and their sum is one.
     """

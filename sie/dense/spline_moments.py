@@ -29,8 +29,8 @@ from sie.jumps.right_side import ForcingJumps
 class MomentOptions:
     """Options for computing coefficients of the right side by integrals between its jumps."""
 
-    # Zones with at least this number of jumps use the integrals between jumps. With so many jumps,
-    # the truncated powers are some ten times as large as the right side.
+    # From this number of jumps on, a zone uses the integrals between its jumps. With so many jumps,
+    # the truncated powers that represent them are some ten times as large as the right side.
     min_jumps: int = 32
 
 
@@ -43,8 +43,8 @@ def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     count[list(jumps.splines)] += OPTIONS.min_jumps
-    # Near algebraic points the right side is not smooth between its jumps, so the integrals are not
-    # used.
+    # Near an algebraic point, the right side or the density is a power of the distance. Then the
+    # right side is not smooth between its jumps, and the zone does not use the integrals.
     count[list(jumps.poles.by_zone)] = 0
     return np.asarray(zones.solved[count[zones.solved] >= OPTIONS.min_jumps])
 

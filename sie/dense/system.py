@@ -118,12 +118,13 @@ class Targets:
         return cls(zone, lefts, rights, x)
 
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
-        """(points relative to the zones `sources` moved by `shift`, mask), each (points, sources).
+        """(points relative to the zones `sources` moved by `shift`, mask of points on other zones).
 
-        The mask is 0 for a target on the source itself, else 1. It is None if `shift` is not 0,
-        since then there is no such pair. Distances are sums of the gap between the two zones and
-        the distance of the point from its own zone's end, so that only the ends cancel. The
-        position of a target on the source itself is arbitrary: the caller uses another formula.
+        Both have the shape (points, sources). The mask is 0 for a target on the source itself, else
+        1. It is None if `shift` is not 0, since then there is no such pair. Distances are sums of
+        the gap between the two zones and the distance of the point from its own zone's end, so that
+        only the ends cancel. The position of a target on the source itself is arbitrary: the caller
+        uses another formula.
         """
         a, b = zones.a[sources] + shift, zones.b[sources] + shift
         z = self.zone
@@ -245,7 +246,8 @@ class System(Rows):
         self.equation, self.zones, self.jumps, self.g = equation, zones, jumps, coefficients
         self.layout = Layout(m, len(equation.columns))
         self.known = jumps.first_coefficients(zones, m + 1)
-        # On zones with many jumps, the unknowns up to mode m include the coefficients of the jumps.
+        # On zones with many jumps, the unknown coefficients up to mode m are those of the whole
+        # density, jumps included.
         self.by_moments = many_jumps(equation.forcing, zones, jumps)
         self.taken = np.zeros_like(self.known)
         self.lowest = coefficients
@@ -263,8 +265,8 @@ class System(Rows):
             else slice(None)
         )
         self.source_tails = np.zeros(len(zones))
-        # Largest value of the field of each unknown on each solved zone, computed if modes may
-        # grow.
+        # Largest value of the field of each unknown on each solved zone; None if the numbers of
+        # modes are fixed.
         self.field_sizes: Array | None = None
 
     def _take(self, m: Index) -> None:
@@ -278,9 +280,10 @@ class System(Rows):
                 self.equation.forcing, zones, self.jumps, chosen, m
             )
         else:
-            # If the density jumps, the right side g is not smoother between the jumps, so integrals
-            # between them do not help. The coefficients are those of the smooth part minus those of
-            # the jumps.
+            # Here the density jumps, not the right side g. Then g has logarithms and is not smooth
+            # between the jumps, so that integrals between the jumps gain nothing. The lowest
+            # coefficients of g are those of its smooth part, minus those of the jumps' density
+            # (`taken`).
             of_g = widened(self.g[chosen], self.taken.shape[1])
             of_g[:, : self.taken.shape[1]] -= self.taken[chosen]
         count = max(self.g.shape[1], of_g.shape[1])
@@ -356,7 +359,7 @@ class System(Rows):
 
     @cached_property
     def unseen_moments(self) -> Array | None:
-        """Moments on the panels of the known coefficients above mode m; None if there are none.
+        """Panel moments of the density's known coefficients above mode m; None if there are none.
 
         It is None if the regular part of the kernel acts on no such coefficients.
         """
@@ -518,9 +521,7 @@ class System(Rows):
         return self.levels()[1]
 
     def level_changes(self, y: Array) -> Array:
-        """The part, linear in the unknowns y, of the levels (means of potential minus
-        primitive).
-        """
+        """The part of the levels (mean potential minus primitive) linear in the unknowns y."""
         return np.asarray(self.levels()[0] @ y)
 
     @property
@@ -661,9 +662,7 @@ class MirrorSymmetry:
         return np.asarray(places[unknowns])
 
     def fold(self, matrix: Array) -> Array:
-        """The matrix for the unknowns solved for, to whose columns those of mirror images are
-        added.
-        """
+        """The matrix for the unknowns solved for: each column includes that of the mirror image."""
         if len(self.follow):
             matrix[:, self.source] += matrix[:, self.follow] * self.sign
         return np.asarray(matrix[:, self.keep])

@@ -32,7 +32,7 @@ class DensityBase(Kept):
             """The fields of the density at complex points."""
 
     def with_bounded_ends(self) -> Self:
-        """This density without the traces of 1/sqrt(d) that round-off causes at free ends.
+        """This density without the terms in 1/sqrt(distance) that round-off causes at free ends.
 
         An error delta of an end causes the intensity K = A delta / 2, where A is the coefficient of
         sqrt(d). At equal normalised position, the error of the rest of the density is about delta
@@ -60,9 +60,9 @@ class DensityBase(Kept):
         return by_angle(lambda left, right: self.at(zone, left, right), angle)
 
     def change_sizes(self, zone: Any, angle: Array) -> tuple[Array, Array, Array]:
-        """Sizes of the density, and of its changes by motions of both ends, at angles on zones.
+        """Absolute values of (density, its change if the left end moves, if the right end moves).
 
-        The changes are those by motions of the ends, see `Density.sensitivity`.
+        They are taken at the given angles on zones. For the changes see `Density.sensitivity`.
         """
         value, slope = self.by_angle(zone, angle)
         at_left, at_right = (one[zone] / self.zones.slope_scale[zone] for one in self.edge_slopes)
@@ -70,8 +70,7 @@ class DensityBase(Kept):
         return np.abs(value), np.abs(by_left), np.abs(by_right)
 
     def largest_changes(self, zones: Index, angles: list[Array]) -> Array:
-        """Largest value, on each zone, of each of the three quantities `change_sizes`: shape (3,
-        Z).
+        """Largest values, on each zone, of the three quantities of `change_sizes`: shape (3, Z).
 
         zones: the zones to evaluate, the others have zero; angles: the angles of each of these.
         """
@@ -110,7 +109,7 @@ class DensityBase(Kept):
         return out
 
     def transform(self, x: ArrayLike) -> NDArray[Any]:
-        """Transform (1/pi) PV int phi(xi) K(x, xi) dxi at x, on the zones and off them.
+        """Transform (1/pi) PV int phi(xi) K(x, xi) dxi of the density phi at any x; K: the kernel.
 
         x has any shape. The transform is infinite at a singular end. At complex x it is the
         analytic continuation F(x), see `sie.density.plane`; a zero imaginary part stands for the
@@ -123,12 +122,12 @@ class DensityBase(Kept):
         )
 
     def potential(self, x: ArrayLike) -> NDArray[Any]:
-        """Potential (1/pi) int phi(xi) Lambda(x, xi) dxi at x, on the zones and off them.
+        """Potential (1/pi) int phi(xi) Lambda(x, xi) dxi of the density phi at any x.
 
-        x has any shape. At complex x it is the complex potential W with W' = F, whose real part is
-        the harmonic function that equals the potential on the line. W is analytic in either half
-        plane, W(conj x) = conj W(x), and W is real on the line right of all zones (with a period:
-        between the last zone and the next).
+        Lambda is the potential of the kernel. x has any shape. At complex x it is the complex
+        potential W with W' = F, whose real part is the harmonic function that equals the potential
+        on the line. W is analytic in either half plane, W(conj x) = conj W(x), and W is real on the
+        line right of all zones (with a period: between the last zone and the next).
         """
         if np.iscomplexobj(x):
             return self._in_plane(x, "potential")

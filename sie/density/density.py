@@ -67,9 +67,10 @@ class Density(Series):
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x lies in a slit, integral of the slit's unknown from its left end to x).
+        """(whether x lies in a slit, integral of the slit's unknown from the slit's left end to x).
 
-        This density has no slits: false and zero everywhere.
+        A slit is a narrow gap treated as part of a wide zone. This density has no slits: false and
+        zero everywhere.
         """
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)

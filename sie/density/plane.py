@@ -44,8 +44,9 @@ from sie.jumps.spline import OPTIONS as SPLINES
 from sie.trees.far import Nested
 from sie.trees.tree import SEPARATION, TERMS, Tree
 
-# At points whose |rho|, rho = zeta - sqrt(zeta^2 - 1), is below this limit, the field of a tree
-# node follows from the node's first TERMS moments.
+# Limit of |rho| at far points, where rho = zeta - sqrt(zeta^2 - 1), and zeta is the point's
+# position from the middle of a tree node in half widths. Below this limit, the node's field follows
+# from its first TERMS moments.
 _FAR = float(np.exp(-decay_rate(SEPARATION)))
 
 
@@ -179,7 +180,7 @@ class Plane:
             out[near[here]] = value
         if what == "potential":
             # The series for far points already contains the logarithm of the half width w. The
-            # closed forms for near points lack this logarithm.
+            # closed forms for near points lack this logarithm, so it is added here.
             out[near] = w * (out[near] + self._of_jumps[zone, 0] * np.log(w / datum))
         elif what == "derivative":
             out[near] /= w

@@ -70,11 +70,7 @@ class Series(DensityBase):
 
     @cached_property
     def bounded(self) -> tuple[Array, Array, Array]:
-        """(alpha, beta, u) of the series (alpha + beta t) / X + X sum u_k U_k, with X = sqrt(1 -
-        t^2).
-
-        X = sqrt(1 - t^2).
-        """
+        """(alpha, beta, u) of the series (alpha + beta t) / X + X sum u_k U_k, X = sqrt(1 - t^2)."""
         return *self.singular, chebyshev.bounded_part(self.coefficients)[2]
 
     @cached_property
@@ -182,8 +178,8 @@ class Series(DensityBase):
         """
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), left, right)
-        # At an end where the density is bounded, the round-off of the intensity K is not divided by
-        # zero.
+        # At an end where the density is bounded, the intensity K is only round-off. There
+        # `values_on` does not divide K by the distance zero.
         out = interval.values_on(self.bounded, zone, left, right, self.zones.bounded)
         if len(self.jumps):
             out = out + self.jumps.density(zone.ravel(), left.ravel(), right.ravel()).reshape(
@@ -240,7 +236,7 @@ class Series(DensityBase):
 
     @cached_property
     def potential_coefficients(self) -> Array:
-        """Coefficients c_0, c_1, c_2 / 2, c_3 / 3, ... from which potentials are computed.
+        """Density coefficients c_0 and c_k / k (k > 0) of each zone, from which potentials follow.
 
         They lack the jumps that `ForcingJumps.sharp_potential` gives in closed form.
         """
@@ -251,7 +247,10 @@ class Series(DensityBase):
 
     @cached_property
     def sharp_totals(self) -> Array:
-        """Coefficient of T_0 / sqrt(1 - t^2) of the jumps in `ForcingJumps.sharp_potential`."""
+        """Coefficient of T_0 / sqrt(1 - t^2) of the jumps with a closed form of the potential (Z,).
+
+        See `ForcingJumps.sharp_potential`.
+        """
         high = self.jumps.high_coefficients(self.zones)[:, :1]
         return np.asarray(self.jumps.t_coefficients(self.zones, 1)[:, 0] - high.sum(axis=1))
 

@@ -84,7 +84,7 @@ def check_functions(equation: Equation, zones: Zones) -> None:
 
 
 def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool]]:
-    """Pairs (potentials are needed, zones are symmetric) for which the part was checked."""
+    """Pairs (potentials are needed, zones are symmetric) for which `part` has been checked."""
     found: set[tuple[bool, bool]] = part.__dict__.setdefault("_checked", set())
     return found
 
@@ -116,7 +116,7 @@ def _called(name: str, function: Callable[..., Any], *places: Array) -> Any:
 
 
 def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array:
-    """The values that a user's function returned, if they are real and have the right shape."""
+    """The values that a user's function returned; ValueError if not real or of a wrong shape."""
     values = np.asarray(returned)
     if values.dtype.kind == "c":
         raise ValueError(
@@ -253,7 +253,7 @@ def _of_places(x: Array, length: float, values: Array) -> float:
 
 
 def _check_lag(kernel: Kernel, x: Array, half: Array) -> None:
-    """Raise ValueError for a regular part declared to depend on x - xi alone that does not."""
+    """Raise ValueError if a regular part declared to depend only on x - xi depends on more."""
     if not kernel.of_lag or kernel.regular is None:
         return
     # Both x and xi are shifted by the same distance, which is so short that both stay within their
@@ -328,8 +328,9 @@ def _check_rise(
                 + OPTIONS.max_slope_error * size
                 + SUM_ROUNDING * np.abs(ends).max(axis=1) / (2 * h)
             )
-            # Values that are not finite are skipped. The round-off of places makes the intervals
-            # longer. Zones that are too narrow for these intervals are also skipped.
+            # The half length h has a lower limit, because positions are rounded. Points whose zone
+            # is too narrow for this h are skipped, and so are points with values that are not
+            # finite.
             missed = 2 * h * np.maximum(low - slack - rise, rise - high - slack)
             wrong &= (missed > 0.0) & (missing >= 0.5 * np.sqrt(longer / h) * missed)
             wrong &= (h < 0.1 * half) & np.isfinite(g).all(axis=1)

@@ -283,9 +283,7 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
 
 
 def summed(system: Rows, of_zones: Linear, value: float) -> tuple[Array, Array, Array]:
-    """(matrix, constants, values) of one row, by which a quantity's sum over all zones is
-    `value`.
-    """
+    """(matrix, constants, values) of one row: the sum of a quantity over all zones is `value`."""
     weight = system.multiplicity()
     return (weight @ of_zones[0])[None], np.array([weight @ of_zones[1]]), np.array([value])
 
@@ -480,7 +478,7 @@ class ZoneTotals(Condition):
 
 @dataclass(frozen=True)
 class EqualPotential(Condition):
-    """The condition that the potential minus the primitive has one unknown value on all zones.
+    """The condition that potential minus primitive has the same, unknown value on all zones.
 
     These are n - 1 conditions for n zones. The right side needs its primitive.
 

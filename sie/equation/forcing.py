@@ -80,11 +80,10 @@ class Jumps(Kept):
     orders : array_like
         Orders q (0, 1 or 2) of the derivatives that jump: (k,), or one for all.
     of_density : bool
-        Whether the wanted density jumps, and not g. A jump J of the density gives g a term (J/pi)
-        (x
-        - s)^q ln|x - s| / q!. For q = 0 this term is (J/pi) Lambda(x, s), where Lambda is the
-        kernel's potential, and `Forcing.value` must not contain it. The flag holds for `algebraic`
-        too: then g contains the transform of the powers.
+        Whether the wanted density jumps, and not g. A jump J of the density gives g a term
+        (J/pi) (x - s)^q ln|x - s| / q!. For q = 0 this term is (J/pi) Lambda(x, s), where Lambda is
+        the kernel's potential, and `Forcing.value` must not contain it. The flag holds for
+        `algebraic` too: then g contains the transform of the powers.
     spline : callable or None
         A quadratic spline with the jumps of order 2, if it is known and is not all of g. With
         hundreds of jumps its values keep digits that a sum over the jumps loses.
@@ -301,7 +300,7 @@ class Forcing(Kept):
         return len(self.jumps.of_order_zero[0]) > 0
 
     def jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
-        """The jumps that lie inside zones, and the poles of algebraic points."""
+        """The jumps inside zones, and the poles that stand for algebraic points (powers)."""
         jumps = self.jumps
         if len(jumps) or jumps.algebraic is not None:
             needs_half(zones.weight, "jumps in closed form")

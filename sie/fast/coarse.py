@@ -18,8 +18,8 @@ class CoarseOptions:
     # problem is larger, since the problem neglects how the field of one zone varies over another
     # zone.
     tolerance: float = 1e-4
-    # The inverse is reused for moved zones if ends have moved by less than this number of widths in
-    # the mean. No end may have moved by more than one width.
+    # The inverse is reused for moved zones if ends have moved by less than this number of widths on
+    # average, and no end by more than one width.
     kept_move: float = 0.1
 
 
@@ -61,8 +61,8 @@ class CoarseOperator:
         zones, kernel = self.zones, self.kernel
         x, xi, w = zones.middle[i], zones.middle[j], zones.half[j]
         # A punch of half width w has the density 1 / sqrt(w^2 - x^2). Its potential is log((d +
-        # sqrt(d^2 - w^2)) / 2) at distance d, and log(w / 2) on the punch. One logarithm of a
-        # product serves all poles of the kernel.
+        # sqrt(d^2 - w^2)) / 2) at the distance d from its middle, and log(w / 2) on the punch
+        # itself. One logarithm of a product serves all poles of the kernel.
         product, away = np.ones(np.broadcast(i, j).shape), x - xi
         for shift in kernel.poles:
             d = np.maximum(np.abs(away - shift), w)

@@ -101,14 +101,16 @@ class Iterative:
 
         plain = self.preconditioner(right) if near is None else near
         scale = self.scale_of(plain)
-        # The norm of the residual adds up the round-off of all zones.
+        # The tolerance is at least the round-off of the residual's norm, to which all zones
+        # contribute.
         rounding = 4 * EPS * math.sqrt(len(self.system.zones.solved))
         wanted = max(self.tolerance if tolerance is None else tolerance, rounding)
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
         before = float(norm(left_over))
         while True:
-            # Rough sums are accurate enough to reduce the residual by a limited factor.
+            # Rough sums are accurate enough to reduce the residual by the factor `correction`, not
+            # further.
             part = max(wanted, OPTIONS.correction * before)
             found = gmres(
                 lambda v: self.preconditioner(rows(v * scale, rough=True)) / scale, left_over, part
@@ -120,7 +122,8 @@ class Iterative:
             left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
             size, before = before, float(norm(left_over))
-            # If the residual is much larger than GMRES has estimated, the rest is round-off.
+            # If the residual has decreased much less than GMRES has estimated, what remains is
+            # round-off.
             stagnant = not before <= math.sqrt(OPTIONS.correction) * size
             if found.steps == 0 or before <= 4 * wanted or stagnant:
                 return x

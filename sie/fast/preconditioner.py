@@ -33,8 +33,8 @@ class TwoLevelPreconditioner:
         self.held = np.array(sum(zones.fixed_bounded, []), dtype=np.intp)
         at = next((k for k, kind in enumerate(kinds) if kind is not None), None)
         self.own, self.levels = system.of_zones, system.levelled
-        # Rows of the condition that each zone has for itself. Without such a condition these are
-        # the rows of the prescribed intensities at fixed ends, which come last.
+        # Rows of the condition that each zone has for itself. If there is no such condition, these
+        # are the rows of the prescribed intensities at fixed ends, which come last.
         self.rows = (
             slice(int(starts[-1]), None)
             if at is None
@@ -54,8 +54,7 @@ class TwoLevelPreconditioner:
             self._small[:, k] = self._scalars(column)
 
     def _responses(self) -> Array:
-        """Responses of the solved zones' unknowns to the constant and to each amplitude, as
-        columns.
+        """Changes of the unknowns by a unit of the levels' common constant and of each amplitude.
 
         The constant is the one that levels may share. If there is one, its column is the first.
         """
@@ -86,9 +85,7 @@ class TwoLevelPreconditioner:
         folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / scale
 
     def _scalars(self, folded: Array) -> Array:
-        """Values of the conditions on several zones, and of a condition on the potentials'
-        constant.
-        """
+        """Values of conditions on several zones, and of the equation for the levels' constant."""
         system = self.system
         y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
@@ -101,8 +98,8 @@ class TwoLevelPreconditioner:
             assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
-            # This value does not contain the contribution of the constant, which is the first
-            # column of the basis. `__call__` adds this contribution.
+            # The equation for the constant also contains the constant itself, which is the first
+            # column of the basis. `__call__` adds its contribution.
             out.append(self.coarse.lowered * total)
         return np.array(out)
 

@@ -170,8 +170,9 @@ class IterativeSystem(System):
 
     @cached_property
     def springs(self) -> Array:
-        """Factor of c_0 over the factor of the level in each zone's own condition; 0 if this has no
-        level.
+        """Factor of the coefficient c_0 over that of the level, in each zone's own condition.
+
+        It is 0 if the condition contains no level, or differences of levels.
         """
         own = self.of_zones
         none = np.zeros(len(self.zones.solved))
@@ -295,8 +296,8 @@ class IterativeSystem(System):
                 (root_of_squares(self.g) * np.sqrt(zones.half / zones.half.sum()))[None]
             )[0]
         )
-        # The potentials of two neighbours are separate sums only below the tree node that contains
-        # both zones. So only this part of their round-off is independent.
+        # The potentials of two neighbours are the same sums down to the smallest tree node that
+        # contains both zones. Only the round-off below this node is independent.
         apart = np.maximum(slope * self._gaps[2], typical * self.sums.far.targets.tree.parted)
         steps = 2.2e-16 * apart + (
             self._across_gaps[1] if self.integrated and not self.rough else 0.0

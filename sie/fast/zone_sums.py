@@ -57,8 +57,8 @@ class NearRows:
         )
         gap = np.where(right, past, before_it)
         half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
-        # The decay rate at the node nearest to the source determines how many powers are above
-        # round-off.
+        # At the node nearest to the source, the powers of rho decay most slowly. Their decay rate
+        # there gives the number of powers above round-off.
         e = (
             gap
             + width
@@ -224,8 +224,9 @@ class ZoneSums:
             count = min(m, TERMS)
             u[:, :count] += far[group, :count]
             rows[place] = u
-            # The potential of U_{k-1} rises like T_k / k. This has the mean 0, and the value cos(k
-            # pi / 2) / k in the middle. The mean relative to the middle is minus this value.
+            # The potential of U_{k-1} rises like T_k / k. The mean of T_k / k is 0, and its value
+            # in the middle is cos(k pi / 2) / k. So the mean relative to the middle is minus this
+            # value.
             k = np.arange(2, m + 1, 2)
             to_mean = -np.cos(0.5 * np.pi * k) / k
             mean[group] += zones.half[solved[group]] * (u[:, 1::2] @ to_mean)

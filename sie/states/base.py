@@ -40,7 +40,7 @@ class Answered(Kept):
         def whole(self) -> Solved: ...
 
     def with_bounded_ends(self) -> Self:
-        """The same state with a density that has no 1/sqrt(d) terms at its free ends."""
+        """The same state with a density that has no terms in 1/sqrt(distance) at its free ends."""
         return replace(self, density=self.density.with_bounded_ends())  # type: ignore[type-var]
 
     @property

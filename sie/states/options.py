@@ -15,7 +15,8 @@ class ErrorOptions:
     # Number of samples of random errors. With four samples, the estimate is below a quarter of the
     # true error in one of a hundred cases.
     samples: int = 4
-    # Least distance from an end, in half widths, at which the singular parts are evaluated.
+    # Least distance from an end, in half widths, at which the density's factor 1 / sqrt(1 - t^2) is
+    # evaluated.
     end_distance: float = 0.03
     # Neglected coefficients are assumed to decay at this fraction of the observed decay rate.
     slower_fall: float = 0.9

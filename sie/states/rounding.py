@@ -93,10 +93,11 @@ def _of_levels(state: Solved) -> Array | float:
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
     w = zones.half
-    # An error e of a zone's level changes the zone's coefficient c_0 by e / (w log(w / 2R)). Here w
-    # is the half width and R the conformal radius. The intensity K changes by `edge_scale` times
-    # the change of c_0. The radius R holds for neighbours that are grounded half-lines. Neighbours
-    # that are not wider than the zone keep less of their level.
+    # Between neighbours that are grounded half-lines, an error e of a zone's level changes its
+    # coefficient c_0 by e / (w log(2R / w)), with the half width w and the conformal radius R.
+    # Neighbours that are not wider than the zone keep less of their level. So the smaller logarithm
+    # log(R / 2w) is used, and at least 1. `edge_scale` times the change of c_0 is the change of the
+    # intensity K.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
     logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
     return np.asarray(zones.edge_scale * 2 * _level_noise(state) / (logarithm * 2 * w))
@@ -258,7 +259,7 @@ def density_changes(state: Solved, unknowns: list[Array]) -> Array:
 
 
 def _largest(coefficients: Array) -> Array:
-    """Largest value on each zone of sum c_k T_k / sqrt(1 - t^2), or of its bounded part.
+    """Largest value on each zone of sum c_k T_k / sqrt(1 - t^2) and of its bounded part.
 
     It is evaluated at a few angles. The factor 1 / sqrt(1 - t^2) is kept below its value at the
     distance `OPTIONS.end_distance` from an end.

@@ -169,8 +169,8 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     if panels is not None and not any(
         column.resolution.modes is None for column in state.equation.columns
     ):
-        # With the number of modes that the panels give, the kernel's regular part is resolved
-        # exactly.
+        # A zone with the number of modes that the panels prescribe gets no more modes: it resolves
+        # the kernel's regular part to round-off.
         few &= m < panels.modes(zones.half)
     if not state.equation.grows or not few.any():
         return None
@@ -250,8 +250,8 @@ def _singular(equation: Equation) -> str:
 def _not_finite(equation: Equation, system: System) -> str:
     """Message that says which function of an equation is not finite on the zones, and where."""
     zones, places = system.zones, [system.targets.x]
-    # These are about as many nodes as the right side has coefficients, similar to those at which
-    # the right side was sampled.
+    # About as many Chebyshev nodes as the right side has coefficients are added on each zone. They
+    # are similar to the nodes at which the right side was sampled.
     t = chebyshev.lobatto(max(16, system.g.shape[1] - 1))[0][1:-1]
     places.append((zones.middle[:, None] + zones.half[:, None] * t).ravel())
     x = np.concatenate(places)

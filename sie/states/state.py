@@ -15,13 +15,13 @@ from sie.states.base import Solved, coefficient_sizes
 from sie.states.options import OPTIONS
 from sie.states.rounding import density_rounding, intensity_rounding, truncation_through_rows
 
-# Without its singular parts at the ends, |T_k / sqrt(1 - t^2)| is at most 0.73 k. It reaches this
-# value near an end.
+# Upper bound of |T_k / sqrt(1 - t^2)| / k without the singular parts at the ends. It is reached
+# near an end.
 _AT_ENDS = 0.73
-# Factor of n^1.5 in the round-off of a sum of n coefficients close to a free end. It is relative to
-# the largest error of a coefficient. The round-off is 0.42 n^1.5 times the mean error of a
-# coefficient, which is a third of the largest error. Of this 0.14 n^1.5 only about half is taken
-# here, because `State.made_of` doubles the sum.
+# Round-off of a sum of n coefficients close to a free end, divided by n^1.5 times the largest error
+# of a coefficient. This round-off is 0.42 n^1.5 times the mean error of a coefficient, which is a
+# third of the largest error. Only about half of this 0.14 n^1.5 is used, because `State.made_of`
+# doubles the sum.
 _OF_ROUNDING = 0.08
 # Number of points of each zone at which the residual is evaluated, and their angles. No point is a
 # node.

@@ -19,7 +19,7 @@ from sie.basis.zones import Zones
 from sie.trees.panels import panels_over
 from sie.trees.tree import TERMS, Tree, interactions
 
-# Factors of the moments of order k in the Chebyshev series, which are 1 for k = 0, else 2.
+# Factors of the moments of order k in a Chebyshev series: 1 for k = 0, and 2 for k > 0.
 _TWICE = np.sign(np.arange(TERMS)) + np.ones(TERMS)
 
 
@@ -96,7 +96,7 @@ class Nested:
 
     @cached_property
     def rises(self) -> Array:
-        """Rise of the potential from a parent's middle to its child's, for each Chebyshev term.
+        """Rise of the potential from a parent's middle to its child's middle, by Chebyshev term.
 
         Each row holds the factors of the coefficients of the parent's transform.
         """
@@ -168,7 +168,10 @@ class FarSum:
         self._nodes: dict[int, tuple[Array, Array]] = {}
 
     def _at(self, terms: int, here: slice = slice(None)) -> tuple[Array, Array]:
-        """(rho = z - sgn(z) sqrt(z^2 - 1), factor of the sum of its powers) for far pairs."""
+        """(rho = z - sgn(z) sqrt(z^2 - 1), factor of the sum of the powers of rho) for far pairs.
+
+        z: the target's nodes, measured from the source's middle in half widths.
+        """
         nodes, half = chebyshev.gauss(terms)[:, None], self._half[here]
         away = self._gap[here] + self._width[here] * (
             1 + np.where(self._right[here], nodes, -nodes)
@@ -202,7 +205,7 @@ class FarSum:
         give half of the digits, an error of 1e-7 of the sum, at a quarter of the time.
         """
         terms = TERMS // 2 if rough else TERMS
-        # If a sum is computed only once, the data at its nodes are not stored for all pairs.
+        # The data at the nodes of all pairs are stored only if the sum is computed several times.
         if self.targets.kept and terms not in self._nodes:
             self._nodes[terms] = self._at(terms)
         nodes = self._nodes.get(terms)

@@ -30,7 +30,7 @@ def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int
         return Iterated(np.zeros_like(b), beta, 0)
     basis = np.empty((min(most, 16) + 1, len(b)))
     basis[0] = b / beta
-    # The matrix R is from the QR decomposition of the Hessenberg matrix by Givens rotations;
+    # `upper` is the matrix R in the QR decomposition of the Hessenberg matrix by Givens rotations.
     # `right` is the rotated right side.
     upper = np.zeros((most, most))
     cos, sin = np.zeros(most), np.zeros(most)
@@ -48,9 +48,9 @@ def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int
         w -= h @ basis[: k + 1]
         below = float(norm(w))
         if 2 * below * below < size * size:
-            # If the new vector has cancelled this much, its round-off is not orthogonal to the
-            # basis, so it is orthogonalized again (L. Giraud, J. Langou and M. Rozloznik, Comput.
-            # Math. Appl. 50, 2005, 1069-1075).
+            # If more than half of the new vector's squared norm has cancelled, the vector's
+            # round-off is not orthogonal to the basis. So the vector is orthogonalized again (L.
+            # Giraud, J. Langou and M. Rozloznik, Comput. Math. Appl. 50, 2005, 1069-1075).
             again = basis[: k + 1] @ w
             w -= again @ basis[: k + 1]
             h += again

@@ -72,7 +72,8 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = 0) -> Panels | N
     if kernel.regular is None or kernel.sure or not hi > lo:
         return None
     # Without a period the panels end where the zones end, since the kernel need not be defined
-    # outside. With a period they have fixed positions, so that they can be reused for other zones.
+    # outside the zones. With a period the panels have fixed positions, so that they can be reused
+    # for other zones.
     whole, origin = (
         (hi - lo, lo)
         if kernel.period is None
@@ -312,7 +313,8 @@ class Spread(Kept):
     def of(cls, panels: Panels, x: Array) -> Spread:
         place = (x - panels.origin) / panels.step
         panel = np.floor(place)
-        # The last panel includes its right end, which would otherwise lie on the next panel.
+        # The right end of the last panel belongs to this panel. `floor` counts it to a next panel,
+        # which does not exist.
         last = panels.first + panels.count - 1
         panel = np.where((panel == last + 1) & (place - panel < HALF_DIGITS), last, panel)
         theta = np.arccos(np.clip(2 * (place - panel) - 1, -1.0, 1.0))

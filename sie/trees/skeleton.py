@@ -46,7 +46,7 @@ MAX_STORED = 24
 
 @record
 class Skeleton(Kept):
-    """Source positions s_j of the skeleton, and rows for the interpolating functions P_j.
+    """Interpolation sum_j K(x, s_j) P_j(xi) of a smooth kernel K, with source positions s_j.
 
     places: positions s_j (r,); of_row: function of each row (0: regular part, 1: potential);
     x_of_row: position x of each row; factors: LU factors of the functions in these rows at the
@@ -179,7 +179,8 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
             continue
         chosen = table[:, order[:rank]]
         rows = linalg.qr(chosen.T, mode="r", pivoting=True, check_finite=False)[1][:rank]
-        # If the kernel is zero the chosen rows are singular, and any factors will do.
+        # If the kernel is zero, the chosen rows are singular. Then any factors will do, and those
+        # of the unit matrix are used.
         factors = linalg.lu_factor(
             chosen[rows] if size[0] > 0.0 else np.eye(rank), check_finite=False
         )
