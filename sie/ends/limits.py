@@ -48,9 +48,7 @@ def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
 
 
 def border_distances(zones: Zones, equation: Equation) -> Array:
-    """Distance (2, Z) of each outermost end from the border of the right side's domain; else
-    inf.
-    """
+    """Distance (2, Z) of the outermost ends from the domain's border; infinite at other ends."""
     distances = np.full((2, len(zones)), np.inf)
     low, high = equation.within
     distances[0, 0], distances[1, -1] = zones.a[0] - low, high - zones.b[-1]
@@ -58,9 +56,7 @@ def border_distances(zones: Zones, equation: Equation) -> Array:
 
 
 def pinned_at_limits(zones: Zones, limits: tuple[float, float]) -> Zones:
-    """The zones, with each end beyond a limit of the search fixed at this limit as a singular
-    end.
-    """
+    """The zones, after ends beyond a limit of the search are fixed at it as singular ends."""
     low, high = zones.a[0] <= limits[0], zones.b[-1] >= limits[1]
     if not (low or high):
         return zones

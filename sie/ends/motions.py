@@ -90,7 +90,7 @@ class Moved:
 
 
 class FreeEnds:
-    """The free ends of a state as pairs (side, zone), only those of the right half if symmetric."""
+    """The free ends of a state as pairs (side, zone); of symmetric zones, only the right half."""
 
     def __init__(self, state: State) -> None:
         zones = state.density.zones
@@ -145,8 +145,7 @@ class IteratedMotions(FreeEnds):
         self.width = self.zones.half[self.zone]
 
     def _applied(self, folded: Array, d: Array) -> tuple[Array, Array]:
-        """Left sides of the equation and conditions, and intensities K, for a response and motions
-        d.
+        """Left sides of equation and conditions, and intensities K, for a response and motions d.
 
         folded: unknowns of the response; d: motions of the free ends.
         """
@@ -169,7 +168,10 @@ class IteratedMotions(FreeEnds):
 
     @cached_property
     def _local(self) -> Array:
-        """Inverses (Z, 2, 2) of the effect of a zone's two end motions on its two intensities."""
+        """For each zone, the inverse (Z, 2, 2) of the matrix from end motions to intensities.
+
+        The matrix gives the two intensities of a zone that motions of its two ends cause.
+        """
         out = np.zeros((len(self.zones), 2, 2))
         for side in (0, 1):
             d = np.zeros((2, len(self.zones)))
@@ -204,8 +206,7 @@ class IteratedMotions(FreeEnds):
         return np.asarray(np.einsum("zab,bz->az", np.abs(self._local), k))
 
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
-        """Changes of the free ends' intensities and of the levels (potentials' constants) by
-        motions d.
+        """(changes of intensities, of levels (potential's constants)) by motions d of free ends.
 
         The levels are those of the solved zones. The values of the side conditions do not change.
         """
@@ -305,8 +306,8 @@ class IteratedMotions(FreeEnds):
             # If the new vector is as small as the error of the responses, the Krylov space is
             # complete: another vector would add only noise.
             whole = k + 1 == most or h[k + 1, k] <= 10 * OPTIONS.response * size
-            # The eigenvalues are computed each time the number of steps has doubled, and at the
-            # end.
+            # The eigenvalues are computed after an eighth of `max_arnoldi` steps, each time the
+            # number of steps has doubled since, and at the end.
             if whole or (k & (k + 1) == 0 and 8 * (k + 1) >= OPTIONS.max_arnoldi):
                 found = float(np.linalg.eigvals(h[: k + 1, : k + 1]).real.max())
                 if whole or abs(found - last) <= ERRORS.negligible * abs(found):
@@ -382,9 +383,9 @@ def end_rates(state: State) -> EndRates:
 
 
 def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
-    """(`EndRates`, unknowns of the responses to a unit motion of each end (unknowns, E)).
+    """(`EndRates`, table (unknowns, E) of the equation's responses to unit motions of ends).
 
-    The responses are empty if they are found by iteration.
+    The table of responses is empty if the rates are found by iteration.
     """
     system, zones, layout = state.system, state.density.zones, state.system.layout
     free, solved, levels = FreeEnds(state), zones.solved, np.zeros((len(zones.solved), 0))
@@ -475,8 +476,8 @@ class DirectMotions(FreeEnds):
     def __init__(self, state: State) -> None:
         super().__init__(state)
         self._rates, self._responses = _rates_and_responses(state)
-        # The derivatives for a motion that leaves the intensities unchanged are not exactly zero,
-        # but round-off. So the condition number of the matrix is tested.
+        # For a motion that leaves the intensities unchanged, the derivatives are not exactly zero,
+        # because of round-off. So the condition number of the matrix is tested.
         neutral = (
             len(self.ends) > 0 and not SUM_ROUNDING * np.linalg.cond(self._rates.intensities) < 1.0
         )

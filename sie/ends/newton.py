@@ -207,7 +207,7 @@ def find_ends(
 
 
 class _Search:
-    """One search for the ends: the present zones, an unknown condition value, and the progress."""
+    """One search for the ends: present zones, progress, and the value of an open condition."""
 
     def __init__(
         self,
@@ -274,8 +274,9 @@ class _Search:
         return state, loose, is_released
 
     def _state(self, decay: float) -> AnyState:
-        """The solution on the present zones, for the present guess of an unknown condition
-        value.
+        """The solution on the present zones, with the present value of the open condition.
+
+        The open condition is the side condition whose value is an unknown.
         """
         state = solve_zones(self.equation, self.zones, decay, self.sizes)
         opened = self.equation.open_condition
@@ -289,8 +290,9 @@ class _Search:
         if opened is not None and (
             response is None or _moved_part(state, response) > ERRORS.negligible
         ):
-            # A relative error of the response changes the Newton step by the same relative amount.
-            # So the square root of the solution's tolerance is accurate enough.
+            # A relative error of the response changes the Newton step by the same relative amount,
+            # which the next step corrects. So the square root of the solution's tolerance is
+            # accurate enough.
             tolerance = float(np.sqrt(self.sizes.linear))
             self.value_response = state.response(state.values(opened), tolerance)
         motion = newton_step(state, self.zones, self.options, self.value_response, self.last)
@@ -437,7 +439,7 @@ def _sizes_at_first(equation: Equation, zones: Zones, modes_like: AnyState | Siz
 
 
 def _moved_part(state: AnyState, response: AnyDensity) -> float:
-    """Sum of the moves of all ends since `response` was computed, over the sum of all widths.
+    """Sum of the ends' moves since `response` was computed, divided by the sum of the widths.
 
     It is infinite if the zones, or the gaps that are treated as slits, are not the same.
     """

@@ -11,7 +11,7 @@ from sie.states.sizes import Sizes
 
 @dataclass(frozen=True)
 class NewtonOptions:
-    """Options of Newton's method on the ends; lengths are relative to the end's zone.
+    """Options of Newton's method on the ends; lengths are relative to the zone's width.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class NewtonOptions:
 
 @dataclass(frozen=True, eq=False)
 class WarmStart:
-    """Data known before a search for the ends: guesses, error, numbers of modes.
+    """Data known before a search for the ends: first value, error of the ends, numbers of modes.
 
     Parameters
     ----------

@@ -164,8 +164,8 @@ def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
     """
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(m)):
-        # Bound of |rho rho'|, with rho of a source and rho' of a position. Below this bound, all
-        # powers in the sum are below round-off.
+        # Bound of |rho rho'|, with rho of a source and rho' of a position. Below it, all powers
+        # (rho rho')^l with l > m are below round-off.
         least = np.exp(-DIGITS / (int(m[i]) + 1))
         for q in range(seen.shape[2]):
             # Pairs of a source and a position that contribute less than round-off are left out.
@@ -178,7 +178,8 @@ def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
             both = seen[i, places, None, q, None] * up[i, sources]
             place, source, pole = np.nonzero(np.abs(both) >= least)
             both, place, source = both[place, source, pole], places[place], sources[source]
-            # ln(1 - both) plus the sum of both^l / l over l <= m is minus the same sum over l > m.
+            # ln(1 - both) plus the sum of both^l / l over l <= m is minus the sum of both^l / l
+            # over l > m.
             total = np.log1p(-both)
             power = np.ones_like(both)
             for order in range(1, int(m[i]) + 1):

@@ -46,12 +46,12 @@ from sie.basis.data import Array, Mask, record, wrapped
 from sie.basis.zones import Zones
 from sie.equation.forcing import Forcing
 
-# A jump of the right side farther from the end than this many uncorrected Newton steps is ignored.
-# Such a jump changes the step by less than 2 %, which the next step corrects. A root search would
-# lose the digits of small steps.
+# A jump of the right side is ignored if its distance from the end is more than this number of times
+# the end's uncorrected Newton step. Such a jump changes the step by less than 2 %, which the next
+# step corrects. A root search would lose the digits of small steps.
 _FARTHEST_JUMP = 20.0
 # Largest inward step of an end towards a logarithm of height J < 0, as a fraction of the distance
-# between them. The end must not pass this logarithm.
+# between the end and the logarithm. The end must not pass this logarithm.
 _STOP_BEFORE = 0.9
 
 
@@ -90,11 +90,12 @@ def gap_steps(
     rho_other = other / np.where(holds, c * across, 1.0)
     shift = rho - rho_other
     less = 2 * (rho + rho_other) - (2 * shift**2 if alike else 0.0)
-    # This is 1 - sqrt(1 - less) without cancellation. If the gap closes, each of its ends moves by
-    # half the gap.
+    # `closing` is 1 - sqrt(1 - less), computed without cancellation. If the gap closes, it is 1,
+    # and each end of the gap moves by half the gap.
     closing = np.where(less < 1, less / (1 + np.sqrt(np.maximum(1 - less, 0.0))), 1.0)
-    # `share` is the fraction of the slope S that comes from the kink. If the half gap c becomes (1
-    # - e) c, the load (1 - e)^2 (1 - share) / 2 + (1 - e) share that closes the gap determines e.
+    # `share` is the fraction of the slope S (head of this file) that comes from the kink. The half
+    # gap (1 - e) c belongs to the load (1 - e)^2 (1 - share) / 2 + (1 - e) share, which would close
+    # the gap. This load equals `left`, which determines e.
     mean = np.where(holds, 0.5 * (straight + across), 1.0)
     share = np.clip(
         np.asarray(0.0 if tips is None else tips) / np.pi * np.sqrt(2 / c) / mean, 0.0, 1.0
@@ -118,8 +119,7 @@ class StepAtJumps:
     largest: tuple[float, float]
 
     def steps(self, k: Array, slopes: Array, plain: Array) -> Array:
-        """Outward steps (2, Z), which are the Newton steps `plain` with corrections at ends near a
-        jump.
+        """Outward steps (2, Z): the Newton steps `plain`, corrected at ends close to a jump.
 
         k: intensity K less its target, positive if it drives the end outward; slopes: edge slope A,
         positive if it has the right sign, and 0 where it is not reliable.
@@ -162,8 +162,9 @@ class StepAtJumps:
         if not of_density:
             c_in = c_in * np.sqrt(np.clip(1 - r / width, 0.0, 1.0))
         r, y = np.clip(r, 1e-300, width), np.clip(y, 1e-300, width)
-        # (c, here) belongs to the jump that contributes to the edge slope A. (c_other, there)
-        # belongs to the jump that the end reaches in the opposite direction.
+        # `c` and `here` are the coefficient and the distance of the jump that contributes to the
+        # edge slope A. `c_other` and `there` are those of the jump that the end reaches in the
+        # opposite direction.
         (c, here), (c_other, there), sign = (
             ((c_out, y), (c_in, r), -1.0) if of_density else ((c_in, r), (c_out, y), 1.0)
         )
@@ -225,8 +226,8 @@ def _nearest(
     The distance is infinite where there is none.
     """
     if period is not None:
-        # The positions are shifted by periods exactly as in `ForcingJumps.located`. A distance from
-        # an end can be below the last digit of a position.
+        # The positions are shifted by periods exactly as in `ForcingJumps.located`, because a
+        # distance from an end can be below the last digit of a position.
         turns = np.ceil((zones.a[0] - at) / period)
         at, heights = (
             np.concatenate([at + (turns + k) * period for k in (-1, 0, 1)]),
@@ -243,7 +244,7 @@ def _nearest(
         np.searchsorted(at, zones.b, side="left"),
     )
     # A jump may be at the rounded position of an end. Then the digits of the end below the rounding
-    # decide whether the jump is inside or outside.
+    # (`Zones.rest`) decide whether the jump is inside or outside.
     after_a = after_a - (zones.beyond_a(at[after_a - 1], each) > 0)
     after_b = after_b + (zones.before_b(at[after_b], each) > 0)
     inside = np.array([zones.beyond_a(at[after_a], each), zones.before_b(at[after_b - 1], each)])

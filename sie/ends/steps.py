@@ -112,7 +112,7 @@ def newton_step(
 def _with_step_models(
     state: AnyState, plain: NewtonStep, options: NewtonOptions, residual: Array, a: Array
 ) -> NewtonStep:
-    """The step, corrected next to narrow gaps and jumps, where the intensity K is not linear.
+    """The step, corrected near gaps and jumps, where K is not linear in the motion of an end.
 
     residual: intensity K less its target (2, Z); a: edge slope A (2, Z). Both are those at the new
     value of the open condition.
@@ -204,7 +204,7 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
     cornered, g = state.whole.density.jumps.kinked, state.whole.system.g
     # The smooth part of the right side has the coefficients g_k. The sum of k |g_k| is an upper
-    # bound of its slope, and at most a few times its slope.
+    # bound of the slope of this part, and at most a few times this slope.
     smooth = 4 * (np.abs(g) @ np.arange(g.shape[1])) * zones.slope_scale + 1e-300
     part = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
     rounding[:, cornered] *= part[:, cornered]
@@ -218,8 +218,7 @@ def bordered(
     slope: Array,
     largest: tuple[float, float] = (np.inf, np.inf),
 ) -> tuple[Array, float]:
-    """Steps of the ends, and the change of a condition's unknown value, for a condition on the
-    ends.
+    """(steps of the ends, change of the open value) that satisfy the condition on the ends.
 
     delta: steps (2, Z) at the present value; slope: steps caused by a unit change of the value;
     largest: largest steps inward and outward, relative to the width of the zone. The damped steps
@@ -232,8 +231,8 @@ def bordered(
     free = np.ones(delta.shape, dtype=bool)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         change = -(miss + np.sum(gradient * delta)) / np.sum(gradient * slope)
-        # The set of ends that are damped becomes constant after a few rounds, at the latest after
-        # as many as there are ends.
+        # The set of ends that are damped becomes constant after a few rounds of this loop, and at
+        # most after one round for each end.
         for _ in range(delta.size):
             wanted = delta + change * slope
             cut = np.clip(wanted, -inward * width, outward * width)
@@ -246,8 +245,9 @@ def bordered(
 
 
 def damped(zones: Zones, equation: Equation, delta: Array, options: NewtonOptions) -> Array:
-    """Outward steps (2, Z), each limited to a fraction of the zone, the gap and the distance to the
-    border.
+    """Outward steps (2, Z), limited to fractions of the zone, gap and distance to the border.
+
+    The border is that of the right side's domain.
     """
     width = zones.b - zones.a
     gaps = np.array(modes.gaps(zones, equation.kernel))

@@ -27,8 +27,9 @@ from sie.slits.kinks import SlitKink
 from sie.slits.plane import SlitPlane
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, outside_slit
 
-# Distance from a wide zone, divided by the zone's half width. Farther away, the first
-# `min_slack_modes` coefficients of the slack (the unknown in a slit) give its field to round-off.
+# Distance from a wide zone, divided by the zone's half width. At larger distances, the first
+# `min_slack_modes` coefficients of the slack (the unknown function in a slit) give the slack's
+# field to round-off.
 _FAR = excess_of(DIGITS / OPTIONS.min_slack_modes)
 
 
@@ -107,14 +108,18 @@ class SlitDensity(DensityBase):
         return self.smooth.sampling[self.geometry.piece_zone]
 
     def kinks_of(self, here: Slits) -> list[tuple[int, SlitKink]]:
-        """(index of the slit, jump) for each jump of the right side in a slit of one wide zone."""
+        """(index of the slit, jump) for each jump of the right side in the slits of one wide zone.
+
+        The list is empty for a response, whose right side is zero.
+        """
         return here.kinks if self.forced else []
 
     # The methods below give the series of functions on the slits.
     @cached_property
     def series(self) -> list[list[Array]]:
-        """Series of sigma = s sqrt(1 - t^2) on each slit; s is the slit's unknown, t a zone
-        coordinate.
+        """Series of sigma = s sqrt(1 - t^2) on each slit, with the slack s (the slit's unknown).
+
+        t is the coordinate of the wide zone.
 
         If `bounded_ends`, traces of the intensity K at the slits' ends are removed.
         """
@@ -122,8 +127,9 @@ class SlitDensity(DensityBase):
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
     def _of_slits(self, power: int) -> list[list[Array]]:
-        """Series of s X^(1 - power) on each slit, with the slit's unknown s and X = sqrt(1 -
-        t^2).
+        """Series of s X^(1 - power) on each slit, with the slack s and X = sqrt(1 - t^2).
+
+        The slack is the unknown function in a slit, and t is the coordinate of the wide zone.
         """
         return [
             [slit.over(d, power) for slit, d in zip(here.slits, row, strict=True)]
@@ -132,7 +138,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _tilde(self) -> list[list[Array]]:
-        """Series of s / X on each slit, with the slit's unknown s (slack) and X = sqrt(1 - t^2).
+        """Series of s / X on each slit, with the slack s (slit's unknown) and X = sqrt(1 - t^2).
 
         X times the Cauchy transform of sigma / X^2 is the density P[s] that the slack causes,
         except for its part (alpha + beta t) / X.
@@ -142,16 +148,16 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def sigma(self) -> Density:
-        """The unknown s in the slits (slack) times sqrt(1 - t^2) of the wide zone, as a density."""
+        """The slack s (the slits' unknown) times sqrt(1 - t^2) of the wide zone, as a `Density`."""
         return self._on_slits(self.series)
 
     @cached_property
     def _slack(self) -> Density:
-        """The slack s (the unknown in the slits) on all slits, represented as a density."""
+        """The slack s (the unknown function in the slits) on all slits, as a `Density`."""
         return self._on_slits(self._of_slits(1))
 
     def _on_slits(self, series: list[list[Array]]) -> Density:
-        """The density with the given series on the slits."""
+        """A `Density` on the slits, with one given series for each slit."""
         slits = self.geometry.slits
         table = np.zeros((len(slits), max(len(one) for row in series for one in row)))
         for here, row in zip(self.slits, series, strict=True):
@@ -161,8 +167,10 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _edged(self) -> Density:
-        """The smooth part of the density plus the unbounded part caused by the slits' unknown
-        (slack).
+        """The smooth part of the density, plus the unbounded part of the density due to the slack.
+
+        The slack is the unknown function in the slits. The unbounded part is (alpha + beta t) /
+        sqrt(1 - t^2), with the coordinate t of the wide zone.
         """
         alpha, beta = (part.copy() for part in self.smooth.singular)
         for here, row in zip(self.slits, self.series, strict=True):
@@ -179,7 +187,8 @@ class SlitDensity(DensityBase):
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by a zone and distances from the zone's ends in half widths."""
         zone = np.asarray(zone, dtype=np.intp)
-        # A given zone without adjacent slits is also one of the wide zones.
+        # A given zone without adjacent slits is itself one of the wide zones. Slits add nothing to
+        # its density.
         if not self.geometry.next_to_slit[zone].any():
             return self._edged.at(self.geometry.piece_zone[zone], left, right)
         geometry, wide = self.geometry, self.geometry.wide
@@ -256,10 +265,10 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
-        """Coefficients of sqrt(distance), at a slit's ends, of the slit's unknown times sqrt(1 -
-        t^2).
+        """Coefficients of sqrt(d) in s sqrt(1 - t^2), at the distance d from each slit's ends.
 
-        They include the slack psi of jumps in the slit (see `sie.slits.kinks`).
+        s is the slack (the slit's unknown), with the part psi that jumps cause (see
+        `sie.slits.kinks`).
         """
         left, right = (part.copy() for part in self.sigma.edge_slopes)
         root_left, root_right = self.slit_roots
@@ -300,7 +309,7 @@ class SlitDensity(DensityBase):
         ).astype(np.intp)
 
     def _sample_angles(self, piece: int, count: int) -> Array:
-        """`count` angles of a given zone, and angles on both sides of the zone's largest kinks."""
+        """`count` even angles on a given zone, with angles added where the density is steepest."""
         geometry, zone = self.geometry, int(self.geometry.piece_zone[piece])
         w, half, start = geometry.wide.half[zone], self.zones.half[piece], geometry.start[piece]
         theta = even_angles(count)
@@ -312,8 +321,7 @@ class SlitDensity(DensityBase):
     def edges(
         self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]
     ) -> tuple[Array, Array]:
-        """A quantity at the given zones' ends, from its values at the ends of joined zones and of
-        slits.
+        """A quantity at the given zones' ends, from its values at ends of wide zones and slits.
 
         wide, slits: values at left and at right ends. Those of slits are divided by sqrt(1 - t^2)
         of the wide zone and multiplied by `signs`, one for left and one for right ends.
@@ -397,7 +405,8 @@ class SlitDensity(DensityBase):
             out[piece] = here
         return out
 
-    # The methods below give the fields, and the slack (the unknown in a slit), at real points.
+    # The methods below give the transform, the potential and the slack (the unknown function in a
+    # slit) at real points.
     def _into_wide(self, x: Array) -> Array:
         """x moved by whole periods into the period that begins at the first wide zone's left
         end.
@@ -410,8 +419,9 @@ class SlitDensity(DensityBase):
         return len(self.geometry.slits)
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x is in a slit, integral from the slit's left end to x of the slit's unknown
-        s).
+        """(whether x is in a slit, integral of the slack s from the slit's left end to x).
+
+        The slack s is the unknown function in a slit.
         """
         place = self._into_wide(np.asarray(x, dtype=float))
         slack = self._slack
@@ -422,9 +432,7 @@ class SlitDensity(DensityBase):
         return inside, opened
 
     def slack(self, place: Array) -> Array:
-        """The slack s (the unknown in a slit) at places on the wide zones; it is zero off the
-        slits.
-        """
+        """The slack s (the unknown in a slit) at places on the wide zones; zero outside slits."""
         out = self._slack(place)
         for kink, _, some, left, right in self._in_kinks(place):
             out[some] += kink.slope(left, right)
@@ -444,15 +452,16 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def plane(self) -> SlitPlane:
-        """The fields of the density at complex points."""
+        """Transform and potential of the density at complex points, as a function of the points."""
         kinks = [self.kinks_of(here) for here in self.slits]
         return SlitPlane(
             self.geometry, self.whole, self._slack_density, self.slits, self.series, kinks
         )
 
     def _on_line(self, x: Array, potential: bool) -> Array:
-        """Transform or potential at real x, as the far field of the wide zones with a correction
-        near slits.
+        """Transform or potential of the density at real points x.
+
+        It is computed from the first coefficients on the wide zones, and corrected close to slits.
         """
         flat = x.ravel()
         out = np.array(self.whole.potential(flat) if potential else self.whole.transform(flat))
@@ -470,7 +479,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def mean_openings(self) -> Array:
-        """Mean over each wide zone of the integral of the slack s (the unknown in the slits)."""
+        """Mean over each wide zone of the opening, the integral of the slack (slits' unknown)."""
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slits, self.series, strict=True):
             out[here.zone] = here.mean_row @ np.concatenate(row) + (
@@ -491,11 +500,11 @@ class SlitDensity(DensityBase):
         return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 
     def _add_slits(self, x: Array, out: Array, potential: bool) -> None:
-        """Correct the field `out` close to wide zones with slits, and close to their periodic
-        images.
+        """Correct `out` (transform or potential) at points x close to wide zones with slits.
 
-        There the first coefficients of the slack s are too few. Their field is subtracted, and
-        off the zone the closed form is added.
+        It is also corrected close to periodic images of these zones. There the first coefficients
+        of the slack s are too few. Their field is subtracted, and off the zone the closed form is
+        added.
         """
         x = self.smooth.into_period(x)
         order = np.argsort(x, kind="stable")
@@ -519,8 +528,7 @@ class SlitDensity(DensityBase):
                     out[some[off]] += what(seen, here, row)
 
     def _transform(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Transform outside a wide zone of the density caused by the slack s (the unknown in its
-        slits).
+        """Transform, outside a wide zone, of the density due to the slack s (unknown in its slits).
 
         It is (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau.
         """
@@ -537,8 +545,7 @@ class SlitDensity(DensityBase):
             return np.asarray(total / seen.root)
 
     def _potential(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Potential outside a wide zone of the density caused by the slack s (the unknown in its
-        slits).
+        """Potential, outside a wide zone, of the density due to the slack s (unknown in its slits).
 
         It is -w sum s_k rho^k / k, summed in closed form over each slit.
         """
@@ -560,7 +567,7 @@ class SlitDensity(DensityBase):
 
 
 def _closed(d: Array) -> Array:
-    """The coefficients d of sum d_l T_l / sqrt(1 - z^2) after the sum's unbounded part is removed.
+    """Coefficients of sum d_l T_l(z) / sqrt(1 - z^2) without the part unbounded at z = -1 and 1.
 
     It follows from (1 - z^2) U_k = (T_k - T_(k+2)) / 2.
     """

@@ -55,8 +55,8 @@ from sie.jumps.formulas import HIGHEST
 from sie.trees.tree import SEPARATION
 
 # Number of nodes of Gauss's rules for means over a slit, and for integrals over the slit's parts
-# left and right of the jump. If a narrow zone adjoins the slit, twice the nodes of a panel are
-# needed.
+# left and right of the jump. A narrow zone next to the slit requires twice the usual number of
+# nodes.
 _NODES = 2 * SUMS.gauss_nodes
 
 
@@ -91,7 +91,10 @@ class SlitKink(Kept):
 
     @cached_property
     def mean_places(self) -> tuple[Array, Array, Array]:
-        """(Gauss nodes z of the slit, distances of the nodes from the wide zone's two ends)."""
+        """(Gauss nodes z of the slit, their distances from the wide zone's left end and right end).
+
+        The distances are divided by the half width of the wide zone.
+        """
         left, right = chebyshev.gauss_sides(_NODES)
         return (
             chebyshev.gauss(_NODES),
@@ -99,14 +102,17 @@ class SlitKink(Kept):
             self.rest + self.half * right,
         )
 
-    # The methods below give psi, the known part of the slit's unknown (slack) due to the jump.
+    # The methods below give psi. This is the part of the slack (the slit's unknown function) that
+    # the jump causes, and it is known in closed form.
     @cached_property
     def _weights(self) -> tuple[float, ...]:
         """The coefficients e_0 ... e_q of the sum in `mixed`, for the jump's order q."""
         return ((1.0,), (-self.zeta, 1.0), (self.zeta**2 - 0.5, -2 * self.zeta, 1.0))[self.order]
 
     def mixed(self, of_powers: Iterable[Any]) -> Any:
-        """half^q sum_j e_j of_powers[j], j = 0 ... q, with the coefficients e_j of `_weights`.
+        """half^q times the sum of e_j of_powers[j] over j = 0 ... q, with the jump's order q.
+
+        The coefficients e_j are those of `_weights`.
 
         The slack psi is h half^q (z - zeta)_+^q minus h times this sum of the means b_j of (z -
         .)_+^j. The same sum acts on every function derived from the powers.
@@ -116,7 +122,9 @@ class SlitKink(Kept):
         )
 
     def slope(self, left: Array, right: Array) -> Array:
-        """The part psi of the slit's unknown, at distances from the slit's ends in its half widths.
+        """The part psi of the slack (the slit's unknown) due to the jump, at points of the slit.
+
+        left, right: distances of the points from the slit's ends, in half widths of the slit.
 
         At the jump itself it is the mean of the values on both sides.
         """
@@ -125,9 +133,7 @@ class SlitKink(Kept):
         return np.asarray(self.jump * (own - self.mixed(_spread_powers(left, right))))
 
     def opening(self, left: Array, right: Array) -> Array:
-        """Integral of the part psi of the unknown from the slit's left end, over the slit's half
-        width.
-        """
+        """Integral of psi (see `slope`) from the slit's left end, in half widths of the slit."""
         place, q = np.maximum(left - self._jump_distances[0], 0.0), self.order
         integrals = (b / k for k, b in enumerate(_spread_powers(left, right)) if k)
         return np.asarray(
@@ -136,7 +142,7 @@ class SlitKink(Kept):
 
     @property
     def at_ends(self) -> float:
-        """Coefficient J in psi = -+(J/pi) sqrt(2 delta), at a distance delta from the slit's end.
+        """Coefficient J in psi = -+(J/pi) sqrt(2 delta), near the slit's left (-), right (+) end.
 
         delta is the distance from the end, divided by the slit's half width.
         """
@@ -173,28 +179,22 @@ class SlitKink(Kept):
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:
-        """Coefficients s_k on the wide zone, k = 0 ... count, of the part psi of the slit's
-        unknown.
-        """
+        """Coefficients s_k of psi (see `slope`) on the wide zone, k = 0 ... count."""
         _, _, angle, weight = self.seen
         return np.asarray(2 / np.pi * np.sin(np.arange(count + 1)[:, None] * angle) @ weight)
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the integral of psi (see `slope`), over the zone's half
-        width.
-        """
+        """Mean over the wide zone of the integral of psi (see `slope`), in the zone's half widths."""
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi
 
-    # The methods below give the density that psi, the known part of the slit's unknown, causes on
-    # the wide zone.
+    # psi is the part of the slack (the slit's unknown) that the jump causes. The methods below give
+    # the density on the wide zone that psi causes.
     @cached_property
     def edge(self) -> tuple[float, float]:
-        """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the density that psi
-        causes.
-        """
+        """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the density due to psi."""
         from_left, from_right, _, _ = self.seen
         return float(self._over_root @ (0.5 * (from_left - from_right))), float(
             self._over_root.sum()
@@ -202,9 +202,10 @@ class SlitKink(Kept):
 
     @cached_property
     def polynomial(self) -> tuple[float, float]:
-        """(value at the slit's middle, slope) of the density's polynomial factor of sqrt(1 - t^2).
+        """(value at the slit's middle, slope) of the polynomial that multiplies -sqrt(1 - t^2).
 
-        It is zero for a jump of order 0 and constant for order 1.
+        This product is a term of the density that the jump and psi cause. The polynomial is zero
+        for a jump of order 0 and constant for order 1.
         """
         if self.order == 0:
             return 0.0, 0.0
@@ -226,7 +227,10 @@ class SlitKink(Kept):
         return self.jump / np.pi * value, self.jump / np.pi * mean
 
     def _turn(self, from_left: Array, from_right: Array) -> Array:
-        """The polynomial factor of sqrt(1 - t^2) (see `polynomial`), at points of the wide zone."""
+        """Values, at points of the wide zone, of the polynomial that `polynomial` describes.
+
+        from_left, from_right: distances from the zone's ends, in half widths of the zone.
+        """
         value, slope = self.polynomial
         return np.asarray(
             value + slope * 0.5 * ((from_left - self.start) - (from_right - self.rest))
@@ -277,8 +281,9 @@ class SlitKink(Kept):
         )
 
     def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
-        """`outside_slit` by quadrature of (X/pi) int psi / (X (t - tau)) dtau, with X = sqrt(1 -
-        t^2).
+        """`outside_slit` by quadrature of (X(t)/pi) int psi / (X(tau) (t - tau)) dtau.
+
+        X(t) is sqrt(1 - t^2).
         """
         lefts = self.seen[0]
         inward = np.where(past[:, None], self.start + 2 * self.half - lefts, lefts - self.start)
@@ -286,7 +291,7 @@ class SlitKink(Kept):
         return np.asarray(root_weight(from_left, from_right) * ((1 / away) @ self._over_root))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """The mean over the slit that replaces the density (t - s)^q kappa of a jump at s.
+        """The mean over the slit that replaces the singular density (t - s)^q kappa of a jump at s.
 
         For q = 0 it is bar(kappa); the other formulas are at the head of this file.
         """

@@ -46,18 +46,18 @@ from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits
 
-# The field of the slack (the unknown in a slit) follows to round-off from the first
-# `min_slack_modes` coefficients of the slack. This holds where |rho| = |zeta - sqrt(zeta^2 - 1)| is
-# below this limit.
+# Limit of |rho| = |zeta - sqrt(zeta^2 - 1)|, with the coordinate zeta relative to a wide zone.
+# Below it, the first `min_slack_modes` coefficients of the slack (the unknown function in a slit)
+# give the slack's field to round-off.
 _FAR = float(np.exp(-DIGITS / OPTIONS.min_slack_modes))
-# Number of panels of the vertical path of integration. Each panel is half as high as the panel
-# above it, and the lowest panel is as high as round-off.
+# Number of panels of the vertical path along which the potential is integrated. Each panel is half
+# as high as the panel above it. The height of the lowest panel, relative to the path, is round-off.
 _PANELS = -int(np.log2(EPS))
 
 
 @record
 class SlitPlane:
-    """The fields, at complex points, of a density on zones with slits.
+    """Transform and potential, at complex points, of a density on zones with slits.
 
     whole: density on the wide zones from its first coefficients, which holds far from them; slack:
     the slits' part of `whole`, on the wide zones with slits; series: series of sigma = s X on each
@@ -136,8 +136,9 @@ class SlitPlane:
 
 
 def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Complex, Complex]:
-    """Transform, and its derivative, of sigma (a slit's unknown times sqrt(1 - t^2)) on a zone's
-    slits.
+    """(transform, its derivative) of sigma = s sqrt(1 - t^2) on a wide zone's slits.
+
+    s is the slack, the unknown function in a slit.
     """
     value, slope = np.zeros((2, len(x)), dtype=complex)
     first = np.zeros(len(x), dtype=np.intp)
@@ -167,7 +168,7 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
     first = inner.zeta * (mean_log + 1) - inner.root
 
     def means() -> Iterator[Complex]:
-        """Slit means of the functions for q = 0, 1, 2 (head of this file), divided by half^q.
+        """The means over the slit at the head of this file, for q = 0, 1, 2, divided by half^q.
 
         For q = 0 it is bar(G), for q = 1 bar((zeta - .) G - sin).
         """

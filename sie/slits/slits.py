@@ -50,9 +50,9 @@ class SlitOptions:
 
     # Gaps narrower than this fraction of the wider adjacent zone may be treated as slits.
     max_gap: float = 0.02
-    # An existing slit remains a slit up to `max_gap` times this factor. Another gap becomes a slit
-    # below `max_gap` divided by this factor. Without this hysteresis, slits come and go in every
-    # Newton step.
+    # An existing slit remains a slit up to `max_gap` times this factor. A gap that is not a slit
+    # becomes one below `max_gap` divided by this factor. Without this hysteresis, slits come and go
+    # in every Newton step.
     hysteresis: float = 1.5
     # Largest width of a gap that contains an algebraic point or a jump of the right side's second
     # derivative, relative to the narrower adjacent zone. This limit is stricter than `max_gap`,
@@ -63,9 +63,9 @@ class SlitOptions:
     # Least number of coefficients of the slack (the unknown in a slit) from which the slack's field
     # far from the wide zone is computed.
     min_slack_modes: int = 48
-    # Largest accepted change of the solution in the last step of the iteration, relative to the
-    # solution's largest coefficient. A smaller change is added to the stated error. A larger change
-    # raises `SlitsNotConverged`.
+    # Largest accepted change of the solution in the last step of the iteration between wide zones
+    # and slits, relative to the solution's largest coefficient. A smaller change is added to the
+    # stated error. A larger change raises `SlitsNotConverged`.
     max_change: float = 1e-10
 
 
@@ -92,23 +92,17 @@ class SlitGeometry(Kept):
 
     @cached_property
     def start(self) -> Array:
-        """Distance of each given zone's left end from the left end of the wide zone that contains
-        it.
-        """
+        """Distance of each given zone's left end from the left end of its wide zone."""
         return self.wide.beyond_a(self.pieces.a + self.shift, self.piece_zone) + self.cut_off[0]
 
     @cached_property
     def stop(self) -> Array:
-        """Distance of each given zone's right end from the left end of the wide zone that contains
-        it.
-        """
+        """Distance of each given zone's right end from the left end of its wide zone."""
         return self.wide.beyond_a(self.pieces.b + self.shift, self.piece_zone) + self.cut_off[1]
 
     @cached_property
     def rest(self) -> Array:
-        """Distance of each given zone's right end from the right end of the wide zone that contains
-        it.
-        """
+        """Distance of each given zone's right end from the right end of its wide zone."""
         return self.wide.before_b(self.pieces.b + self.shift, self.piece_zone) - self.cut_off[1]
 
     @cached_property
@@ -141,7 +135,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
     """
     kernel = equation.kernel
     # A term of the right side with unknown amplitude may be singular between zones. Such a term
-    # cannot be used on a wide zone.
+    # cannot be used on a wide zone, which contains the gap.
     general = len(equation.forcing.jumps.singular_at) > 0 or any(
         column.resolution.modes is None and not column.resolution.smooth_between
         for column in equation.columns
@@ -177,7 +171,8 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
     count = len(pieces)
     first = 0
     if narrow[-1]:
-        # The period is cut at the widest gap that is not a slit.
+        # The period is cut at the widest gap that is not a slit. If all gaps are narrow, it is cut
+        # at the first gap, which then is no slit.
         first = (int(np.argmax(np.where(narrow, -np.inf, after))) + 1) % count
         if narrow.all():
             narrow[first - 1] = False
@@ -258,7 +253,10 @@ class Slit(Kept):
         return theta(from_left, from_right)
 
     def root(self, left: Array, right: Array) -> Array:
-        """sqrt(1 - t^2) of the wide zone, at places with these distances from the slit's ends."""
+        """sqrt(1 - t^2) at places in the slit, with the coordinate t of the wide zone.
+
+        left, right: distances from the slit's ends, in half widths of the slit.
+        """
         return root_weight(self.start + self.half * left, self.rest + self.half * right)
 
     @cached_property
@@ -298,8 +296,9 @@ class Slit(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r; for a slit's series d of the slack, r @ d is the zone's mean of its
-        integral.
+        """Row vector r, so that r @ d is the mean over the wide zone of the slack's integral.
+
+        The slack is the slit's unknown function, and d is the slit's series.
 
         The weight of the mean is 1 / sqrt(1 - t^2).
         """
@@ -307,8 +306,9 @@ class Slit(Kept):
         return self.width * self.means((self.theta - middle) / self.x_root)
 
     def slack_matrix(self, count: int) -> Array:
-        """Matrix from a slit's series d to coefficients s_k of the slit's unknown (slack) on the
-        zone.
+        """Matrix from a slit's series d to the coefficients s_k, k = 0 ... count, on the wide zone.
+
+        The s_k are those of the slack, the unknown function in the slit.
         """
         k = np.arange(count + 1)[:, None]
         return 2 * self.half * self.means(np.sin(k * self.theta) / self.x_root)
@@ -378,7 +378,7 @@ class Slits(Kept):
                 place = (float(within.left[k]), float(within.right[k]), int(within.order[k]))
                 self.kinks.append((i, SlitKink(float(within.height[k]), *slit, *place)))
         # The function that a slit's series represents is singular at the far ends of the adjacent
-        # given zones.
+        # given zones. `before` and `after` are the distances of a slit from these ends.
         gaps_between = a[1:] - b[:-1]
         before = np.concatenate(([self.start[0]], gaps_between))
         after = np.concatenate((gaps_between, [self.rest[-1]]))
@@ -427,7 +427,7 @@ class Slits(Kept):
 
     @cached_property
     def by_coefficients(self) -> Array:
-        """Matrix from the coefficients c_k of the smooth density to the slits' right sides."""
+        """Matrix from coefficients c_k of the smooth density to the right sides for the slits."""
         return self._rows(
             lambda slit, left, right: np.cos(
                 slit.angle(left, right)[:, None] * np.arange(self.modes + 1)
@@ -471,8 +471,7 @@ class Slits(Kept):
         return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
-        """Coefficients of U_(l-1) of functions on each slit; before those of a slit, a row of
-        zeros.
+        """U_(l-1) coefficients of functions on each slit, after a row of zeros for each slit.
 
         The first row of each slit stands for the condition on the integral of its slack.
         """
@@ -511,8 +510,9 @@ class Slits(Kept):
 
     @cached_property
     def slack_matrix(self) -> Array:
-        """Matrix from the series d of all slits to coefficients s_k of their unknown (slack) on the
-        zone.
+        """Matrix from the series d of all slits to coefficients s_k of the slack on the wide zone.
+
+        The slack is the unknown function in the slits.
 
         k = 0 ... max(modes, min_slack_modes).
         """
@@ -523,8 +523,9 @@ class Slits(Kept):
 
     @cached_property
     def slack_of_kinks(self) -> Array:
-        """Coefficients s_k on the wide zone of the known part of the slits' unknown, due to
-        jumps.
+        """Coefficients s_k on the wide zone of psi, the part of the slack due to jumps in slits.
+
+        The slack is the unknown function in the slits.
         """
         count = max(self.modes, OPTIONS.min_slack_modes)
         return np.sum(
@@ -534,14 +535,13 @@ class Slits(Kept):
 
     @property
     def mean_of_kinks(self) -> float:
-        """Mean over the zone of the integral of psi, the part of the slits' unknown due to
-        jumps.
-        """
+        """Mean over the wide zone of the integral of psi (see `slack_of_kinks`)."""
         return self.w * sum(kink.mean_opening for _, kink in self.kinks)
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r; with the series d of all slits, r @ d is the zone's mean of the slack's
-        integral.
+        """Row vector r, so that r @ d is the mean over the wide zone of the slack's integral.
+
+        The slack is the unknown function in the slits, and d holds the series of all slits.
         """
         return np.concatenate([slit.mean_row for slit in self.slits])

@@ -52,8 +52,7 @@ class Opened(Trial):
         return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """The part of the integrals of weight times density due to the slack s (the unknown in
-        slits).
+        """The part, due to the slack s (the slits' unknown), of integrals of weight times density.
 
         The first coefficients of the density are unknowns of the system and contain the share of s
         already. Only the coefficients of s beyond them are added here.
@@ -81,8 +80,8 @@ class SlitSystem(Kept):
 
     def __init__(self, geometry: SlitGeometry, base: State, linear: float) -> None:
         self.geometry, self.base, self.system = geometry, base, base.system
-        # If the matrix is factorised, solutions exact to round-off cost no more. The tolerance is
-        # then zero.
+        # With a factorised matrix, a solution exact to round-off costs no more than an inexact one.
+        # The tolerance is then zero.
         self.linear = linear if base.iterated else 0.0
         system = self.system
         modes = base.sizes.own[: len(geometry.wide)]
@@ -93,7 +92,7 @@ class SlitSystem(Kept):
 
     @cached_property
     def _given(self) -> list[Array]:
-        """Known parts of the right sides of the slits' equations, for each joined zone with slits.
+        """Known parts of the right sides of the slits' equations, for each wide zone with slits.
 
         They come from the jumps and from the coefficients of the density that are not unknowns.
         """
@@ -145,8 +144,7 @@ class SlitSystem(Kept):
     def solve(
         self, values: Array | None = None, loose: float = 0.0
     ) -> tuple[Array, tuple[Array, ...], float]:
-        """(unknowns of wide zones, series of all slits, relative change of the unknowns in the last
-        step).
+        """(unknowns of the wide zones, series of all slits, relative change in the last step).
 
         values: values of the side conditions, for a zero right side without jumps; None solves the
         equation itself. loose: tolerance of an iteration, if larger than the present one.
@@ -154,9 +152,7 @@ class SlitSystem(Kept):
         base, homogeneous, iteration = self.base, values is not None, self.base.iteration
 
         def slit_response(folded: Array) -> Array:
-            """Change of the wide zones' right side that the slits cause, for the unknowns
-            `folded`.
-            """
+            """Change of the wide zones' right side by the slits, for the unknowns `folded`."""
             return self._right(self._series(folded, True), True)
 
         given = self._right(
@@ -206,25 +202,21 @@ class SlitSystem(Kept):
         return s
 
     def slack(self, d: tuple[Array, ...], homogeneous: bool) -> dict[int, Array]:
-        """Coefficients s_k of the slack (the unknown in the slits) on every wide zone with
-        slits.
-        """
+        """Coefficients s_k of the slack (the slits' unknown) on every wide zone with slits."""
         return {
             here.zone: here.slack_matrix @ one + (0.0 if homogeneous else here.slack_of_kinks)
             for here, one in zip(self.slits, d, strict=True)
         }
 
     def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        """Mean over each wide zone of the integral of the slack s (the unknown in the slits)."""
+        """Mean over each wide zone of the opening, the integral of the slack (slits' unknown)."""
         out = np.zeros(len(self.geometry.wide))
         for here, one in zip(self.slits, d, strict=True):
             out[here.zone] = here.mean_row @ one + (0.0 if homogeneous else here.mean_of_kinks)
         return out
 
     def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        """Change of the right side of the wide zones' system by the slack s (the unknown in the
-        slits).
-        """
+        """Change of the right side of the wide zones' system by the slack (the slits' unknown)."""
         system, base, slack = self.system, self.base, self.slack(d, homogeneous)
         rows, nothing = (
             -self._among_unknowns(slack)[system.diagonal],
@@ -240,7 +232,10 @@ class SlitSystem(Kept):
     def density(
         self, folded: Array, d: tuple[Array, ...], homogeneous: bool = False
     ) -> tuple[State, SlitDensity]:
-        """(solution on the wide zones, density on the given zones) for given unknowns."""
+        """(solution on the wide zones, density on the given zones) for given unknowns.
+
+        folded: unknowns of the wide zones; d: series of the slits.
+        """
         base, system = self.base, self.system
         y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
@@ -337,9 +332,7 @@ class SlitState(Answered):
         return self.whole.levels + opened[self.geometry.wide.solved]
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of the levels (means of potential minus primitive) for changes of condition
-        values.
-        """
+        """Changes of `levels` that changes of the side conditions' values cause."""
         folded, series, _ = self.slit_system.solve(values)
         opened = self.slit_system.mean_openings(series, True)
         return (
@@ -522,7 +515,7 @@ class SlitState(Answered):
 
     @property
     def _no_modes(self) -> Array:
-        """An empty table for the residual's lowest modes, which are not separated with slits.
+        """An empty table: the residual's lowest modes are not known on wide zones with slits.
 
         The residual is known only on the given zones, which do not determine modes of a wide zone.
         """
@@ -615,9 +608,9 @@ def solve_zones(
     if any(here.kinks for here in slit_system.slits) and found_state.density_error > max(
         tolerance / ERRORS.negligible, OPTIONS.max_change
     ):
-        # An undeclared jump of a derivative does no harm in a gap between the given zones. If the
-        # gap is a slit, the jump lies within a wide zone. The solution without slits may then be
-        # better.
+        # An undeclared jump of a derivative of the right side does no harm in a gap between the
+        # given zones. If the gap is a slit, the jump lies within a wide zone. The solution without
+        # slits may then be better.
         separate = solve_fixed(equation, zones, tolerance, sizes)
         return separate if separate.density_error < found_state.density_error else found_state
     return found_state
