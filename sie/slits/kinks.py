@@ -185,7 +185,7 @@ class SlitKink(Kept):
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the integral of psi (see `slope`), in the zone's half widths."""
+        """Mean over the wide zone of the integral of psi (see `slope`), over its half width."""
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi
