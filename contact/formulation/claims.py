@@ -128,9 +128,9 @@ def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=4)
 def _rules(count: int) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss's rule on (0, 2), undivided or divided in 2 or 3 parts.
+    """Nodes and weights of Gauss's rule, applied to 1, 2 and 3 equal parts of (0, 2).
 
-    Each number of parts has its column of weights.
+    Each number of parts has its column of weights, which is 0 at the nodes of the other numbers.
     """
     nodes, weights = np.polynomial.legendre.leggauss(count)
     at = [(2 * k + 1 + nodes) / parts for parts in (1, 2, 3) for k in range(parts)]
@@ -209,9 +209,10 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     cuts = np.linspace(panels.a[which], panels.b[which], count + 1)
     parts = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel())
     difference, size = (of.reshape(count, -1) for of in (parts.difference, parts.size))
-    # An undeclared corner makes the quadrature fail on one or two parts of a panel. If the slope is
-    # false, the rise of the height and the integral of the slope differ on the other parts too.
-    # Leaving out two parts adds the noise of four heights.
+    # The two parts of a panel with the largest difference are left out, as an undeclared corner
+    # makes the quadrature fail on one or two parts. If the slope is false, the rise of the height
+    # and the integral of the slope differ on the other parts too. Leaving out two parts adds the
+    # noise of four heights.
     rest = np.argsort(np.abs(difference), axis=0)[:-2]
     difference, size = (
         np.take_along_axis(of, rest, axis=0).sum(axis=0) for of in (difference, size)

@@ -97,9 +97,8 @@ class GapFields(sie.Kept):
     def bearing(self, x: Array) -> Array:
         """Scaled pressure by its formula at all scaled places; about zero in the gaps.
 
-        It is pbar - R + G s, with mean pressure pbar, relief R, operator G and slope s of the gap.
-
-        pbar is the mean pressure, R the relief, G s the transform of the slope of the gap.
+        It is pbar - R + G s. Here pbar is the mean pressure, R the relief, and G s the transform of
+        the slope s of the gap.
         """
         return np.asarray(self.mean - self.relief(x) + self.gap_slope.transform(x))
 

@@ -209,8 +209,8 @@ class JKRCylinder(Cylinder, _JKREquilibria):
 
     def _samples(self) -> Array:
         unit = (2.0 * self.radius**2 * self.work / (pi * self.E_star)) ** (1.0 / 3.0)
-        # With a datum d the approach has a meaning only for half widths a < d. The approach is
-        # greatest near a = 2d.
+        # With a datum d, the curve ends at the half width a = d. For wider zones the approach
+        # has no meaning: beyond about a = 2d it falls.
         widest = 1e6 * unit if self.datum is None else self.datum
         return np.geomspace(min(1e-12 * unit, 1e-6 * widest), widest, 200)
 

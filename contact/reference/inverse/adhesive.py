@@ -162,9 +162,10 @@ class AdhesiveDesign(GivenZones):
         return np.stack(modes if n % 2 else [*modes, np.ones_like(x)], axis=-1)
 
     def _integrals(self, i: int) -> tuple[Any, Any]:
-        """Integrals of |X| M and of |X| times the poles over interval i (head of this module).
+        """Integrals over interval i of |X| times the basis functions of M, and |X| times the poles.
 
-        The first is a row with one entry for each coefficient of M, the second a number.
+        X, M and the poles are those of the head of this module. The first result is a row with one
+        entry for each coefficient of M, the second is a number.
         """
         dl, dr, weight = self._extended.nodes(i)
         weight = weight * self._extended.root(i, dl, dr)
@@ -174,7 +175,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _zone_integrals(self) -> tuple[Any, Any]:
-        """Loads of all zones from the function M, and loads from the poles, of R = M + poles.
+        """Loads of all zones by each basis function of M, and by the poles, of R = M + poles.
 
         The first array, (n, count), has one column for each coefficient of M; the second is (n,).
         """
@@ -342,14 +343,14 @@ def second_variation(design: AdhesiveDesign) -> Array:
     np.fill_diagonal(poles, 0.0)
     modes = np.array([design._modes(product, *at)[0] for at in at_ends])
     strength = outward * others * q / (2.0 * unit)  # the coefficient A of every end
-    # The entry smooth[i, j] is the polynomial T (head of this module) of moving end j, evaluated
-    # at end i.
+    # The entry smooth[i, j] is the polynomial T (head of this module) for a motion of end j,
+    # evaluated at end i.
     smooth = _low_modes(design, modes) @ _low_coefficients(design, strength, unit).T
     regular = modes @ design._smooth.astype(float) + poles @ q
     change = (sigma / root)[:, None] * (strength * poles + smooth)  # change of k at end i by end j
-    # At the end that moves, the change of the coefficient k comes from the next term of X R, which
-    # is proportional to sqrt|factor|. The moved end contributes half of the coefficient of this
-    # term. The derivatives of the other factors cancel.
+    # At the end that moves, the change of the coefficient k comes from the term of X R that follows
+    # k/sqrt|factor|. This term is proportional to sqrt|factor|. The moved end contributes half of
+    # its coefficient. The derivatives of the other factors cancel.
     own = outward * root * regular / (2.0 * unit) + np.diagonal(smooth) / root
     np.fill_diagonal(change, sigma * own)
     return np.asarray(2.0 * design.work * change / k[:, None] * outward, dtype=float)

@@ -185,8 +185,8 @@ class CutProduct:
         factors = self._factors(left, right, is_left)
         others = np.prod(np.delete(factors, row, axis=-1), axis=-1) * weight
         own = factors[:, row]
-        # A node may coincide with the root of M in this gap. The derivative by this root is
-        # replaced below.
+        # A node may coincide with the root of M in this gap, where 1/factor is infinite. The
+        # derivative by this root is replaced below.
         with np.errstate(divide="ignore"):
             if self.period is None:
                 logarithmic = 1.0 / np.where(is_left, left, -right)
