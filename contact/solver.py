@@ -153,7 +153,7 @@ def solved_along(
     cache: SceneCache,
     previous: tuple[CurvePoint, ...],
 ) -> Solution:
-    """The solution of a scene, which is one of several along a curve of values of its control.
+    """The solution of one of several scenes that differ only in the value of their control.
 
     cache: results shared with the other scenes. previous: the last solutions on the curve.
     """

@@ -293,8 +293,7 @@ class Operator(sie.Kept):
         )
 
     def multiplier(self, q: Array) -> Array:
-        """The symbol L at the first wavenumbers q [1/m] of the period, taken from the symbol or
-        the kernel.
+        """The symbol L at the wavenumbers q [1/m] of the period's first harmonics. Without a declared symbol, the values are computed from the kernel.
         """
         assert self.period is not None
         if self.symbol is not None:
@@ -469,8 +468,8 @@ class BeyondStrip:
 
     def height(self, x: Array) -> Array:
         half, smooth, unit = self.half, self.smooth, self.unit
-        # The distance at which a line load causes no displacement. On a body with a base, `smooth`
-        # gives this distance.
+        # `length` is the distance at which a line load causes no displacement. It is the period or,
+        # on a body with a base, a length of `smooth`.
         length = self.period if smooth.scale is None else smooth.scale / unit
         before, after = half + (x - self.centre), half - (x - self.centre)
         total = length * (_entropy(before / length) + _entropy(after / length)) - 2 * half

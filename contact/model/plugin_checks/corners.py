@@ -160,8 +160,8 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
 
 
 def _roughness(function: Callable[[Array], Array], x: Array) -> tuple[Array, int]:
-    """For each seven successive values, their deviation from a smooth function; and the width of
-    seven values in steps.
+    """For each seven successive values, their deviation from a smooth function; and the number of
+    steps between the first and the last of seven values.
     """
     values = np.asarray(function(x), dtype=np.float64)
     groups = np.lib.stride_tricks.sliding_window_view(values, len(PLACES))

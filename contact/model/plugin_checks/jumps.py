@@ -47,9 +47,8 @@ class CheckOptions:
 CHECKS = CheckOptions()
 # Number of steps, each half of the one before, down to round-off.
 _HALVINGS = int(-np.log2(ROUND_OFF))
-# Step of the differences that show the second derivative, relative to the checked interval. A
-# corner is examined from ever shorter distances, and the smallest of these distances over the first
-# one has this ratio, too.
+# Step of the differences that show the second derivative, relative to the checked interval. Also
+# the ratio of the smallest to the largest distance from which a corner is examined.
 BEND_STEP = np.sqrt(ROUND_OFF)
 
 
@@ -82,8 +81,8 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
     first = 0 if profile.slope_is_derived else 1
     function = profile.height if profile.slope_is_derived else profile.slope
     k = np.arange(1.0, CHECKS.points + 1)
-    # For unit steps, row m of the inverse holds the weights of the m-th derivative at 0, divided by
-    # m!.
+    # Row m of the inverse holds the weights that give the Taylor coefficient f^(m)(0)/m! from the
+    # values at 1, 2, 3, ...
     taylor = np.linalg.inv(np.vander(k, increasing=True))
     shape = (_HALVINGS, len(places), 3)
     seen, rounding = np.zeros(shape), np.full(shape, np.inf)

@@ -71,8 +71,8 @@ class DifferenceOptions:
 VERDICTS = VerdictOptions()
 DIFFERENCES = DifferenceOptions()
 # Number of steps that are shorter than a place's length scale. Even with the shortest one, a
-# difference quotient has some digits. Still shorter steps may not change a height at all, and would
-# falsely agree.
+# difference quotient has some digits. Still shorter steps may not change a height at all, and their
+# quotients, all zero, would falsely agree.
 _FINER = int(-np.log2(EPS)) - 2 * DIFFERENCES.sure
 
 
@@ -93,8 +93,8 @@ class DerivedSlope:
     ) -> None:
         self._options = DIFFERENCES
         if period is not None and length is not None:
-            # Differences over whole periods are all zero, and would falsely agree. The two places
-            # of a difference are at most half a period apart.
+            # Differences over whole periods are all zero, and would falsely agree. Therefore the
+            # two places of a difference are at most half a period apart.
             wider = int(np.floor(np.log2(0.25 * period / length)))
             self._options = replace(DIFFERENCES, wider=min(DIFFERENCES.wider, wider))
         self._height, self._length, self._ends = height, length, ends
@@ -395,13 +395,13 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
     # the first half of the window to the second.
     level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
     found = np.where(level, np.max(windows, axis=2), np.inf)
-    # The shortest steps that change a height at all may show only 1/128 (1/`part`) of the
-    # round-off.
+    # A value above 128 (`part`) times the least one is more than round-off: the shortest steps that
+    # change a height may show only 1/128 of the round-off.
     found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)
-    # A steep rise of the height looks like larger round-off. At most half of the digits may count
-    # as hidden round-off.
+    # A steep rise of the height looks like larger round-off. Therefore at most half of the digits
+    # may count as hidden round-off.
     most = np.max(sizes, axis=(0, 2)) / np.sqrt(EPS)
     return np.asarray(np.minimum(options.margin * largest, most))
 

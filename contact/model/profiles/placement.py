@@ -141,8 +141,8 @@ class Overlap:
 
 
 def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
-    """The interval whose corners are listed: the cells of a periodic body around the tip of a body
-    without a period.
+    """The interval in which corners of a periodic body are listed: a number of its cells around the
+    tip of the other body, which has no period.
 
     None where the bodies are no such pair.
     """

@@ -47,7 +47,7 @@ _TRENDS = ("none", "line", "quadratic")
 class TraceLimits:
     """Limits of the preparation, and limits of plausible values of a measured trace."""
 
-    # Highest degree of a form; a filter should remove still shorter waves.
+    # Highest degree of a polynomial to be subtracted; a filter should remove still shorter waves.
     max_trend: int = 12
     # Largest number of points that `regrid` may create. Linear interpolation adds corners and time,
     # but no information.
