@@ -61,7 +61,7 @@ def solve(
     near: Solution | None = None,
     branch: str = "advancing",
 ) -> Solution:
-    """Solve a scene for zones, pressure, gap and numbers, with a stated error of at most `tol`.
+    """Solve a scene for its zones, pressure and gap, with a stated error of at most `tol`.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ class LineLoadOptions:
 
 OPTIONS = LineLoadOptions()
 # Number of halvings from the largest wavenumber to the smallest. The panels of the wavenumber q
-# halve, and those of the distance r double, this often.
+# halve this often; those of the distance r double at most twice as often.
 _HALVINGS = int(np.log2(WAVES.max() / WAVES.min()))
 
 

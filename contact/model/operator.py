@@ -293,7 +293,8 @@ class Operator(sie.Kept):
         )
 
     def multiplier(self, q: Array) -> Array:
-        """The symbol L at the wavenumbers q [1/m] of the period's first harmonics. Without a declared symbol, the values are computed from the kernel.
+        """The symbol L at the wavenumbers q [1/m] of the period's first harmonics. Without a
+        declared symbol, the values are computed from the kernel.
         """
         assert self.period is not None
         if self.symbol is not None:
