@@ -247,7 +247,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def compression(self) -> float:
-        """Scaled displacement by a unit of uniform pressure; 0 if the substrate has no `compression`."""
+        """Scaled displacement by unit uniform pressure; 0 if the substrate has no `compression`."""
         return (self.operator.compression or 0.0) / self.units.length
 
     def bearing(

@@ -112,7 +112,7 @@ class _Pressures:
         label: str,
         top: float | None = None,
     ) -> Figure:
-        """The figure of these pressures, with one panel for each value of the control."""
+        """The figure of the pressures, with one panel for each value of the control."""
 
         def draw(figure: Any) -> None:
             values = dict.fromkeys(value for value, _ in self.every)

@@ -40,7 +40,7 @@ class _Power(SymmetricZone):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]: at x = 0 for exponents up to 2, otherwise on both sides of x = 0."""
+        """Peak pressure [Pa]: at x = 0 for exponents up to 2, at two places +-x for larger ones."""
         middle = float(self.pressure_at(0.0))
         if self.exponent <= 2.0:
             return middle
