@@ -2,8 +2,8 @@ r"""A solved contact spot: pressure, gap and displacement from the Abel transfor
 
     p(r)   = E* p_f(r) + sum (2 N P/pi) arctan(sqrt(a^2 - r^2)/sqrt(A^2 - a^2))
              + (E*/pi) sqrt(a^2 - r^2) int_0^1 (e'(x)/x) ds,   x^2 = r^2 + (a^2 - r^2) s^2
-    gap(r) = (2/pi) int_a^r [g(x) + d + e(x) - sum (2 N P/E*) sqrt(A^2 - x^2) - delta] dx / sqrt(r^2
-    - x^2)
+    gap(r) = (2/pi) int_a^r [g(x) + d + e(x) - sum (2 N P/E*) sqrt(A^2 - x^2) - delta]
+             dx / sqrt(r^2 - x^2)
 
 Here p_f is the pressure of the profile alone; e and A are those of `system`. All fields are means
 over the angle. Displacements are measured from the mean plane.

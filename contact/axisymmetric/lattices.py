@@ -127,8 +127,8 @@ class Lattice:
         The shift is in fractions of the basis vectors.
         """
         basis = self.unit_basis
-        # For all points within the reach, the cell indices are bounded by the norms of the columns
-        # of the inverse basis.
+        # The cell indices of a point within `reach` are at most `reach` times the norms of the
+        # inverse basis's columns. The margin of 2 allows for the shift.
         count = np.ceil(reach * np.linalg.norm(np.linalg.inv(basis), axis=0)).astype(int) + 2
         i, j = np.meshgrid(*(np.arange(-n, n + 1) for n in count), indexing="ij")
         points = np.stack([i.ravel() + shift[0], j.ravel() + shift[1]], axis=1) @ basis

@@ -289,7 +289,7 @@ def touch_pressures(
 
 @dataclass(frozen=True)
 class _Contact:
-    """Levels that begin to touch at once, with the nominal pressure over E* and the approach."""
+    """Levels that begin to touch together, with the nominal pressure over E* and the approach."""
 
     kinds: list[int]
     pressure: float
@@ -301,8 +301,8 @@ def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
     active = [j for j, kind in enumerate(kinds) if kind.depth == 0.0]
     yield _Contact(list(active), 0.0, 0.0)
     while waiting := [j for j in range(len(kinds)) if j not in active]:
-        # Each waiting level is computed as if it touched next; this is right only for the level
-        # that touches first.
+        # For each waiting level, the touch is computed as if it came next. This is right only for
+        # the level that touches at the lowest pressure.
         found = [_first_touch(j, kinds, active, tol) for j in waiting]
         first = min(found, key=lambda c: c.pressure)
         if isinf(first.pressure):

@@ -22,9 +22,10 @@ The sums of |R + d|^(-s) over a plane lattice, without R + d = 0, are computed b
 with the cell area V as splitting parameter:
 
     Z(s; d) = pi^(s/2)/Gamma(s/2) [ sum' Gamma(s/2, pi rho^2/V) (pi rho^2)^(-s/2)
-              + (1/V) sum_(k != 0) cos(2 pi k.d) (pi k^2)^(s/2-1) Gamma(1 - s/2, pi k^2 V) +
-              V^(-s/2)/(s/2 - 1) - [d on the lattice] V^(-s/2)/(s/2) ],   rho = |R + d|, k
-              reciprocal.
+              + (1/V) sum_(k != 0) cos(2 pi k.d) (pi k^2)^(s/2-1) Gamma(1 - s/2, pi k^2 V)
+              + V^(-s/2)/(s/2 - 1) - [d on the lattice] V^(-s/2)/(s/2) ],
+
+with rho = |R + d|, and k the points of the reciprocal lattice.
 
 For s > 2 it is the plain sum. For s = 1 the plain sum diverges, and Z is the sum minus the
 potential of the same load spread evenly; the displacement is then measured from its mean.
@@ -149,9 +150,9 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         if not radii.size:
             return Surroundings(None, circle, density)
         sums = np.sum(counts[~near] * radii[~near] ** powers[:, None], axis=1)
-        # The constant 2 pi N A is subtracted here. This constant belongs to the load of N spots per
-        # unit area, spread over the circle of radius A. Later, the difference of two large
-        # constants would lose digits.
+        # The constant 2 pi N A is subtracted here: it belongs to the load of N spots per unit area,
+        # spread over the circle of radius A. Later, it would be the difference of two large numbers
+        # and lose digits.
         sums[0] -= 2.0 * pi * density * circle * lattice.spacing
     kernel = NeighbourKernel(
         radii[near] * lattice.spacing, counts[near], binomial * sums, lattice.spacing

@@ -134,7 +134,7 @@ class PowerFit:
 
     @classmethod
     def of(cls, octave: Octave) -> "PowerFit | None":
-        """Power law with an octave's value and slope at its lower end; None unless both are > 0.
+        """Power law with an octave's value and slope at the lower end; None unless both are > 0.
 
         Its deviation in the rest of the octave is taken as its error below the octave.
         """

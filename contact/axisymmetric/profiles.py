@@ -172,7 +172,7 @@ class AxisymmetricProfile(sie.Kept):
 
 
 def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
-    """Kernel M(r, s) of the integral for the pressure, without cancellation at r = s or at a.
+    """Kernel M(r, s) of the pressure integral, without cancellation at r = s and at the edge a.
 
     The head of this module defines it. It is computed by Carlson's integral R_F (DLMF 19.29.4).
 

@@ -140,8 +140,9 @@ class Linear:
         self.at_force = {j: len(self.active) * m + k for k, j in enumerate(self.active)}
         self.at_delta = len(self.active) * (m + 1)
         self.size = self.at_delta + 1
-        # Nodes and doubled weights for the smooth part of the transform w of the displacement, and
-        # for the transform g of the profile, which need not be smooth.
+        # `smooth`: nodes and doubled weights for the smooth part of w, the transform of the
+        # displacement. `rough`: those for g, the transform of the profile, which need not be
+        # smooth.
         self.smooth = {j: (radii[j] * self.unit, 2.0 * radii[j] * self.weight) for j in self.active}
         self.rough = {j: self._rough(j) for j in self.active}
         every = np.eye(self.size + 1)
@@ -267,7 +268,7 @@ def force(kind: int, force_over_E: float) -> Condition:
 
 
 def closed_edge(kind: int) -> Condition:
-    """The condition that a kind's edge closes at the given radius: the transform w_j is 0 there.
+    """The condition that w_j, the transform of a kind's displacement, is 0 at the spot's edge.
 
     For radius 0 it says that the tip lies on the deformed surface and carries no load yet.
     """

@@ -61,7 +61,10 @@ def found(context: SolveContext) -> Outcome:
 
 
 def _says_more(later: Exception, first: Exception | None) -> bool:
-    """Whether a later error states that no contact exists, and the first error does not."""
+    """Whether a later error, that no contact exists, replaces the first error of the search.
+
+    It does not replace the error of a grid that the approach is that of full contact.
+    """
     return isinstance(later, OutOfRange) and not isinstance(first, LevelOfFullGrid)
 
 

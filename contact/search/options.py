@@ -11,8 +11,8 @@ class SearchOptions:
     # first rounds for very many zones. Zones or gaps narrower than this fraction of their
     # neighbours are lost in rough solutions.
     rough: float = 1e-3
-    # Relative error of the solution on the last grid, and of solutions under trial loads by which
-    # another control (an approach, say) is met.
+    # Relative error of the solution on the last grid, and of solutions under the trial loads of a
+    # search for another control, such as an approach.
     intermediate: float = 1e-6
     # Factor on a tolerance where the error is magnified, as for gaps next to wide zones and for
     # differences of solutions.

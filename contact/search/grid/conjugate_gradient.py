@@ -9,9 +9,9 @@ where the operator S gives the displacement u = S p,
     periodic:  u_k = 2 p_k / (E |k|), k = 2 pi j / (n h), u_0 = 0,
     isolated:  u(x) = -(2 / (pi E)) int p(xi) ln(|x - xi| / d) dxi, p constant on a cell.
 
-These formulas are for half-planes. For other bodies u_k is multiplied by their symbol, and u_0 = 2
-p_0 c / E with their compression c. If isolated, they add to the kernel a smooth function `rest` of
-the lag x - xi and the width of a cell.
+These formulas are for half-planes. For other bodies u_k is multiplied by their symbol, and
+u_0 = 2 p_0 c / E with their compression c. If isolated, they add to the kernel a smooth function
+`rest` of the lag x - xi and the width of a cell.
 
 The problem is that of Polonsky & Keer (1999), Wear 231, 206-219,
 doi 10.1016/S0043-1648(99)00113-1, and like theirs the method is a conjugate gradient with FFTs. Two
@@ -55,8 +55,8 @@ class GridOptions:
     # A linear solve ends after this many iterations in which the error has not decreased by a
     # tenth. The error has then reached the rounding of the heights f.
     max_stalled: int = 60
-    # Tolerance of the first linear solve, and ratio of the next solve's tolerance to the present
-    # one. An error well below the change of the contact set is small enough.
+    # Tolerance of the first linear solve. It is also the factor by which the tolerance decreases to
+    # a more precise solve. An error well below the change of the contact set is small enough.
     first_tolerance: float = 1e-2
 
     @property
@@ -309,7 +309,7 @@ def solve_grid(
 
 
 def turning_rate(state: GridState, x: Array) -> float:
-    """The rate of the moment with the tilt, while the load and the contact set are fixed.
+    """Derivative of the moment by the tilt, at fixed load and fixed contact set.
 
     It is the moment of the pressure under the shape -x. Motions of the ends have no effect at first
     order, as the pressure is zero there.

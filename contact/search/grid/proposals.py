@@ -146,7 +146,7 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
             high, at_high, at_low = load, error, weight * at_low
         last = error
         if low == 0.0:
-            # The contact width grows at most with the square root of the load.
+            # The contact width grows at most in proportion to the square root of the load.
             factor = min(max((width / contact) ** 2, 1e-3), 0.3) if contact < period else 0.3
             load = high * factor
         elif high == math.inf:

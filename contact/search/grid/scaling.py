@@ -150,8 +150,9 @@ def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
         level: float | None = None,
         start: Window | None = None,
     ) -> Window:
-        """An interval [m] with the contact of these heights, at a load or level (displacement +
-        height).
+        """An interval [m] with the contact of these heights, at a load or at a level.
+
+        The level is displacement plus height in the contact.
         """
         start = start or first_window(profile)
         return find_window(height, response, load, level, profile.extent, start)
@@ -243,8 +244,7 @@ def _window_of_shape(profile: Profile) -> Window | None:
 
 
 def _deeper_place(profile: Profile, window: Window) -> float | None:
-    """A sampled place outside `window` that is lower than all samples inside; None if there is
-    none.
+    """A sampled place outside `window`, lower than all samples inside; None if there is none.
 
     Declared tips are tested, and places at increasing distances.
     """
@@ -270,7 +270,7 @@ def _deeper_place(profile: Profile, window: Window) -> float | None:
 
 
 def _origin_of(profile: Profile, window: Window) -> float:
-    """The origin of x, which is the lowest sharp tip in a window, or without tips its middle.
+    """The origin of x: the lowest sharp tip in a window, or the window's middle without a tip.
 
     An end may come close to a tip, as for a wedge that touches with its flank. It is then precise
     as a distance from the tip.

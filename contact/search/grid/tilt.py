@@ -136,7 +136,7 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
             # lie on one side of the wanted centre, so that wider limits are of no use.
             break
         if missed and len(search.windows) > 1:
-            # A search interval about one asperity did not contain another asperity. The search is
+            # A search interval about one asperity may have missed another asperity. The search is
             # repeated with an interval that contains both asperities, however far apart.
             search = replace(search, whole=(lo, hi))
             best = balanced(search, centre, (best.tilt, resting), 2 * OPTIONS.max_tilts)

@@ -324,7 +324,7 @@ class _GridSearch:
         return None if cell == self.scaled.cell else replace(self.scaled, cell=cell)
 
     def _from_proposal(self, proposal: Proposal) -> Outcome | Failure:
-        """The contact from a grid's zones, as full contact, or solved for its gaps or its zones."""
+        """Full contact, or a contact solved for its gaps or its zones, from the zones of a grid."""
         context, problem, control = self.context, self.scaled.problem, self.scaled.control
         width = proposal.width / problem.units.length
         if (

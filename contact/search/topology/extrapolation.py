@@ -147,7 +147,7 @@ def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
 
 
 def _extrapolate(known: list[Motion], away: list[float], period: float | None) -> Array:
-    """Extrapolated middles and squared half widths (2, n) of the nearest point's intervals.
+    """Extrapolated middles and squared half widths (2, n) of the intervals of the nearest point.
 
     away: distance of each point from the wanted value, in the logarithm. Each interval is
     extrapolated from all successive points that have it.
@@ -184,7 +184,7 @@ def _hermite(away: Array) -> tuple[Array, Array]:
 
 
 def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, Array]:
-    """For each interval, the index of its partner in `other` (-1 if none) and the shift by periods.
+    """(index of each interval's partner in `other`, or -1; its shift by whole periods).
 
     Partners overlap each other and no third interval.
     """
@@ -224,8 +224,8 @@ def _joined(last: CurvePoint, zones: Array, gaps: Array) -> tuple[Array, int]:
     width, gap = (motion.values[1] for motion in (last.zone_motion, last.gap_motion))
     before = np.roll(gap, 1)
     half, lost = _half_widths(zones[1], width)
-    # Newton's method for the zones cannot remove a gap. A gap that may have closed is therefore
-    # taken as closed.
+    # If zones are the unknown, Newton's method cannot remove a gap. A gap that may have closed is
+    # therefore taken as closed.
     by_gaps = isinstance(last.fields, GapFields)
     half_gap, closed = (
         _half_widths(gaps[1], gap)
