@@ -32,7 +32,7 @@ OWN_SIZES = np.sort(np.concatenate((8 * 2 ** np.arange(13), 24 * 2 ** np.arange(
 
 @dataclass(frozen=True)
 class ModeOptions:
-    """Limits of the numbers of nodes and modes of zones, and tolerances of their choice."""
+    """Limits of the numbers of nodes and modes of zones, and tolerances for choosing them."""
 
     # Largest number of nodes of a zone. A zone whose last coefficients have nearly decayed may have
     # more nodes, as long as the table of all zones has at most `memory_pairs` numbers.
@@ -65,7 +65,8 @@ class ModeOptions:
 
 OPTIONS = ModeOptions()
 
-# Decay rate that is used for a zone without neighbours. The smallest normal number is exp(-ALONE).
+# Decay rate that is used for a zone without neighbours: exp(-ALONE) is the smallest normal
+# floating-point number.
 ALONE = -math.log(np.finfo(float).tiny)
 COUPLED_SIZES = np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 12]).ravel()))
 
@@ -76,7 +77,7 @@ def most(kernel: Kernel) -> int:
 
 
 def enough(kernel: Kernel, tolerance: float) -> float:
-    """Size, relative to the largest, to which the coefficients of a regular part must decay.
+    """Size to which a regular part's coefficients must decay, relative to the largest one.
 
     If the kernel has a length they decay exponentially, so that a lower level costs little. It is
     useful because the truncation error counts more if the regular part nearly cancels the poles.
@@ -174,7 +175,7 @@ def most_own(zones: Zones) -> int:
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
-    """Number m of modes of each zone that are coupled to other zones, from the fields' decay.
+    """Number m of each zone's modes coupled to other zones, from the decay of their field.
 
     With it, rho^m of the nearest end of another zone is below the tolerance.
     """
@@ -318,7 +319,7 @@ def sample(
 
 
 def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
-    """Cut long series, in place, where the second half is round-off and no longer decreases.
+    """Set the end of long series to zero, in place, if their second half is only round-off.
 
     From the middle to the end the coefficients of a jump decrease to half, and round-off does not.
     The limit is the geometric mean of both ratios.

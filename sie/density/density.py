@@ -93,9 +93,9 @@ class Density(Series):
         )
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
-            # The far sums of the tree include the regular part of the kernel if the number of its
-            # modes is known from the kernel's reach alone. The reach is the distance from a source
-            # to the nearest singular point of the regular part.
+            # If the number of modes of the kernel's regular part is known from the kernel's reach
+            # alone, the far sums of the tree include this part already. The reach is the distance
+            # from a source to the nearest singular point of the regular part.
             regular = None if self.kernel.sure else regular
         else:
             every = partial(from_zones, self, zone=zone, shift=shift, potential=potential)

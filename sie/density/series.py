@@ -70,7 +70,7 @@ class Series(DensityBase):
 
     @cached_property
     def bounded(self) -> tuple[Array, Array, Array]:
-        """(alpha, beta, u) of the series (alpha + beta t) / X + X sum u_k U_k, X = sqrt(1 - t^2)."""
+        """Series (alpha, beta, u): (alpha + beta t) / X + X sum u_k U_k, with X = sqrt(1 - t^2)."""
         return *self.singular, chebyshev.bounded_part(self.coefficients)[2]
 
     @cached_property
@@ -162,8 +162,8 @@ class Series(DensityBase):
                 for i, theta in zip(bent.tolist(), even, strict=True)
             ]
             out[1:] += bounded.largest_changes(bent, near_kinks)[1:]
-        # The density's singular part (alpha + beta t) / sqrt(1 - t^2) changes as well. If one end
-        # is fixed and the other end moves, the load spreads over another width.
+        # The density's part (alpha + beta t) / sqrt(1 - t^2) is not in `bounded`. It changes too:
+        # if one end is fixed and the other end moves, the load spreads over another width.
         alpha, beta = self.singular
         out[1:] += (np.abs(alpha) + np.abs(beta)) / interval.root_weight(
             OPTIONS.end_distance, 2 - OPTIONS.end_distance
@@ -328,7 +328,7 @@ def from_zones(
 
 
 def regular_at(density: Series, x: Array, regular: Regular) -> Array:
-    """Part of the transform or potential at points x from the kernel's regular part.
+    """Part of the transform or potential at points x that the kernel's regular part causes.
 
     It is summed by panels if the kernel has any, else by Gauss-Chebyshev quadrature on every zone.
     """

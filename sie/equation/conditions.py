@@ -547,7 +547,7 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The condition that the amplitude of the term `columns[k]` is `value` + `per_total` * (total).
+    """The condition: amplitude of `columns[k]` = `value` + `per_total` * integral of the density.
 
     Parameters
     ----------

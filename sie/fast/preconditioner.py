@@ -41,7 +41,8 @@ class TwoLevelPreconditioner:
             else slice(int(starts[at]), int(starts[at + 1]))
         )
         self.absolute = self.own is not None and not self.own.differences
-        # The condition that each zone has for itself, unless this is a condition on potentials.
+        # The condition that each zone has for itself; None if there is none, or if it is a
+        # condition on potentials.
         self.closed = None if at is None or self.levels else conditions[at]
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
         layout, symmetry = system.layout, system.symmetry

@@ -34,7 +34,7 @@ from sie.trees.far import reaches
 class QuadratureOptions:
     """Options of a system whose rows are applied by sums, without a matrix."""
 
-    # Largest number of rows of conditions that each act on several zones. A small dense system is
+    # Largest number of rows of all conditions that act on several zones. A small dense system is
     # solved for these rows.
     max_dense_conditions: int = 64
     # Length of a quadrature panel in the integral of the right side g over a gap, in units of g's
@@ -302,8 +302,8 @@ class IterativeSystem(System):
         steps = 2.2e-16 * apart + (
             self._across_gaps[1] if self.integrated and not self.rough else 0.0
         )
-        # With a period, the difference across the border of the period is minus the sum of all
-        # other differences.
+        # With a period, the last zone and the image of the first zone are neighbours too. The
+        # difference of their potentials is minus the sum of all other differences.
         border = float(root_of_squares(steps[None])[0])
         felt_left, felt_right = felt(
             *(

@@ -57,7 +57,7 @@ def _stands_alone(state: Solved) -> bool:
 
 
 def _of_others(state: Solved) -> Array | float:
-    """Effect of the round-off of jumps in other zones on each zone's intensities K (Z,).
+    """Error of each zone's intensities K (Z,) caused by the round-off of jumps in other zones.
 
     It is sampled by the field of one random density of that size. It matters for narrow zones next
     to a wide one with many knots, since the terms of these are much larger than their sum.
@@ -86,9 +86,7 @@ def _of_others(state: Solved) -> Array | float:
 
 
 def _of_levels(state: Solved) -> Array | float:
-    """Effect on the intensities K (Z,) of the round-off of levels; 0 if no condition uses
-    levels.
-    """
+    """Error of intensities K (Z,) due to round-off of levels (potentials); 0 if none is used."""
     equation, zones = state.system.equation, state.density.zones
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0

@@ -272,7 +272,7 @@ class State(Solved):
 
     @cached_property
     def neglected(self) -> Array:
-        """Sum of 0.73 k |c_k| over neglected coefficients, divided by the zone's largest one.
+        """Sum of 0.73 k |c_k| over neglected c_k, divided by the zone's largest coefficient.
 
         It is extrapolated from the decay of the last coefficients.
         """
@@ -327,13 +327,13 @@ class State(Solved):
 
 @lru_cache(maxsize=1)
 def separated_modes() -> tuple[Array, Array]:
-    """(values of sin(k theta) at the angles THETA, pseudo-inverse), k = 1 to half of LOOKS."""
+    """(values of sin(k theta) at the angles THETA, their pseudo-inverse), k <= LOOKS / 2."""
     values = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
     return values, np.linalg.pinv(values)
 
 
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
-    """(whether the last coefficients hardly decrease, ratio of the next one to the largest).
+    """(whether the last coefficients hardly decrease, ratio of the next one to their largest).
 
     row: last coefficients in descending order of the mode; fall: mean ratio of successive
     coefficients of the whole series. If the last ones decrease at less than half of this rate, they
@@ -385,8 +385,8 @@ def residual_errors(
         )
         / size
     )
-    # A few points show the largest residual only to within a factor of about three. The factor
-    # 5e-16 * coupled counts the round-off of each mode once, without the order of the mode as a
+    # A few points show the largest residual only to within a factor of about three. The term
+    # `5e-16 * coupled` counts the round-off of each mode once, without the order of the mode as a
     # factor.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return np.asarray(beyond + high + 5e-16 * coupled)

@@ -42,7 +42,7 @@ def antiderivatives(s: Array) -> Array:
 
 @record
 class Nested:
-    """A tree with the matrices that convert moments to parents and series to children.
+    """A tree with the matrices that carry moments up to parents and series down to children.
 
     kept: whether the matrices are stored for the next sum.
     """
