@@ -160,9 +160,7 @@ class ClosedFields(ZoneFields):
 
     @cached_property
     def approach(self) -> float | None:  # type: ignore[override]
-        """Mean profile height on the zone plus compliance times load; None if a datum is
-        lacking.
-        """
+        """Mean profile height on the zone plus compliance times load; None without a datum."""
         if not self.scene.operator.has_approach:
             return None
         flat = self.zone.problem.corner is not None

@@ -28,8 +28,8 @@ from sie import Array
 NODES = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # positive half of 16 Gauss-Chebyshev nodes
 
 
-# Relative tolerance of the half width at which a quantity is largest. Near its maximum the quantity
-# hardly changes, so that a rough tolerance suffices.
+# Relative tolerance of the half width at which the load or the approach is largest. Near its
+# maximum this quantity hardly changes, so that a rough tolerance suffices.
 MAXIMUM_TOLERANCE = math.sqrt(EPS)
 
 
@@ -135,7 +135,8 @@ def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
     limit = widest(problem)
     if not math.isfinite(limit):
         limit = 1e3 * guess_half_width(problem, control)
-    # The half widths are evenly spaced if the period limits them, else spaced geometrically.
+    # The half widths are evenly spaced if a period limits them. Without a period their spacing is
+    # geometric.
     steps = OPTIONS.decades * OPTIONS.points_per_decade
     a = limit * (
         np.linspace(0, 1, steps + 1)[1:]

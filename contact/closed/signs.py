@@ -46,14 +46,18 @@ def signs(zone: ClosedZone) -> tuple[Value, Value]:
 
 
 def _pushes(zone: ClosedZone) -> Value:
-    """Whether q = sum g_k U_{k-1} plus the least term of the kink is clearly positive."""
+    """Whether the pressure p inside the zone, divided by sqrt(1 - t^2), is clearly positive.
+
+    Up to a positive factor this is the polynomial q = sum g_k U_{k-1} plus a term of the kink, for
+    which its least value is taken.
+    """
     most, kinked, first = zone.sums[1], zone.problem.kink / math.pi, zone.first
     bounded = kinked + first + abs(first) - most > TOLERANCES.noise * (kinked + most)
     if everywhere(bounded):
         return bounded
     value = table(zone.nodes // 2).samples(zone.g) + kinked
-    # The parabola through three samples falls below the samples by at most bend/8. Twice this
-    # amount is subtracted.
+    # The parabola through three samples falls below the samples by at most an eighth of their
+    # second difference (`bend`). Twice this amount is subtracted.
     bend = np.abs(value[..., :-2] - 2.0 * value[..., 1:-1] + value[..., 2:])
     low = np.minimum(least(value), least(value[..., 1:-1] - 0.25 * bend))
     return bounded | (low > TOLERANCES.noise * largest(value))
@@ -80,7 +84,8 @@ def places(zone: ClosedZone) -> Array:
     feature, count = problem.profile.resolution, OPTIONS.outer_places
     if feature is not None:
         room = problem.limit - float(np.min(zone.half_width))
-        # A profile that varies on shorter lengths than the series resolves has no closed form here.
+        # The number of places is bounded, since a profile that varies on shorter lengths than the
+        # series resolves is not solved in closed form.
         most = SAMPLES_PER_DEGREE * OPTIONS.max_nodes
         count = int(min(max(SAMPLES_PER_DEGREE * room / feature, count), most))
     return 1.0 + (problem.top / half - 1.0) * _squares(count)
@@ -162,7 +167,7 @@ def stated(zone: ClosedZone) -> Value:
     left = 4.0 * (1.0 - zone.nodes / math.log(EPS)) * zone.tail
     weight = way.weight(zone.half_width)
     # A relative error e of the half length h changes the weight w by at most e h tan A. Here A is
-    # pi half width / period. The change is below e/w.
+    # pi times the half width over the period. The change is below e/w.
     turns = 0.0 if way.period is None else 1.0 / weight
     pressure = zone.end_error * (follows + scale * turns) + left + ROUND_OFF * scale
     rise = way.load_factor / weight

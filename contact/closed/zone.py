@@ -27,7 +27,8 @@ from sie import Array, Mask, record
 
 # Relative round-off of a sum of a few terms.
 ROUND_OFF = 4 * EPS
-# Half lengths below this number lose digits, since they are close to the smallest normal number.
+# Half lengths below this number lose digits, since they are close to the smallest normal
+# floating-point number.
 SMALLEST = float(np.finfo(float).tiny) / EPS
 
 
@@ -246,7 +247,8 @@ def _newton(
         done = resolved & (settled | (abs(move) <= 4.0 * rounding))
         if everywhere(done | fails):
             break
-        # Newton's method converges quadratically, so the step after this one is below round-off.
+        # A step below the square root of round-off is the last but one: Newton's method converges
+        # quadratically, so the next step is below round-off.
         settled = abs(move) <= math.sqrt(EPS)
         if not everywhere(fails | resolved | (abs(move) > options.refine_below)):
             size *= options.finer

@@ -1,1 +1,4 @@
-"""Localized contact: in, a scene whose interaction has a strip; out, the zones of that strip."""
+"""Localized contact: in, a scene in which one strip is solved exactly; out, its zones.
+
+A strip is one period of the profile.
+"""

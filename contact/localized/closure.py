@@ -1,4 +1,7 @@
-"""First-order closure: the nominal pressure of a strip is the isolated load of the same width.
+"""First-order closure: the nominal pressure of a strip follows from an isolated contact.
+
+The nominal pressure is the load of the isolated contact divided by the period. The isolated contact
+is that of the profile alone (one period, without images) with the same total width.
 
 For one zone the isolated solution is formal, as in the paper: its signs are not checked. For
 several zones the profile of the strip alone is a contact problem of its own.
@@ -29,8 +32,8 @@ from contact.search.topology.pressure_form import PressureForm
 from contact.verify.error import SolvedZones
 from sie import Array
 
-# Number of samples of a zone in which local minima are counted. If a minimum is missed, the search
-# only takes longer.
+# Number of samples of the height on a zone, among which local minima are counted. If a minimum is
+# missed, the search only takes longer.
 LOOKS = 2**10
 
 
@@ -92,7 +95,7 @@ def _is_asperity(problem: Problem, zones: Array) -> bool:
 
 
 def _about_load(scaled: ScaledScene) -> float:
-    """The given load, scaled, or else the load of the exact periodic contact on a grid."""
+    """The scaled load; if none is given, that of the exact periodic contact on a grid."""
     problem, control = scaled.problem, scaled.control
     if control.load is not None:
         return control.load

@@ -102,7 +102,7 @@ class ContactRates(sie.Kept):
         return -np.array([self._shifted.levels.mean(), self._pressed.levels.mean(), by_load])
 
     def of_strip(self, step: Array) -> Array:
-        """Motions of the strip's ends for a step of (centre, nominal pressure, load)."""
+        """Motions of the strip's zone ends for a step of (centre, nominal pressure, load)."""
         return step[0] * self.by_centre + step[1] * self.by_pressure + step[2] * self.by_load
 
     def of_ends(self, off: Array) -> Array:
@@ -116,16 +116,16 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def alone(self) -> Array:
-        """Motions of the ends of the profile alone, for a unit of nominal pressure."""
+        """Motions of the zone ends of the profile alone, for a unit of nominal pressure."""
         return self.at.period * moved_ends(
             self.at.alone.fields.state, 0, tolerance=OPTIONS.tolerance
         )
 
     @cached_property
     def alone_by_centre(self) -> Array:
-        """Motions of the ends of the profile alone, for a unit motion of the strip's centre.
+        """Motions of the zone ends of the profile alone, for a unit motion of the strip's centre.
 
-        An end at a border of the strip moves with it, and the others react.
+        An end at a border of the strip moves with this border, and the other ends react.
         """
         alone, at_border = self.at.alone, self.at.cut_off
         problem, zones = alone.fields.problem, alone.free.density.zones
@@ -168,7 +168,8 @@ class ContactRates(sie.Kept):
 
 def _shifted(strip: SolvedZones) -> sie.AnyState:
     """Derivative of the strip's density by the position of the centre, as a central difference."""
-    # The strip may be symmetric, but the difference of two shifted strips is not.
+    # The zones are not treated as symmetric: the strip may be, but the difference of two shifted
+    # strips is not.
     problem, zones = (
         strip.fields.problem,
         replace(strip.fields.state.density.zones, symmetric=False),

@@ -74,7 +74,7 @@ class _AtWidth:
 
     @property
     def step(self) -> float:
-        """Newton's step of the width; inf where the controlled quantity does not increase."""
+        """Newton's step of the width; inf where the controlled quantity does not grow with it."""
         return -self.miss / self.slope if self.slope > 0.0 else math.inf
 
 
@@ -151,7 +151,8 @@ class OneZoneClosure:
     def _root(self, control: Control, guess: float) -> _AtWidth:
         """The contacts at the controlled value, by Newton's method with a bracket of the width.
 
-        The lower end of the bracket carries too little and lies on the branch from zero load.
+        At the lower end of the bracket the controlled quantity is too small. This end lies on the
+        branch from zero load.
         """
         options, low = self.options, None
         high, carries, refusal = options.widest * self._period, False, None

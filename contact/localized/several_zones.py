@@ -52,8 +52,9 @@ class ClosureOptions:
     """Options of the search for the nominal pressure of a strip with several zones."""
 
     widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
-    # Longest Newton step, divided by the bracket. If the steps from both ends are longer, the
-    # difference W - W0 of the total widths jumps past zero.
+    # Longest Newton step, divided by the width of the bracket. If the steps from both ends of the
+    # bracket are longer, W - W0 jumps past zero. W is the total width of the zones of the strip,
+    # W0 that of the profile alone.
     jump: float = 3.0
     margin: float = 2.0  # stated error of the root over its last Newton step
 
@@ -85,8 +86,8 @@ class SeveralZones:
             miss = width_of(at.strip) - width_of(at.alone)
             step = self._step(rates, miss)
             error = np.abs(self._step(rates, self._width_error(at)))
-            # If a step is within the effect of the widths' errors, more steps do not come nearer to
-            # the root.
+            # The search ends if the step is within the effect of the widths' errors, since more
+            # steps would not come nearer to the root.
             least = max(self.context.tolerance, float(rates.of_ends(error).max()))
             if float(rates.of_ends(step).max()) <= least:
                 off = np.abs(step) + error
@@ -96,8 +97,9 @@ class SeveralZones:
             if min(newton) > self.options.jump * (high - low):
                 raise no_centre(self.scaled.problem, self.scaled.control)
             bracketed, there = low > 0.0 and high < math.inf, pressure + float(step[1])
-            # The slope of the difference W - W0 of the total widths jumps where zones come or go.
-            # Newton's method may then cycle.
+            # Bisection replaces Newton's method if its steps decrease slowly. They may even cycle,
+            # since the slope of the difference W - W0 of the total widths jumps where zones come or
+            # go.
             slow = abs(step[1]) > 0.5 * before
             before = abs(step[1])
             if bracketed and (slow or not low < there < high):

@@ -223,9 +223,7 @@ class _Equilibrium(NamedTuple):
 
 
 def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
-    """Check of a contact with several equilibria, by the intensity at the ends and local
-    stability.
-    """
+    """Check of the intensity at the ends and of stability, where several equilibria exist."""
     error, stability = _intensity_error(fields), None
     name = "load" if control is None else control.name
     if control is None or control.half_width is None:
@@ -253,8 +251,7 @@ def unresolved_gaps_note(gaps: int, over: str) -> str:
 
 
 def _intensity_error(fields: ZoneFields) -> float:
-    """Largest error of the intensity at the ends, relative to the intensity that the law
-    prescribes.
+    """Largest error of the intensity at the ends, relative to the law's intensity.
 
     At a fixed end the intensity only has to reach at least the law's value.
     """

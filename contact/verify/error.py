@@ -63,8 +63,8 @@ class SolvedZones(Solved):
         ) + _error_of_body(self)
         if self.control.approach is None:
             return error
-        # In a stiff contact, the rounding error of displacement plus height causes a large error of
-        # the load.
+        # Under a given approach, the rounding error of displacement plus height adds an error of
+        # the load. It is large in a stiff contact.
         assert fields.stiffness is not None
         rounding = fields.gap_rounding / 16 + 2 * EPS * abs(density.total)
         return error + abs(
@@ -126,7 +126,7 @@ def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
 
 
 def too_thin(problem: Problem, table: Array) -> str:
-    """Message that the scaled zones `table` (n, 2) would take too long to solve; else empty."""
+    """Message that the scaled zones `table` (n, 2) would take too long to solve; empty if not."""
     kernel, unit = problem.kernel, problem.units.length
     width = float((table[:, 1] - table[:, 0]).max(initial=0.0))
     if not width > TOLERANCES.max_kernel_lengths * kernel.length:
@@ -202,7 +202,7 @@ def limit(
     end: sie.End = sie.FREE,
     error: float = 0.0,
 ) -> str:
-    """Message that rounding keeps the ends from reaching the tolerance `tol`; else empty.
+    """Message that rounding keeps the ends from reaching the tolerance `tol`; empty if not.
 
     of: "zone" or "gap". positions: see `position_rounding`. end: kind of the free ends. error:
     stated error of a contact whose unknowns are the gaps.
@@ -254,14 +254,15 @@ class SolvedGaps(Solved):
 
     @cached_property
     def error(self) -> float:
-        """The larger of two relative errors, that of the pressure and that of the ends of the
-        zones.
-        """
+        """Bound of the relative errors of the pressure and of the ends of the zones."""
         return self._error(self.fields.relief.error)
 
     @property
     def main_cause(self) -> str:
-        """Cause of the error of the relief R, as a message, if this error prevails; else empty."""
+        """Message about the cause of the error of R, if this error prevails; empty if not.
+
+        The relief R = G f' is defined in contact.formulation.gaps.
+        """
         return self.fields.relief.relief.limit if self._error(0.0) < 0.5 * self.error else ""
 
     def _error(self, of_relief: float) -> float:
@@ -301,8 +302,8 @@ class SolvedGaps(Solved):
             ** 2
         )
         near_gaps = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
-        # Next to a kink the pressure is a sum of logarithms that cancel. They are several times
-        # larger than the pressure.
+        # With kinks, rounding counts three times: next to a kink the pressure is a sum of
+        # logarithms that are several times larger and cancel.
         rounding = (3 if len(fields.relief.at) else 1) * TOLERANCES.rounding * (
             1 + abs(fields.mean) / unit
         ) + of_relief / unit
@@ -344,8 +345,9 @@ class SolvedGaps(Solved):
 
     @property
     def _steepest(self) -> Array:
-        """Slope of the pressure in each zone near a tip with jump J of the slope: J / pi divided by
-        the distance.
+        """Slope of the pressure in each zone next to a tip: J / pi divided by the distance to it.
+
+        A tip is a convex kink of the profile, J the largest jump of f' at the tips in the zone.
 
         The distance is the smallest one for which the stated error holds.
         """

@@ -135,8 +135,8 @@ def _sampled(fields: GapFields) -> _Samples:
     step = x[1] - x[0]
     # In the middle of a zone, samples at even angles are as dense as the evenly spaced positions.
     counts = np.clip(np.pi * half / step, 2 * SAMPLING.min_points, SAMPLING.max_points).astype(int)
-    # Closer to a gap than the profile's shortest length, the pressure varies more than the profile
-    # does.
+    # Evenly spaced positions are used only farther from the ends of a zone than `near_end`. Closer
+    # to a gap, the pressure varies more than the profile does.
     is_wide = half > 2 * near_end
     wide = np.flatnonzero(is_wide)
     inside = located(zones, x)[0]
@@ -175,9 +175,7 @@ def _sampled(fields: GapFields) -> _Samples:
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
-    """(intervals where a gap is missing at a concave kink, number of kinks with unresolved
-    gaps).
-    """
+    """(intervals at concave kinks whose gap is missing, number of kinks with unresolved gaps)."""
     relief = fields.relief
     kinks = np.flatnonzero((relief.heights < 0) & ~fields.gap_slope.locate(relief.at)[2])
     if len(kinks) == 0:

@@ -32,7 +32,7 @@ def has_checks(law: Law) -> bool:
 
 
 def _fault(law: Law, fields: Fields, given_load: float | None) -> str:
-    """Message about a violation of the law, such as too high a pressure; empty if none."""
+    """Message about a violation of the law, such as too high a pressure; empty if there is none."""
     if not has_checks(law):
         return ""
     highest = law.pressure_range.highest

@@ -30,9 +30,7 @@ class Tolerances:
 
     @property
     def kernel_rounding(self) -> float:
-        """Rounding of the half-plane's kernel, whose sums have a tenth as many terms as the other
-        sums.
-        """
+        """Rounding of the half-plane's kernel, whose sums have a tenth as many terms as others."""
         return self.rounding / 10
 
 
