@@ -193,7 +193,7 @@ class Step:
         )
 
     def _rising(self, at: State) -> float:
-        """Derivative of the control by the length along the tangent at the step's start."""
+        """At a state: derivative of the control by the length along the step's first tangent."""
         tangent = _tangent(at, self.start.scales)
         return float(tangent[-1] / (tangent @ self.start.tangent))
 
@@ -557,7 +557,7 @@ def _tangent(at: State, scales: Array) -> Array:
 
 
 def along(curve: Curve, here: CurvePoint, length: float, tight: bool = True) -> State | None:
-    """The equilibrium where the curve meets the plane normal to the tangent at this length.
+    """The equilibrium where the curve meets the plane normal to the tangent at a given length.
 
     None if Newton's method does not reach it.
     """
@@ -634,8 +634,9 @@ def _newton(
             return at, start
         start = start + step
         # This Newton step is the last one if the next would be below the tolerance. The estimate is
-        # that steps shrink at least by the same factor again. If zones have very different widths,
-        # round-off stops the steps from shrinking earlier (`rounded`).
+        # that the next step is shorter by at least the factor by which this one is shorter than the
+        # step before. If zones have very different widths, round-off stops the steps from shrinking
+        # earlier (`rounded`).
         if size * min(size / before if k else 1.0, 1.0) < TOLERANCES.neutral or rounded:
             how_solved.pop("tolerance", None)
             return curve.at(

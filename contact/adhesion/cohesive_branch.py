@@ -168,8 +168,8 @@ def _advanced_from_touch(
     if value == 0.0:
         table, zones = _touch_intervals(scaled, curve)
         if problem.period is None:
-            # For a body without a period, the unit of length is about the width of its contact
-            # under no load.
+            # For a body without a period, the width of its contact under no load is about the unit
+            # of length.
             _refuse_narrow(context, problem.units.length)
     else:
         found = start_contact(context)

@@ -29,8 +29,9 @@ class CohesiveLimits:
     # certificate holds. Round-off of the gap is added to this limit.
     reach_error: float = 1e-7
     # Bound of the pressure's relative error divided by the relative error of the ends. Pressures
-    # are compared at equal normalised positions in a zone. The bound holds as strips of tension
-    # move with their zones, and as the pressure's normalised slope next to an end is below it.
+    # are compared at equal normalised positions in a zone. The bound holds because strips of
+    # tension move with their zones, and because the pressure's normalised slope next to an end is
+    # below this number.
     pressure_factor: float = 16.0
     # Least angle [rad] from the ends of a zone at which the slope of the zone's pressure is
     # sampled. The cosine of the angle is the normalised position.

@@ -134,7 +134,7 @@ class CohesiveState(State):
 
     @property
     def gains(self) -> Array:
-        """Ones (2n,): each residual is proportional to the energy's derivative by its end."""
+        """Ones (2n,): an end's residual is proportional to the energy's derivative by that end."""
         return np.ones(len(self.residual))
 
 
@@ -280,7 +280,7 @@ class CohesiveCurve(Curve):
         return np.asarray(new)
 
     def nearest(self, table: Array, value: float) -> PastState:
-        """The known state with as many intervals and the nearest ends; the last if none has."""
+        """The known state with as many intervals and the nearest ends, or the last known state."""
 
         def away(one: PastState) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)

@@ -135,7 +135,7 @@ class State:
 
     @property
     def weight(self) -> Array:
-        """Scale (2n,) of the rate of each end, to compare rates of wide and narrow zones."""
+        """Scale (2n,) of each end's own rate dr/ds, to compare ends of wide and narrow zones."""
         return np.maximum(np.abs(np.diag(self.rates)), 1.0 / self.widths)
 
     @property
@@ -227,7 +227,7 @@ class State:
         return np.asarray(np.linalg.solve(-self.rates, self.residual), dtype=np.float64)
 
     def moved(self, outward: Array) -> Array:
-        """The intervals with their ends moved outward by these lengths (2n,)."""
+        """The intervals with their ends moved outward by given lengths (2n,)."""
         left, right = np.split(outward, 2)
         return self.table + np.column_stack((-left, right))
 

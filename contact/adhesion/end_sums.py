@@ -70,7 +70,7 @@ class Cells(sie.Kept):
 
     @cached_property
     def near(self) -> tuple[Index, Index]:
-        """(indices of ends near each cell, first in each row; number of ends near each cell)."""
+        """(indices of ends for each cell, near ends first; number of ends near each cell)."""
         near = self._is_near(self.edges)
         count = near.sum(axis=1)
         return np.argsort(~near, axis=1, kind="stable")[:, : int(count.max())], count

@@ -273,7 +273,10 @@ def least_eigenvalue(matrix: Array) -> float:
 
 
 def _moment_balance(fields: ZoneFields) -> float | None:
-    """Error of the moment divided by load times farthest end; None if no moment is given."""
+    """Relative error of the moment; None if no moment is given.
+
+    The error is divided by the load times the largest lever of an end of a zone.
+    """
     given = fields.problem.moment
     if given is None:
         return None

@@ -259,9 +259,9 @@ class SolvedGaps(Solved):
 
     @property
     def main_cause(self) -> str:
-        """Message about the cause of the error of R, if this error prevails; empty if not.
+        """Message about the cause of the error of the relief R, if this prevails; empty if not.
 
-        The relief R = G f' is defined in contact.formulation.gaps.
+        R = G f' is defined in contact.formulation.gaps.
         """
         return self.fields.relief.relief.limit if self._error(0.0) < 0.5 * self.error else ""
 

@@ -108,9 +108,8 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
 class _Samples:
     """Samples of the pressure in all zones, in several runs of neighbouring samples.
 
-    run: index of the row of even samples. zone: index of the zone. left, right: distances from its
-    ends divided by its half width. value: pressure divided by the sine of the angle. rough:
-    rounding of `value`.
+    run: index of the run. zone: index of the zone. left, right: distances from its ends divided by
+    its half width. value: pressure divided by the sine of the angle. rough: rounding of `value`.
     """
 
     run: Index
@@ -125,15 +124,16 @@ class _Samples:
 
 
 def _sampled(fields: GapFields) -> _Samples:
-    """Samples of the pressure at even angles, but at even positions inside wide zones.
+    """Samples of the pressure at equidistant angles; inside wide zones, at equidistant positions.
 
-    The even places are those of the samples that the fields compute anyway.
+    The equidistant positions are those of the samples that the fields compute anyway.
     """
     zones, near_end = fields.zones, fields.relief.spacing
     half = 0.5 * (zones[:, 1] - zones[:, 0])
     x, known = fields.samples
     step = x[1] - x[0]
-    # In the middle of a zone, samples at even angles are as dense as the evenly spaced positions.
+    # In the middle of a zone, samples at equidistant angles are as dense as the evenly spaced
+    # positions.
     counts = np.clip(np.pi * half / step, 2 * SAMPLING.min_points, SAMPLING.max_points).astype(int)
     # Evenly spaced positions are used only farther from the ends of a zone than `near_end`. Closer
     # to a gap, the pressure varies more than the profile does.
@@ -156,7 +156,7 @@ def _sampled(fields: GapFields) -> _Samples:
     place = np.arange(len(run)) - np.repeat(np.cumsum(lengths) - lengths - first, lengths)
     zone = of_run[run]
     left, right = sides((place + 0.5) * np.pi / counts[zone])
-    # These positions run from right to left, so that their angles increase.
+    # These positions are ordered from right to left, so that their angles increase.
     inner = inner[::-1]
     pressure, zone = (
         np.concatenate((fields.pressure_in(zone, left, right), known[inner])),

@@ -48,7 +48,8 @@ class Dips:
 
 
 def may_be_negative(before: Array, here: Array, after: Array) -> Mask:
-    """Whether a function with a minimum near three even samples may be negative between them.
+    """Whether a function with a minimum near three equidistant samples may be negative between
+    them.
 
     The parabola through the samples falls below the middle one by at most an eighth of their second
     difference.
@@ -150,11 +151,11 @@ def signs_on(
     sampled: Callable[[Index, Array], tuple[Array, Array, Array]],
     over: Callable[[Index, Array], Array],
 ) -> Signs:
-    """Check the signs of a function on several intervals, from samples at even angles.
+    """Check the signs of a function on several intervals, from samples at equidistant angles.
 
-    counts: number of samples of each interval, at even angles. sampled: a function of intervals
-    (k,) and angles (n,) that returns the values (k, n), their rounding and their scale (k,). over:
-    see `over_root` of `follow`.
+    counts: number of samples of each interval. sampled: a function of intervals (k,) and angles
+    (n,) that returns the values (k, n), their rounding and their scale (k,). over: see `over_root`
+    of `follow`.
     """
     negative: list[tuple[float, float]] = []
     least, points = np.inf, 0
