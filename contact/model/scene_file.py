@@ -103,9 +103,9 @@ def read_scene(
 ) -> Scene:
     """The scene that a TOML text describes.
 
-    name: of the text in messages.
-    directory: file names are relative to it.
-    hint: of what to do where the text is no TOML.
+    name: the name of the text in messages.
+    directory: the folder to which file names are relative.
+    hint: advice for the message that the text is not TOML.
     """
     try:
         tables = require("tomllib").loads(text.decode("utf-8"))

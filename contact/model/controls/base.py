@@ -21,8 +21,8 @@ TURNING = {"tilt": "rad", "moment": "N"}
 class Quantity(Enum):
     """Quantities that the solver can prescribe.
 
-    They are the load [N/m], per period where there is one; the approach; the half width of one zone
-    about the origin; the width of all zones together [m].
+    They are the load [N/m] (in a periodic contact, on one period), the approach [m], the half
+    width [m] of a single zone about the origin, and the total width of all zones [m].
     """
 
     LOAD, APPROACH, HALF_WIDTH, WIDTH = range(4)
@@ -42,16 +42,17 @@ class Control(Named):
     Parameters
     ----------
     value : float
-        What is given, in its unit.
+        The prescribed value, in the unit `unit`.
 
     Attributes
     ----------
     unit : str
-        Of the value, as "N/m"; "1" where it has none.
+        Unit of the value, such as "N/m"; "1" for a number without unit.
     quantity : Quantity or None
-        What the solver is to hold at the value itself, if it is that.
+        The quantity that the solver prescribes directly. If it is None, the solver searches for
+        the load at which the controlled quantity has the value.
     falls : bool
-        Of a control that is looked for by loads: its quantity falls as the load grows.
+        Whether the controlled quantity falls as the load grows; used in the search for the load.
 
     Examples
     --------

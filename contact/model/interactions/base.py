@@ -22,29 +22,32 @@ Scaled = Callable[[Array], Array]
 class Interaction(Named):
     """Base of the interaction models. A model is a frozen dataclass in a file of its own.
 
-    All is in scaled lengths that count from an origin of the solver's own. `columns` and
-    `side_conditions` may speak of loads, widths and slopes; what speaks of a place of the profile
-    goes into `placed_columns` and `placed_conditions`, which are told where it stands.
+    All methods work in scaled lengths, whose origin the solver chooses. `columns` and
+    `side_conditions` may depend on loads, widths and slopes. Whatever depends on a place of the
+    profile goes into `placed_columns` and `placed_conditions`, which can convert the place.
 
     Attributes
     ----------
     needs_period : bool
-        The model means nothing without one: all periods act, unless it has a `strip`.
+        Whether the model needs a periodic profile. If so, all periods act, unless the model has a
+        `strip`.
     allows : tuple of str
-        The controls it accepts.
+        The controls that the model accepts.
     exact : bool
-        Nothing is approximated.
+        Whether the model makes no approximation.
     datum : float or None
-        Where nothing repeats: the distance [m] from a line load at which it displaces nothing;
-        without it a substrate without a base has no approach.
+        For a contact without a period: the distance [m] from a line load at which the load causes
+        no displacement. If it is None, the approach is defined only on a substrate with a base.
     strip : bool
-        The zones are those of one strip, cut from the period at its widest gap and centred on them.
+        Whether only the zones of one period, the strip, are solved. The strip is cut from the
+        profile at the widest gap and centred on its zones.
     neighbours : int
-        How many copies of the strip on each side are in its kernel.
+        Number of copies of the strip, on each side, that are included in the kernel.
     turns : bool
-        One body alone, which may be given a tilt or a moment.
+        Whether there is one body alone, to which a tilt or a moment may be given.
     follows_isolated : bool
-        The amplitude of the first column is the mean isolated load of the same total width.
+        Whether the amplitude of the first term in `columns` is the mean pressure of the isolated
+        contact of the same total width.
 
     Examples
     --------

@@ -16,8 +16,9 @@ class Isolated(Interaction):
     Parameters
     ----------
     datum : float or None
-        The distance d [m] from a line load at which it displaces nothing, on a half-plane u(x) =
-        -(2/(pi E*)) int p ln|(x - xi)/d| dxi; without it a body without a base has no approach.
+        The distance d [m] from a line load at which the load causes no displacement; on a
+        half-plane u(x) = -(2/(pi E*)) int p ln|(x - xi)/d| dxi. If it is None, the approach is
+        defined only on a substrate with a base.
 
     Raises
     ------

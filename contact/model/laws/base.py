@@ -25,8 +25,8 @@ from contact.model.registry import Named
 class PressureRange:
     """Bounds of the pressure in a zone [Pa].
 
-    lowest: 0 where the surfaces only push, -inf where they also pull. highest: inf, or the pressure
-    that no contact may exceed, such as that at which a surface yields.
+    lowest: 0 if the surfaces can only push each other, -inf if they can also pull. highest: inf, or
+    a pressure that no contact may exceed, such as the pressure at which a surface yields.
     """
 
     lowest: float = 0.0
@@ -43,9 +43,9 @@ class Equilibria:
     """Whether there is one equilibrium contact at each value of the control. If there are several,
     a branch of them starts from the contact under another law (`start`).
 
-    unique: right signs of pressure and gap make a contact the only one. start: where there are
-    several, the law whose contact lies within the one that is reached by growing; a branch is
-    followed from there.
+    unique: whether a contact with right signs of pressure and gap is the only one. start: if
+    there are several equilibria, the law whose zones lie within those of the growing contact. The
+    branch is followed from the contact under this law.
     """
 
     unique: bool
@@ -62,10 +62,10 @@ class Routes:
     """The formulations that are valid under a law, and the module that solves scenes under this
     law.
 
-    gaps: nothing acts where the bodies do not touch, so that the gaps may be the unknowns.
-    full_contact: full contact begins where the least pressure is zero. module: dotted name of a
-    module whose function `found(context)` solves every scene under this law; None for the general
-    search.
+    gaps: whether nothing acts where the bodies do not touch, so that the gaps may be the unknowns.
+    full_contact: whether full contact begins when its lowest pressure is zero. module: dotted name
+    of a module whose function `found(context)` solves every scene under this law; None for the
+    general search.
 
     `found` takes a `contact.search.context.SolveContext` and returns an outcome, such as a
     `contact.verify.error.SolvedZones`. Its outcome is final: the solver does not refine it, as the
@@ -94,17 +94,18 @@ class Law(Named, sie.Kept):
     pulls : bool
         Whether the pressure may be negative; if not, the certificate checks its sign in every zone.
     convex : bool
-        Whether right signs make a contact the only one, so that it grows with the load whatever
-        the path. Without it there is no load path, and no first guess from the pressure on a grid.
+        Whether a contact with right signs of pressure and gap is the only one, so that it grows
+        with the load on every path. Otherwise there is no load path, and no first guess from the
+        pressure on a grid.
     by_gaps : bool
         Whether nothing acts between the bodies where they do not touch, so that nearly full contact
         may be solved by its gaps.
     full_contact : bool
-        Whether full contact begins where its least pressure is zero.
+        Whether full contact begins when its lowest pressure is zero.
     bare : Law or None
-        Where a load has several equilibria: a convex law whose contacts lie within those that are
-        reached by growing under this law. Their branch is followed from there
-        (contact.adhesion.edge_branch).
+        If a load has several equilibria: a convex law whose zones lie within those that the growing
+        contact has under the present law. The branch of this contact is followed from the contact
+        under the convex law (contact.adhesion.edge_branch).
 
     Examples
     --------

@@ -61,7 +61,7 @@ def _require_tables(profile: Profile) -> None:
 def _require_heights(profile: Profile, x: Array) -> None:
     """Raise SceneError if heights are not numbers, or so large that their squares would overflow.
 
-    x: where to look at a profile without ends.
+    x: positions of the heights if the profile has no ends.
     """
     ends = profile.known or profile.support
     x = np.linspace(*ends, DETAIL.samples + 1) if ends is not None else x

@@ -62,7 +62,8 @@ def unlikely_border(profile: Profile) -> float:
 class JumpEstimates:
     """Estimated jumps of the first, second and third derivatives of f, one row for each place.
 
-    height: of the jumps; doubt: their errors; sharp: whether each stays when seen from nearer.
+    height: the jumps. doubt: their errors. sharp: whether a jump stays the same when it is
+    estimated from shorter distances.
     """
 
     height: Array

@@ -200,8 +200,8 @@ class Verdicts:
     """For each place, whether the height contradicts a slope, and whether the height confirms the
     slope.
 
-    discrepancy: over the slope, on the interval that shows a contradiction best.
-    claimed, seen: the mean slope there by the slope and by the height.
+    discrepancy: difference over the rise, on the interval that shows a contradiction best.
+    claimed, seen: the mean slope on this interval, from the slope and from the height.
     """
 
     contradicted: NDArray[np.bool_]
@@ -217,8 +217,8 @@ def verdicts(
     """Compare differences of the height with integrals of the slope on intervals about the places
     x.
 
-    An interval counts only if a polynomial through its nodes resolves both, and heights have digits
-    left.
+    An interval counts only if a polynomial through its nodes resolves the height and the slope, and
+    if round-off leaves digits of the heights.
     """
     contradicted, confirmed = np.zeros(x.shape, dtype=bool), np.zeros(x.shape, dtype=bool)
     claimed, seen, worst = np.zeros(x.shape), np.zeros(x.shape), np.zeros(x.shape)
@@ -250,8 +250,8 @@ def _compared(
     """Compare heights with integrals of slopes on intervals of half width h about x, one interval
     in each row.
 
-    Returns the discrepancy over the rise where it is a contradiction, else 0; whether both agree;
-    and the integral of the slope at the nodes.
+    Returns three arrays: the discrepancy relative to the rise if it is a contradiction, else 0;
+    whether heights and slopes agree; and the integral of the slope at the nodes.
     """
     n = options.nodes
     t = np.cos(np.pi * (np.arange(n) + 0.5) / n)

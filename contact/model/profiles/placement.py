@@ -22,9 +22,9 @@ Window = tuple[float, float]
 class CombinedLimits:
     """Largest numbers of cells of two bodies that are examined one by one.
 
-    cells_in_period: of either body in the common period.
-    repeats: of a body with corners under one that goes on for ever, on either side; they hold at
-        most 2 cells_in_period corners.
+    cells_in_period: largest number of cells of either body in the common period.
+    repeats: number of cells, on either side, of a periodic body with corners that faces a body
+        without ends. Together the cells have at most 2 cells_in_period corners.
     """
 
     cells_in_period: int = 10_000
@@ -91,7 +91,8 @@ class PlacedBody:
 class Overlap:
     """The interval in which two placed bodies face each other.
 
-    support: between sharp corners; extent: where both are known; None without such ends.
+    support: the interval between sharp corners; None without corners. extent: the interval in which
+    both bodies are known; None if they are known everywhere.
     """
 
     support: Window | None

@@ -41,7 +41,8 @@ MIN_POINTS = 4
 class SampledOptions:
     """Tolerance for the points of a measured profile.
 
-    same: relative difference up to which a repeated end point is one point, and positions are even.
+    same: largest relative difference, in position and height, at which the last point is the first
+    one, repeated after a period.
     """
 
     same: float = 1e-9

@@ -22,10 +22,11 @@ class Substrate(Named, sie.Kept):
     Attributes
     ----------
     compression : float or None
-        The limit of L(q)/q for long waves [m], by which a uniform pressure p displaces the surface,
-        2 p compression / E*: of a body on a rigid base, from which displacements and the approach
-        then count. None for a body without a base, whose symbol tends to a number above 0: there
-        displacements have no mean with a period, and need a datum without.
+        The limit of L(q)/q for long waves [m]. A uniform pressure p displaces the surface by
+        2 p compression / E*. A body on a rigid base has a compression, and displacements and the
+        approach count from the base. It is None for a body without a base, whose symbol tends to a
+        number above 0 for long waves. The displacement of such a body is defined up to a constant: in a
+        periodic contact its mean is set to 0, in other contacts a datum fixes it.
 
     Examples
     --------

@@ -188,7 +188,7 @@ def _columns(columns: Any, wanted: int) -> tuple[int | str, ...]:
 
 
 def _asked(decimal: Any, delimiter: Any) -> tuple[tuple[str | None, ...], tuple[str, ...]]:
-    """The possible delimiters and decimal marks: those that the user gives, or else all known ones."""
+    """The possible delimiters and decimal marks: the user's, or else all known ones."""
     if decimal is not None and (not isinstance(decimal, str) or decimal not in _DECIMALS):
         raise SceneError.of("decimal", decimal, '"." or ","')
     if delimiter is not None and (not isinstance(delimiter, str) or delimiter not in _DELIMITERS):

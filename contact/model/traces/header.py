@@ -99,7 +99,7 @@ def written(names: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class Unit:
-    """A word in a place where a unit is expected, and the unit's length as returned by `scale_of`."""
+    """A word where a unit is expected, and the unit's length as returned by `scale_of`."""
 
     word: str
     scale: float | None
