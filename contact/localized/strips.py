@@ -58,7 +58,7 @@ def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> 
 def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> SolvedZones:
     """The zones after the strip was moved until its centre is the middle of the zones."""
     before: tuple[float, float, Array] | None = None
-    misses, stalled = [math.inf], math.inf
+    misses, stalled, failed = [math.inf], math.inf, 0
     for _ in range(SEARCH.max_steps):
         zones, centre = found.free.density.zones, found.fields.problem.centre
         width = float((zones.b - zones.a).min())
@@ -84,22 +84,20 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
         if len(misses) > len(recent) and min(recent) > 0.5 * min(misses[: -SEARCH.max_attempts]):
             break
         before = centre, miss, zones.table
-        found = _moved(context, scaled, found, step, expected)
+        # The step is halved until zones are found. Many failures are a sign of a zone that comes or
+        # goes between the present centre and the wanted one.
+        problem = found.fields.problem
+        while True:
+            there = problem.about(problem.centre + step)
+            moved = context.refine_topology(there, scaled.control, expected)
+            if isinstance(moved, SolvedZones):
+                break
+            failed += 1
+            if failed > SEARCH.max_attempts:
+                raise no_centre(problem, scaled.control)
+            step, expected = 0.5 * step, 0.5 * (zones.table + expected)
+        found = moved
     raise no_centre(scaled.problem, scaled.control)
-
-
-def _moved(
-    context: SolveContext, scaled: ScaledScene, found: SolvedZones, step: float, expected: Array
-) -> SolvedZones:
-    """The zones after the strip's centre has moved; the step is halved until zones are found."""
-    problem, table = found.fields.problem, found.free.density.zones.table
-    for _ in range(SEARCH.max_attempts):
-        there = problem.about(problem.centre + step)
-        moved = context.refine_topology(there, scaled.control, expected)
-        if isinstance(moved, SolvedZones):
-            return moved
-        step, expected = 0.5 * step, 0.5 * (table + expected)
-    raise no_centre(problem, scaled.control)
 
 
 def no_centre(problem: Problem, control: Control) -> ContactError:

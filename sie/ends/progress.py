@@ -159,17 +159,18 @@ class Progress:
         """Whether the search will not converge on these zones, so that other zones are needed.
 
         certain: whether the density has the right sign next to all ends. If it has not, the search
-        is hopeless once the ends have settled or stalled.
+        is hopeless once the ends have settled or stalled. If it has, the search is hopeless once
+        small moves have not decreased for many steps.
         """
         options, move = self.options, self.trace[-1].move
+        stays = self.stalled >= 3 * options.stalled_steps and self._stays()
         if certain:
-            return False
+            return stays and move < options.close_step
         settled = len(self.trace) >= options.stalled_steps and move < options.close_step
         if options.allow_loss and settled:
             return True
-        stays = self.stalled >= 3 * options.stalled_steps and self._stays()
         stalled = self.stalled >= options.stalled_steps
-        return stalled and (move < self.options.rounding_step or stays)
+        return stays or (stalled and move < options.rounding_step)
 
     def _stays(self) -> bool:
         """Whether the moves did not decrease lately, while the widths hardly changed."""
