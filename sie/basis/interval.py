@@ -99,7 +99,7 @@ def excess_of(rate: float) -> float:
 
 
 class Seen:
-    """Base of points with the coordinate zeta; root = sqrt(zeta^2 - 1), rho = zeta - root."""
+    """Base class of points with the coordinate zeta; root = sqrt(zeta^2 - 1), rho = zeta - root."""
 
     rho: Array
     root: Array

@@ -400,7 +400,7 @@ def hilbert(period: float) -> Kernel:
 
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
-    """The kernel sum_k 1 / (x - xi - k L), |k| <= m, with a pole and its nearest periodic images.
+    """The kernel sum_k 1 / (x - xi - k L), |k| <= m: a pole with m periodic images on each side.
 
     Parameters
     ----------

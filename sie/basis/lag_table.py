@@ -92,10 +92,7 @@ class LagTable:
 
 
 def _unit_series() -> list[tuple[Array, int]]:
-    """Chebyshev coefficients of T_k itself, and number of zeros left out, for k < `terms`.
-
-    A list of (coefficients without trailing zeros, number of missing zeros).
-    """
+    """(coefficients of T_k without zeros at the end, number of these zeros), for k < `terms`."""
     return [
         (np.eye(OPTIONS.terms)[k][: k + 1], OPTIONS.terms - 1 - k) for k in range(OPTIONS.terms)
     ]

@@ -50,7 +50,7 @@ def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
 
 
 def stretches(counts: Index, most: int) -> Iterator[slice]:
-    """Blocks of consecutive points with at most `most` pairs together, or with one point.
+    """Blocks of consecutive points; each block has at most `most` pairs or is a single point.
 
     counts: number of pairs of each point.
     """
@@ -81,9 +81,7 @@ class Grouped:
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Index of each zone in `count` and `first`; zones after the last item's zone get the last
-        index.
-        """
+        """Indices of zones in `count` and `first`; the last index for zones beyond all items."""
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:

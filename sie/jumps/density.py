@@ -49,10 +49,10 @@ _POTENTIAL_TERMS = SPLINES.coefficients_per_knot * SPLINES.min_density_jumps
 
 @record
 class Logarithms:
-    """Logarithmic terms of the right side, J/pi times the kernel's potential for density jumps J.
+    """Logarithmic terms of the right side: J/pi times the kernel's potential, for jumps J.
 
-    Lambda is the potential of the kernel. at: positions s; weight: J/pi; own: the zone that
-    contains s, or -1; near: the terms whose s lies outside a zone but close to it.
+    J are the jumps of the density. at: positions s; weight: J/pi; own: the zone that contains s, or
+    -1; near: the terms whose s lies outside a zone but close to it.
     """
 
     kernel: Kernel
@@ -184,8 +184,7 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give the density that the jumps cause.
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """For each jump, integral of its density from the zone's left end, over (half width height
-        / pi).
+        """Integral of each jump's density from the left end, divided by half width * height / pi.
 
         It is integrated from the end on the same side of s. For t > s,
 
@@ -206,8 +205,7 @@ class DensityJumps(ForcingJumps):
 
     @cached_property
     def _totals(self) -> Array:
-        """For each jump, integral of its density over the zone, divided by (half width * height /
-        pi).
+        """Integral of each jump's density over the zone, divided by half width * height / pi.
 
         w is the half width of the zone and h the height of the jump.
         """
@@ -226,7 +224,7 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give potentials of the jumps.
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential divided by the half width w, without the term c_0 log(w).
+        """Potential of jumps, poles and nearby logarithms over the half width, without c_0 log(w).
         c_0 is the integral of the density, divided by pi w.
 
         On the zone rho = e^{i theta}. For q = 0 the formula comes from partial fractions of
@@ -252,7 +250,7 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give values at complex points (see `sie.density.plane`).
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """log(2 rho (zeta - s)) for jumps k at s, with rho = zeta - sqrt(zeta^2 - 1).
+        """log(2 rho (zeta - s)) at points zeta, for jumps k at s; rho = zeta - sqrt(zeta^2 - 1).
 
         away: zeta - s.
         """
@@ -264,7 +262,7 @@ class DensityJumps(ForcingJumps):
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential divided by the half width w, without the term c_0 log(w).
+        """Potential of jumps k, divided by the half width w, without c_0 log(w).
         c_0 is the integral of the density, divided by pi w.
         """
         higher = self.order[k] > 0

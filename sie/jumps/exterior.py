@@ -53,8 +53,8 @@ class ExteriorLogarithms(PerZone):
         at, which = at[order], which[order]
         reach = OPTIONS.reach * zones.half
         if period is not None:
-            # A position may be close to only one end of a zone, even if the zone is almost a period
-            # wide.
+            # The reach is limited, so that no position is close to both ends of a zone, even if the
+            # zone is almost a period wide.
             reach = np.clip(reach, 0.0, np.maximum(0.49 * period - zones.half, 0.0))
         found: list[tuple[Index, Index, Array]] = []
         for sign, ends in ((1.0, zones.b), (-1.0, zones.a)):
@@ -113,7 +113,10 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def transform(self, zone: Index, rho: Array) -> Array:
-        """Transform at points off the zone, from rho = zeta - sqrt(zeta^2 - 1) of each point."""
+        """Transform of the logarithms' density at points off the zone.
+
+        rho: zeta - sqrt(zeta^2 - 1) of each point, with its coordinate zeta relative to the zone.
+        """
         return self.grouped.summed(
             zone, 2 * self.weight, lambda at, k: np.log1p(-rho[at] * self.rho[k])
         )
@@ -140,7 +143,7 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def potential(self, zone: Index, log: Array, rho: Complex) -> Array:
-        """Potential divided by the half width w, without the term c_0 log(w).
+        """Potential of the logarithms' density, divided by the half width w, without c_0 log(w).
         c_0 is the integral of the density, divided by pi w.
 
         log: log(2 |rho|).

@@ -26,8 +26,8 @@ class JumpOptions:
     # work equally well.
     reach: float = 0.5
     # The series of all jumps of a zone is summed at points whose |rho|, rho = zeta - sqrt(zeta^2 -
-    # 1), is below a limit. Below the first limit closed forms cancel. The next limits apply to
-    # zones with at least `far_jumps` jumps, because the series is then faster.
+    # 1), is below a limit. Below the first limit closed forms cancel. The second and third limit
+    # apply to zones with at least `far_jumps` jumps, because the series is then faster.
     far_rho: tuple[float, ...] = (0.25, 0.6, 0.87)
     far_jumps: tuple[int, ...] = (10, 36)
 
@@ -105,8 +105,9 @@ class PlacedJumps(PerZone):
         return np.asarray(slope[k] * t + constant[k])
 
     def turn(self, k: Index, away: Array) -> Array:
-        """The factor of (t - s)^q in the transform on the zone, for a jump at s; `away` is t -
-        s.
+        """The factor of (t - s)^q in the transform at points t on the zone, for a jump at s.
+
+        away: t - s.
         """
         return np.where(away > 0, self.psi[k], -self.phi[k])
 
@@ -210,8 +211,9 @@ class PlacedJumps(PerZone):
 
     # The methods below give the series of jumps k.
     def sine_weights(self, k: Index, j: Array) -> Array:
-        """Weights b_j of jumps k; for order 0, the density is height/pi sum_j (2/j) b_j sin(j
-        theta).
+        """Weights b_j of jumps k: for order 0 the density is (h/pi) sum_j (2/j) b_j sin(j theta).
+
+        h is the height of the jump.
         """
         from_left = (self.psi < self.phi)[k][:, None]
         sines = np.sin(j * np.minimum(self.phi, self.psi)[k][:, None])

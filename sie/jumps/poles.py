@@ -98,7 +98,7 @@ class AlgebraicPoints:
 
     @cached_property
     def weights(self) -> Complex:
-        """The common factor of the coefficients of all poles that represent an algebraic point."""
+        """For each algebraic point, the common factor of the coefficients of the point's poles."""
         p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
         # With angles in degrees, the zeros of sine and cosine are exact, so that a polynomial has
         # no poles.
@@ -267,7 +267,10 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def transform(self, zone: Index, rho: Array) -> Array:
-        """Transform at points off the zone, from rho = zeta - sqrt(zeta^2 - 1) of each point."""
+        """Transform of the poles' density at points off the zone.
+
+        rho: zeta - sqrt(zeta^2 - 1) of each point, with its coordinate zeta relative to the zone.
+        """
 
         def part(at: Index, k: Index) -> Array:
             both = self.rho[k] * rho[at]
@@ -276,7 +279,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_on(self, zone: Index, left: Array, right: Array) -> Array:
-        """Potential on the zone, divided by the half width w, without the term c_0 log(w).
+        """`potential` at points on the zone: divided by the half width w, without c_0 log(w).
         c_0 is the integral of the density, divided by pi w.
         """
         t = 0.5 * (left - right)
@@ -291,7 +294,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_off(self, zone: Index, rho: Array) -> Array:
-        """Potential off the zone, divided by the half width w, without the term c_0 log(w).
+        """`potential` at points off the zone: divided by the half width w, without c_0 log(w).
         c_0 is the integral of the density, divided by pi w.
         """
 
@@ -309,7 +312,7 @@ class Poles(PerZone):
         return np.asarray((rho - 1.0 / rho) * np.log1p(-rho * seen) - seen - rho * log)
 
     def potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential divided by the half width w, without the term c_0 log(w).
+        """Potential of the poles' density, divided by the half width w, without c_0 log(w).
         c_0 is the integral of the density, divided by pi w.
         """
         out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
@@ -372,7 +375,7 @@ class Poles(PerZone):
 def _seen(
     zones: Zones, places: Array, period: float | None
 ) -> Iterator[tuple[int, int, float, float]]:
-    """Yield (position index, zone, distances from left and right end) for all close pairs.
+    """Yield (position index, zone, distances from both ends) if the two are close together.
 
     A position is close to a zone if it lies in it or within `JumpOptions.reach` half widths.
     """

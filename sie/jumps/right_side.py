@@ -208,7 +208,7 @@ class ForcingJumps(PlacedJumps):
 
     @cached_property
     def by_zone(self) -> dict[int, Index]:
-        """Indices of the jumps of each zone that has any closed-form part.
+        """Indices of the jumps of each zone that has jumps, splines, poles or nearby logarithms.
 
         A zone with only a spline, poles or nearby logarithms has an empty array.
         """
@@ -222,7 +222,7 @@ class ForcingJumps(PlacedJumps):
         return -self.carried(zone, left)
 
     def level_part(self, zone: Index, left: Array) -> Array:
-        """The piecewise constant `smooth_part` for the jumps of the right side g itself."""
+        """The part of `smooth_part` that comes from jumps of g itself; it is piecewise constant."""
         return -replace(self.chosen(self.order == 0), splines={}, poles=NO_POLES).carried(
             zone, left
         )
@@ -283,7 +283,7 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.transform(zone, rho) + self.poles.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential divided by the half width w, without the term c_0 log(w).
+        """Potential of jumps, splines and poles, divided by the half width w, without c_0 log(w).
         c_0 is the integral of the density, divided by pi w.
 
         The formulas are at the head of this file.
@@ -317,7 +317,7 @@ class ForcingJumps(PlacedJumps):
         return self.grouped.summed(zone, self.height / np.pi, of)
 
     def _in_splines(self, zone: Index) -> Iterator[tuple[Spline, Index]]:
-        """Yield (spline, indices of points on its zone) for each zone that has a spline."""
+        """Yield (spline, indices of points on the spline's zone) for each zone with a spline."""
         for i, here in Grouped.by(zone).places().items() if self.splines else ():
             if i in self.splines:
                 yield self.splines[i], here
@@ -461,7 +461,7 @@ class ForcingJumps(PlacedJumps):
 
     # The methods below give values at complex points (see `sie.density.plane`).
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """-i log(B / A), A, B = 1 - rho e^(+-i phi), for rho of the points and phi of jumps k."""
+        """-i log(B / A) with A, B = 1 - rho e^(+-i phi), rho of the points and phi of jumps k."""
         c, s = half_angles(self.left[k], self.right[k])
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(
@@ -476,7 +476,7 @@ class ForcingJumps(PlacedJumps):
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential divided by the half width w, without the term c_0 log(w).
+        """Potential of jumps k, divided by the half width w, without c_0 log(w).
         c_0 is the integral of the density, divided by pi w.
         """
         parts = self.potential_of(

@@ -57,7 +57,7 @@ from sie.trees.tree import SEPARATION, TERMS
 
 @dataclass(frozen=True)
 class SplineOptions:
-    """Numbers of jumps above which a spline replaces the jumps, and length of its series."""
+    """Numbers of jumps from which on a spline replaces the jumps, and length of its series."""
 
     # If a zone has at least this many jumps of g'', the second derivative of the right side, a
     # spline replaces them. With fewer jumps, the closed forms of single jumps are faster.
@@ -86,7 +86,7 @@ def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
 
 
 def with_jumps(knots: Array, jumps: Array) -> Callable[[Array], Array]:
-    """The quadratic spline with these jumps and the least sum of squared values at the knots.
+    """The quadratic spline with given jumps and the least sum of squared values at the knots.
 
     The jumps are half of those of the second derivative. If a function is not itself a quadratic
     spline, this spline is the part of it that has the jumps.
@@ -152,8 +152,7 @@ class QuadraticSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, f: Callable[[Array], Array]
     ) -> "tuple[QuadraticSpline, Array, Array] | None":
-        """(sum of f's B-splines inside the zone, remaining jumps, empty table); None if jumps of f
-        differ.
+        """(f's B-splines inside the zone, remaining jumps, empty table); None if f has other jumps.
 
         Jumps are half of those of the second derivative. The result is None if f has other jumps
         than the given ones.
@@ -209,9 +208,7 @@ class QuadraticSpline(Kept):
 
     @property
     def edge_slopes(self) -> tuple[float, float]:
-        """Derivatives of the spline by the angle at the zone's ends; zero, as the spline is zero
-        there.
-        """
+        """Derivatives by the angle at the zone's ends: zero, since the spline is zero there."""
         return 0.0, 0.0
 
     @property
@@ -355,8 +352,9 @@ class ConjugateSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, g: Callable[[Array], Array]
     ) -> "tuple[ConjugateSpline, Array, Array] | None":
-        """(spline, zeros for remaining jumps, place and height of an added jump); None if jumps of
-        g differ.
+        """(spline, zeros, place and height of an added jump); None if g has other jumps.
+
+        The zeros are the jumps that remain: none.
 
         The spline is g less a function of two quadratic pieces that has the values and slopes of g
         at both ends. The added jump is that of the second derivative where the two pieces meet. The
@@ -419,8 +417,7 @@ class ConjugateSpline(Kept):
 
     # The methods below integrate the spline g times smooth functions.
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
-        """(angles phi, weights) of the rule int g F dphi = sum of weights * F(phi), spline g,
-        smooth F.
+        """(angles phi, weights) of the rule int g F dphi = sum of weights * F(phi), spline g.
 
         F is any function that is smooth between the cuts.
         """
@@ -474,7 +471,7 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def mean_offset(self) -> float:
-        """Mean over theta of a primitive of the spline, minus the mean of its two end values.
+        """Mean over theta of a primitive of the spline, minus the primitive's mean at the ends.
 
         It is divided by the half width of the zone.
         """
@@ -569,7 +566,7 @@ class ConjugateSpline(Kept):
         )
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
-        """Potential divided by the half width w, without the term c_0 log(w).
+        """Potential of this density, divided by the half width w, without c_0 log(w).
         c_0 is the integral of the density, divided by pi w.
 
         It holds on the zone and off it.
@@ -591,7 +588,7 @@ class ConjugateSpline(Kept):
 
 
 def _graded(first: float, last: float) -> Array:
-    """Ends of panels from 0 to pi, with lengths `first` and `last` at the ends that double inwards.
+    """Ends of panels that cover (0, pi); their lengths double inwards from `first` and `last`.
 
     No inner panel is longer than its distance from 0 and from pi.
     """
