@@ -150,9 +150,9 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         if not radii.size:
             return Surroundings(None, circle, density)
         sums = np.sum(counts[~near] * radii[~near] ** powers[:, None], axis=1)
-        # The constant 2 pi N A is subtracted here: it belongs to the load of N spots per unit area,
-        # spread over the circle of radius A. Later, it would be the difference of two large numbers
-        # and lose digits.
+        # The constant 2 pi N A is subtracted here. It belongs to the load of N spots per unit area,
+        # spread over the circle of radius A. Subtracted only from the results, it would cost
+        # digits, as both numbers are large.
         sums[0] -= 2.0 * pi * density * circle * lattice.spacing
     kernel = NeighbourKernel(
         radii[near] * lattice.spacing, counts[near], binomial * sums, lattice.spacing

@@ -203,7 +203,7 @@ class Octaves:
         The power law is used if it is more accurate.
         """
         if k > self._highest:
-            # The new octave is the highest one, from which a power law may start. So octaves that
+            # If octave k is the highest one so far, a power law may start from it. So octaves that
             # were computed with errors are computed again.
             self._highest, self._power = k, None
             self._known = {one: octave for one, octave in self._known.items() if octave.is_exact}
@@ -248,9 +248,8 @@ class Octaves:
             if left > SERIES.min_decay * before:
                 left = float(np.max(np.abs(series[-degree // 2 :])))
                 break
-        # Coefficients below the round-off of the values are dropped, since the derivative amplifies
-        # them. The round-off of a value is uniform within EPS/2, and a coefficient is a mean over
-        # nodes.
+        # Coefficients near the noise are dropped, since the derivative amplifies them. The noise is
+        # that of a mean over the nodes, of values with a round-off that is uniform within EPS/2.
         noise = max(left, EPS * size / np.sqrt(6.0 * len(series)))
         above = np.flatnonzero(np.abs(series) > SERIES.noise_factor * noise)
         series = series[: above[-1] + 1] if above.size else series[:1]

@@ -22,8 +22,9 @@ class SearchOptions:
     # Error of the contact width on the last grid, in units of the mean zone width.
     missing_zones: float = 0.3
     least_error: float = 1e-13  # the smallest stated error that may be asked for
-    # Starting width of an interval that may not exist, relative to its former width or to the width
-    # of the overlap that it removes. Newton's method decides whether the interval stays.
+    # Starting width of an interval that may not exist. It is relative to the interval's former
+    # width or, for a new zone, to the width of the overlap of the bodies. Newton's method decides
+    # whether the interval stays.
     doubtful_part: float = 0.1
     # A load, divided by E* and a length of the scene, at which the contact is far narrower than
     # that length.

@@ -311,9 +311,9 @@ def _refine(p: Array, periodic: bool) -> Array:
     out = np.stack((0.75 * p + 0.25 * left, 0.75 * p + 0.25 * right), axis=1)
     for side, outer, inner in ((-1, left, right), (1, right, left)):
         ends = np.flatnonzero((p > 0) & (outer == 0))
-        # At these ends, the extrapolated end of the zone is less than 0.75 cells from the last
-        # point in contact. The midpoint of the next cell's nearer half lies outside the zone, with
-        # pressure zero.
+        # If the extrapolated end of a zone is less than 0.75 cells from the last point in contact,
+        # the midpoint of the next cell's nearer half lies outside the zone. The pressure there is
+        # zero.
         beyond = (ends[_to_end(p[ends], inner[ends]) < 0.75] + side) % len(p)
         out[beyond, 0 if side > 0 else 1] = 0.0
     return np.asarray(out.ravel(), dtype=np.float64)
@@ -378,8 +378,8 @@ class _Window:
             )
         width = window[1] - window[0]
         with np.errstate(over="ignore", invalid="ignore"):
-            # Points that are too high never touch. Their large heights would cancel digits of the
-            # heights of other points.
+            # Points that are too high never touch. They are left out, as their large heights would
+            # cost digits of all other heights.
             too_high = TOLERANCES.noise * (f - f.min()) > width + load / self.response.E
             influence = self.response.on(OPTIONS.window_points, width / OPTIONS.window_points)
             f = np.where(too_high, np.inf, f)
@@ -417,8 +417,8 @@ class _Window:
                 wanted_width = (8.0 if extent > 0.9 * width else 3.0) * width
                 centre = 0.5 * (window[0] + window[1])
             else:
-                # A contact of a few cells may be narrower than these cells, so that the window
-                # stays at least twelve cells wide.
+                # The window stays at least twelve of the present cells wide, as a contact of a few
+                # cells may be narrower than the cells.
                 wanted_width = max(extent / WINDOW.filled, 12.0 * h, least_width)
                 centre = 0.5 * (left + right)
                 fits = extent <= 2 * WINDOW.filled * width
