@@ -56,8 +56,8 @@ class ModeOptions:
     max_modes: int = 768
     # If the matrix would have more entries than this, no zone gets more than `max_modes` modes.
     max_matrix_numbers: float = 4e7
-    # First number of modes of a zone, divided by sqrt(half width / L), where the kernel's regular
-    # part varies over the length L. The square root suffices, because the density varies over L
+    # First number of modes of a zone, divided by sqrt(half width / L). L is the length over which
+    # the kernel's regular part varies. The square root suffices, because the density varies over L
     # only close to the ends, where Chebyshev nodes are dense. The factor 24 gives an error of about
     # 1e-12, and modes are added where they are too few.
     first_modes_per_root: float = 24.0
@@ -205,9 +205,9 @@ def decay(zones: Zones, kernel: Kernel) -> Array:
 
 
 def least_distance() -> float:
-    """Least distance of a singularity from a zone, over its width, at which nodes still suffice.
+    """Least distance of a singularity from a zone for which `max_nodes` nodes are enough.
 
-    With the largest number of nodes, the coefficients of the zone then nearly decay.
+    The distance is divided by the zone's width. With so many nodes, the coefficients nearly decay.
     """
     rate = -math.log(OPTIONS.nearly_decayed) / OPTIONS.max_nodes
     return 0.5 * excess_of(rate)

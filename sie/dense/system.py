@@ -322,7 +322,7 @@ class System(Rows):
         return rows[self.kept], right[self.kept]
 
     def _quadrature_tails(self) -> Array:
-        """Relative quadrature error on each zone (Z,), for a kernel that declares its length.
+        """Relative quadrature error on each zone (Z,), for a kernel with a declared length.
 
         Gauss's rule confuses one coefficient of the kernel with the highest mode. The error is the
         size of this coefficient, extrapolated for x at both ends and in the middle of the zone.

@@ -93,9 +93,9 @@ class Density(Series):
         )
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
-            # If the number of modes of the kernel's regular part is known from the kernel's reach
-            # alone, the far sums of the tree include this part already. The reach is the distance
-            # from a source to the nearest singular point of the regular part.
+            # If the kernel's reach alone gives the number of modes of its regular part, the tree's
+            # far sums already include this part. The reach is the distance from a source to the
+            # nearest singular point of the regular part.
             regular = None if self.kernel.sure else regular
         else:
             every = partial(from_zones, self, zone=zone, shift=shift, potential=potential)

@@ -44,9 +44,9 @@ from sie.jumps.spline import OPTIONS as SPLINES
 from sie.trees.far import Nested
 from sie.trees.tree import SEPARATION, TERMS, Tree
 
-# Limit of |rho| at far points, where rho = zeta - sqrt(zeta^2 - 1), and zeta is the point's
-# position from the middle of a tree node in half widths. Below this limit, the node's field follows
-# from its first TERMS moments.
+# Limit of |rho| for far points. Here rho = zeta - sqrt(zeta^2 - 1), and zeta is the point's
+# position from the middle of a tree node, in half widths. Below this limit, the node's field
+# follows from its first TERMS moments.
 _FAR = float(np.exp(-decay_rate(SEPARATION)))
 
 

@@ -91,9 +91,7 @@ class Answered(Kept):
 
 @dataclass(frozen=True, eq=False)
 class Solved(Answered):
-    """Base class of `State` with the data of a solution, and its responses to changed
-    conditions.
-    """
+    """Base class of `State`: a solution's data, and its responses to changed side conditions."""
 
     density: Density
     system: System

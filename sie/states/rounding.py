@@ -91,11 +91,11 @@ def _of_levels(state: Solved) -> Array | float:
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
     w = zones.half
-    # Between neighbours that are grounded half-lines, an error e of a zone's level changes its
-    # coefficient c_0 by e / (w log(2R / w)), with the half width w and the conformal radius R.
-    # Neighbours that are not wider than the zone keep less of their level. So the smaller logarithm
-    # log(R / 2w) is used, and at least 1. `edge_scale` times the change of c_0 is the change of the
-    # intensity K.
+    # Let w be the half width, and R the conformal radius between neighbours that are grounded
+    # half-lines. Then an error e of a zone's level changes its coefficient c_0 by e / (w log(2R /
+    # w)). Neighbours that are not wider than the zone keep less of their level. So the smaller
+    # logarithm log(R / 2w) is used, and at least 1. The intensity K changes by `edge_scale` times
+    # the change of c_0.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
     logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
     return np.asarray(zones.edge_scale * 2 * _level_noise(state) / (logarithm * 2 * w))

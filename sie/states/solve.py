@@ -192,8 +192,8 @@ def _solve_once(
     if not all(np.all(np.isfinite(part)) for part in (samples.coefficients, right, matrix)):
         raise SingularSystem(_not_finite(equation, system))
     solver = Factored.of(matrix)
-    # Each row has been divided by its size, so a smaller reciprocal condition number is only
-    # round-off.
+    # The rows of the side conditions have been divided by their sizes. So a reciprocal condition
+    # number below 4 `EPS` is zero within round-off.
     singular = 4 * EPS
     if (
         _condition(solver, matrix) < singular

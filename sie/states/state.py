@@ -23,8 +23,8 @@ _AT_ENDS = 0.73
 # third of the largest error. Only about half of this 0.14 n^1.5 is used, because `State.made_of`
 # doubles the sum.
 _OF_ROUNDING = 0.08
-# Number of points of each zone at which the residual is evaluated, and their angles. No point is a
-# node.
+# Number of points of each zone at which the residual is evaluated, and their angles. None of these
+# points is a node.
 LOOKS = 15
 THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
 
@@ -393,8 +393,7 @@ def residual_errors(
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Last coefficients of the other zones' field on each zone (Z,), over the density's largest
-    one.
+    """Last coefficients of other zones' field on each zone, over its density's largest one (Z,).
 
     The field is that of the other zones and of the columns.
     """

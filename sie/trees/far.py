@@ -52,8 +52,7 @@ class Nested:
 
     @cached_property
     def _place(self) -> tuple[Array, Array]:
-        """(alpha, beta) of each node, which is the interval alpha + beta s in its parent's
-        variable.
+        """(alpha, beta) of each node: its interval is alpha + beta s in its parent's variable.
 
         The variable s of a node runs from -1 to 1 on its hull.
         """

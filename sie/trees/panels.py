@@ -38,8 +38,8 @@ Function = Callable[[Array, Array], Array]
 class PanelOptions:
     """Options of the panels of a smooth kernel."""
 
-    # Largest number of panels for each zone. A kernel that varies so fast that more panels are
-    # needed is summed directly, unless the table of all its matrices is small.
+    # Largest number of panels for each zone. A kernel that varies so fast that it needs more panels
+    # is summed directly, unless the table of the matrices of all panels is small.
     panels_per_zone: int = 8
     # If a kernel does not depend on x - xi alone, a skeleton is used from this number of zones on.
     min_zones_of_skeleton: int = 32

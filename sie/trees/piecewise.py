@@ -167,8 +167,8 @@ class PiecewiseTransform:
         log = np.where(own[:, None], 1.0, sign) * np.log(ratio)
         p = local[source].T[:, :, None]
         out = ((p[0] + z * (p[1] + z * p[2])) * log - 2 * (p[1] + p[2] * z)) / np.pi
-        # Far from a piece its closed form suffers from cancellation, and its moments are used
-        # instead.
+        # Far from a cell, the closed form of its field suffers from cancellation. There the cell's
+        # moments are used instead.
         distant = np.flatnonzero(outside.min(axis=1) > SEPARATION)
         if len(distant):
             e, m = outside[distant], moments[source[distant]]
