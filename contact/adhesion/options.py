@@ -33,8 +33,8 @@ class MoveOptions:
     # Length of a short step of an end. Ends make short steps against the direction of the flow, at
     # a small residual, and away from an unstable equilibrium.
     short_move: float = 0.02
-    # Factor by which a failed step is shortened, and smallest factor by which a safeguarded length
-    # or residual may change.
+    # Factor by which a failed step is shortened. It is also the smallest factor by which a
+    # safeguarded length or residual may fall at once.
     least_part: float = 0.3
     # A length or growth rate is small if it is below this fraction of another length or growth rate
     # with which the code compares it.

@@ -111,7 +111,9 @@ class ClosedFields(ZoneFields):
         return np.asarray(self._unit * out)
 
     def _arcosh(self, tangent: Array, over: Array) -> Array:
-        """The pressure's shape arcosh(tan A / tan u) under a kink; A = pi a / L, u = pi x / L.
+        """The shape arcosh(tan A / tan u) of the pressure under a kink.
+
+        A = pi a / L and u = pi x / L, with the half width a, the position x and the period L.
 
         over: sqrt(1 - (tan u / tan A)^2), which has more digits next to the ends.
         """

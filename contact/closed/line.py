@@ -62,7 +62,7 @@ class LineMap:
 
     @property
     def load_factor(self) -> float:
-        """The load / (E*/2) [m] divided by the integral of the solution Phi over y.
+        """The load divided by E*/2 [m] and by the integral of the solution Phi over y.
 
         It equals dx/dy times the weight w."""
         return 1.0 if self.period is None else self.period / math.pi

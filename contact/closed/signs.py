@@ -162,8 +162,8 @@ def stated(zone: ClosedZone) -> Value:
         return TOLERANCES.singular_end * TOLERANCES.rounding + 0.0 * zone.half
     scale, _, follows = zone.sums
     scale = scale + abs(problem.kink)
-    # The coefficients decrease like a geometric series from 1 to round-off, which gives the sum of
-    # the truncated coefficients.
+    # The sum of the truncated coefficients is estimated as if all coefficients decreased like a
+    # geometric series, from 1 to round-off.
     left = 4.0 * (1.0 - zone.nodes / math.log(EPS)) * zone.tail
     weight = way.weight(zone.half_width)
     # A relative error e of the half length h changes the weight w by at most e h tan A. Here A is

@@ -48,8 +48,7 @@ class Dips:
 
 
 def may_be_negative(before: Array, here: Array, after: Array) -> Mask:
-    """Whether a function with a minimum near three equidistant samples may be negative between
-    them.
+    """Whether a function may be negative between three equidistant samples near its minimum.
 
     The parabola through the samples falls below the middle one by at most an eighth of their second
     difference.
