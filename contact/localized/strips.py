@@ -41,8 +41,8 @@ def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> 
     problem, load = scaled.problem, scaled.control.load
     if load is not None and not context.single and not problem.interaction.follows_isolated:
         # A known nominal pressure is part of the right side. Near the border of the strip, the
-        # right side is resolved by as many modes as needed. A term of unknown amplitude would have
-        # only the modes of the zones.
+        # right side is resolved by as many modes as needed. A term with an unknown amplitude would
+        # be resolved by the number of modes of the zones only.
         problem = problem.with_amplitude(load / problem.repeat_length)
     if start is not None:
         problem = about(problem, start)
@@ -79,13 +79,14 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
         # After a secant step, only round-off keeps the residual from decreasing.
         stalled = 0.25 * abs(miss) if is_secant else math.inf
         misses.append(abs(miss))
-        # Within a few steps the residual halves, unless the middle of the zones jumps.
+        # The search ends if the residual has not halved within a few steps: then the middle of the
+        # zones jumps.
         recent = misses[-SEARCH.max_attempts :]
         if len(misses) > len(recent) and min(recent) > 0.5 * min(misses[: -SEARCH.max_attempts]):
             break
         before = centre, miss, zones.table
-        # The step is halved until zones are found. Many failures are a sign of a zone that comes or
-        # goes between the present centre and the wanted one.
+        # The step is halved until zones are found. If this fails many times, a zone comes or goes
+        # between the present centre and the wanted one.
         problem = found.fields.problem
         while True:
             there = problem.about(problem.centre + step)
