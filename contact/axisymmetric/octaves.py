@@ -249,7 +249,8 @@ class Octaves:
                 left = float(np.max(np.abs(series[-degree // 2 :])))
                 break
         # Coefficients near the noise are dropped, since the derivative amplifies them. The noise is
-        # that of a mean over the nodes, of values with a round-off that is uniform within EPS/2.
+        # at least that of a mean over the nodes, of values with a round-off that is uniform within
+        # EPS/2.
         noise = max(left, EPS * size / np.sqrt(6.0 * len(series)))
         above = np.flatnonzero(np.abs(series) > SERIES.noise_factor * noise)
         series = series[: above[-1] + 1] if above.size else series[:1]

@@ -89,7 +89,7 @@ def _from_near_origin(context: SolveContext, found: SolvedZones) -> SolvedZones:
 
 
 def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedGaps:
-    """The contact of the gaps `found`, or solved with zones as the unknown if more precise.
+    """The contact of the gaps `found`, solved with zones as the unknown if that is more precise.
 
     This is not tried where the error comes from the approach: near full contact the level of the
     zones is a difference of large numbers in both formulations.

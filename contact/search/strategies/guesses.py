@@ -77,8 +77,8 @@ def search(context: SolveContext, scaled: ScaledScene, start: Array | None = Non
     if scaled.control.approach is not None and (full := full_under(context, scaled.control)):
         return full
     refuse_full_approach(context, scaled.problem, scaled.control)
-    # Whether the scene itself gives the width. Closures of the localized model also control widths,
-    # which are not meant here.
+    # Whether the scene itself gives the width. Closures of the localized model also control widths;
+    # these widths do not count here.
     width_is_given = context.scene.given_fraction is not None
     if width_is_given and not context.single:
         return by_fraction(context, scaled)
