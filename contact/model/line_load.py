@@ -192,9 +192,9 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
             out[near] = np.sin(r[near, None] * q) @ weighted
         if not near.all():
             far = r[~near, None]
-            # With x = q r, the integrand is (L(x / r) - 1) sin x. Its part with the long-wave limit
-            # `base` of L gives base - 1, as the integral of sin x is 1 (Abel sum). The integral of
-            # (L - base) sin x vanishes for large r.
+            # With x = q r, r m(r) is the integral of (L(x / r) - 1) sin x. The long-wave limit
+            # `base` of L contributes base - 1, as the integral of sin x is 1 (Abel sum). The
+            # integral of (L - base) sin x vanishes for large r.
             out[~near] = (
                 base - 1 + (np.asarray(symbol(_OOURA / far)) - base) @ _OOURA_WEIGHTS
             ) / far[:, 0]

@@ -78,7 +78,7 @@ class Operator(sie.Kept):
 
     @property
     def is_periodic(self) -> bool:
-        """Whether the pressure of all periods acts. A harmonic pressure then gives a harmonic
+        """Whether the pressure of all periods acts. If so, a harmonic pressure gives a harmonic
         displacement.
         """
         return self.period is not None and not self.interaction.strip
@@ -470,7 +470,7 @@ class BeyondStrip:
     def height(self, x: Array) -> Array:
         half, smooth, unit = self.half, self.smooth, self.unit
         # `length` is the distance at which a line load causes no displacement. It is the period or,
-        # on a body with a base, a length of `smooth`.
+        # on a body with a base, the length `smooth.scale`.
         length = self.period if smooth.scale is None else smooth.scale / unit
         before, after = half + (x - self.centre), half - (x - self.centre)
         total = length * (_entropy(before / length) + _entropy(after / length)) - 2 * half

@@ -232,8 +232,8 @@ class Scene(sie.Kept):
             named.check(self)
         self._check_law()
         if self.interaction.follows_isolated and self.is_flat:
-            # The closure uses an isolated contact of the same width as the zones. Under a flat
-            # punch, the width of an isolated contact cannot be chosen.
+            # The nominal pressure comes from an isolated contact with the width of the zones. Under
+            # a flat punch, every isolated contact has the width of the punch.
             allowed = (
                 "another model or closure: every isolated load has the width of a "
                 f"{self.profile.name} profile"

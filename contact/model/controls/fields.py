@@ -46,7 +46,7 @@ class MeanPressure(Control):
 @register_control("approach")
 @dataclass(frozen=True)
 class Approach(Control):
-    """Approach of the bodies [m]. A contact that is not periodic needs a datum for it."""
+    """Approach of the bodies [m]. Without a period, it needs a datum or a body with a base."""
 
     unit = "m"
     quantity = Quantity.APPROACH

@@ -141,8 +141,8 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
     if not rough[i] > CHECKS.stands_out * float(np.median(rough)):
         return None
     a, b = float(x[i]), float(x[i + last])
-    # The interval around the corner shrinks until round-off hides the corner. Its smallest width is
-    # relative to its ends and to the searched interval, hi - lo. Without hi - lo, an interval
+    # The interval around the corner shrinks until round-off hides the corner. The smallest width is
+    # relative to the places and to hi - lo, the searched length. Without hi - lo, an interval
     # around a corner at 0 would be halved into underflow.
     while b - a > 64 * EPS * max(abs(a), abs(b), hi - lo):
         x = np.linspace(a, b, 4 * last + 1)

@@ -248,11 +248,11 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
     found = []
     for j in range(_HALVINGS):
         # The differences leave out the place s itself. If a power is low, the round-off of s
-        # changes the value at s.
+        # changes the value at s strongly.
         y = abs(room) / (order + 1) * 0.5**j * np.arange(1, order + 2)
         values = np.asarray(function(s + np.sign(room) * y), dtype=np.float64)
         declared = float(weights @ (y[:, None] ** power @ size))
-        # The places next to s are rounded, too.
+        # The round-off of the places next to s also changes the values there.
         rounding = EPS * float(np.abs(weights) @ np.abs(values)) * (1.0 + abs(s) / y[0])
         if abs(declared) > 10 * rounding / (2 * CHECKS.jump):
             found.append(abs(float(weights @ values) - declared) / abs(declared))

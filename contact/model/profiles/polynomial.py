@@ -85,7 +85,9 @@ class Polynomial(Profile):
         return self._jumps_at_the_border(2, 3)
 
     def _jumps_at_the_border(self, *orders: int) -> Array:
-        """Place, order and jump of these derivatives, if the jump exceeds round-off."""
+        """Rows (place, order, jump) of the derivatives of these orders that jump where the cells
+        meet.
+        """
         found = []
         for order in orders if self.period is not None else ():
             d = polyder(self._c, order)

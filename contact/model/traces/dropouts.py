@@ -46,7 +46,7 @@ class WarningLimits:
     # Number of points of the running median; a spike has less than half as many points.
     median_points: int = 9
     # Largest fraction of missing heights without a warning. Also the largest fraction of points
-    # that may be spikes: more points far from the others belong to the surface.
+    # that may be spikes: if more points are far from the others, they belong to the surface.
     max_part: float = 0.1
 
 
@@ -164,7 +164,8 @@ def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
         return False
     usual = float(np.quantile(steps[inner], 0.75))
     # On the flanks of a narrow bump all steps are large, not only the step at its top. Therefore
-    # the usual step is at least the median of the steps next to those at the border.
+    # the usual step is at least the median of the steps that are next to a step into or out of
+    # marked heights.
     following = inner & (np.append(border[1:], False) | np.append(False, border[:-1]))
     if following.any():
         usual = max(usual, float(np.median(steps[following])))
