@@ -25,8 +25,9 @@ class DomainLimit:
 
 
 def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
-    """Whether and where outward steps `delta` (2, Z) of ends would leave the right side's
-    domain.
+    """Whether and where outward steps `delta` (2, Z) of ends would leave the allowed interval.
+
+    This is the interval in which the right side is known, `Equation.within`.
     """
     names, is_close = [], False
     distances, last = border_distances(zones, equation), len(zones) - 1

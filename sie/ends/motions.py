@@ -106,9 +106,7 @@ class FreeEnds:
         self.at = np.searchsorted(zones.solved, self.zone)
 
     def of(self, values: Array) -> Array:
-        """Values at the free ends `self.ends`, shape (E, ...), from values at all ends (2, Z,
-        ...).
-        """
+        """Values (E, ...) at the free ends `self.ends`, from values (2, Z, ...) at all ends."""
         return np.asarray(values[self.side, self.zone])
 
     def spread(self, values: Array) -> Array:
@@ -284,9 +282,7 @@ class IteratedMotions(FreeEnds):
             return np.asarray(out - by_value * (normal @ out) / (normal @ by_value))
 
         def along(d: Array) -> Array:
-            """The component of a motion d of the ends that does not violate the condition on the
-            ends.
-            """
+            """The component of a motion d of the ends that keeps the condition on the ends."""
             return (
                 d if normal is None else np.asarray(d - normal * (normal @ d) / (normal @ normal))
             )
@@ -425,7 +421,7 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
 
 
 def end_motions(state: State, change: Array) -> tuple[Array, Array]:
-    """Motions of free ends, and changes of the potentials' constants, for given intensity changes.
+    """(motions of free ends, changes of the potential's constants) for given intensity changes.
 
     The values of the side conditions do not change. For very many ends the motions are found by
     iteration, since the matrix of all rates would be too large.

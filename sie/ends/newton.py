@@ -249,8 +249,7 @@ class _Search:
         return self._moved(state, motion, rest)
 
     def _solved(self) -> tuple[AnyState, bool, bool]:
-        """(solution, whether this solution is inexact, whether an end fixed at a limit was set
-        free).
+        """(solution, whether it is inexact, whether an end fixed at a limit was set free).
 
         A state is inexact if its tolerance is larger than that of a final solution.
         """

@@ -178,7 +178,7 @@ def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
             both = seen[i, places, None, q, None] * up[i, sources]
             place, source, pole = np.nonzero(np.abs(both) >= least)
             both, place, source = both[place, source, pole], places[place], sources[source]
-            # ln(1 - both) plus the sum of both^l / l over l <= m is minus the sum of both^l / l
+            # The sum of both^l / l over all l is -ln(1 - both). So `total` becomes minus the sum
             # over l > m.
             total = np.log1p(-both)
             power = np.ones_like(both)

@@ -46,12 +46,12 @@ from sie.basis.data import Array, Mask, record, wrapped
 from sie.basis.zones import Zones
 from sie.equation.forcing import Forcing
 
-# A jump of the right side is ignored if its distance from the end is more than this number of times
-# the end's uncorrected Newton step. Such a jump changes the step by less than 2 %, which the next
-# step corrects. A root search would lose the digits of small steps.
+# A jump of the right side is ignored if its distance from the end exceeds this multiple of the
+# end's uncorrected Newton step. Such a jump changes the step by less than 2 %, which the next step
+# corrects. A root search would lose the digits of small steps.
 _FARTHEST_JUMP = 20.0
-# Largest inward step of an end towards a logarithm of height J < 0, as a fraction of the distance
-# between the end and the logarithm. The end must not pass this logarithm.
+# Largest inward step of an end towards a logarithm of height J < 0, as a fraction of the end's
+# distance from the logarithm. The end must not pass this logarithm.
 _STOP_BEFORE = 0.9
 
 
@@ -93,9 +93,9 @@ def gap_steps(
     # `closing` is 1 - sqrt(1 - less), computed without cancellation. If the gap closes, it is 1,
     # and each end of the gap moves by half the gap.
     closing = np.where(less < 1, less / (1 + np.sqrt(np.maximum(1 - less, 0.0))), 1.0)
-    # `share` is the fraction of the slope S (head of this file) that comes from the kink. The half
-    # gap (1 - e) c belongs to the load (1 - e)^2 (1 - share) / 2 + (1 - e) share, which would close
-    # the gap. This load equals `left`, which determines e.
+    # `share` is the fraction of the slope S (head of this file) that comes from the kink. A gap of
+    # half width (1 - e) c closes under the load (1 - e)^2 (1 - share) / 2 + (1 - e) share. This
+    # load equals `left`, which determines e.
     mean = np.where(holds, 0.5 * (straight + across), 1.0)
     share = np.clip(
         np.asarray(0.0 if tips is None else tips) / np.pi * np.sqrt(2 / c) / mean, 0.0, 1.0

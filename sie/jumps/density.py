@@ -224,7 +224,7 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give potentials of the jumps.
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of jumps, poles and nearby logarithms over the half width, without c_0 log(w).
+        """Potential of jumps, poles, near logarithms, divided by half width w, without c_0 log(w).
         c_0 is the integral of the density, divided by pi w.
 
         On the zone rho = e^{i theta}. For q = 0 the formula comes from partial fractions of

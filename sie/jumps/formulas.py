@@ -155,8 +155,9 @@ class PlacedJumps(PerZone):
             ] * theta(right, left)
 
     def potential_on(self, k: Index, left: Array, right: Array) -> Array:
-        """Potential on the zone, divided by the half width w, without the term c_0 log(w).
-        c_0 is the integral of the density, divided by pi w.
+        """Potential of jumps k on the zone, divided by w h / pi (half width w, height h).
+
+        It lacks the term c_0 log(w), where c_0 is the integral of the density, divided by pi w.
         """
         away, nothing = left - self.left[k], np.zeros_like(left)
         return np.asarray(
@@ -164,8 +165,9 @@ class PlacedJumps(PerZone):
         )
 
     def potential_off(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
-        """Potential off the zone, divided by the half width w, without the term c_0 log(w).
-        c_0 is the integral of the density, divided by pi w.
+        """Potential of jumps k off the zone, divided by w h / pi (half width w, height h).
+
+        It lacks the term c_0 log(w), where c_0 is the integral of the density, divided by pi w.
         """
         seen = Outside(np.where(left > 0, 1.0, -1.0), np.maximum(-left, -right))
         return np.asarray(

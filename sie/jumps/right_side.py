@@ -2,8 +2,8 @@
 
 With t = cos(theta), s = cos(phi) and
 
-    kappa(t) = ln|sin((theta + phi)/2) / sin((theta - phi)/2)| = sum_j (2/j) sin(j phi) sin(j
-    theta),
+    kappa(t) = ln|sin((theta + phi)/2) / sin((theta - phi)/2)|
+             = sum_j (2/j) sin(j phi) sin(j theta),
 
 the density (h/pi) (t - s)^q kappa(t) has the transform, on the zone and off it,
 
@@ -486,9 +486,7 @@ class ForcingJumps(PlacedJumps):
 
     @property
     def near(self) -> ExteriorLogarithms:
-        """Logarithms of the right side close to zones but outside these zones; here there are
-        none.
-        """
+        """Logarithms of the right side outside but close to a zone; here there are none."""
         return NOWHERE
 
     @cached_property

@@ -98,9 +98,7 @@ class SlitDensity(DensityBase):
 
     @property
     def coefficients(self) -> Array:
-        """Coefficients of the density's smooth part on the wide zones (zones joined across
-        slits).
-        """
+        """Coefficients of the density's smooth part on the wide zones (joined across slits)."""
         return self.smooth.coefficients
 
     @cached_property
@@ -282,8 +280,9 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """Largest density, and its largest change by motion of either end (see
-        `Density.sensitivity`).
+        """(largest density, its largest change if the left end moves, if the right end moves).
+
+        See `Density.sensitivity`.
 
         Differences between points replace the series, which a single given zone does not have.
         """
@@ -408,9 +407,7 @@ class SlitDensity(DensityBase):
     # The methods below give the transform, the potential and the slack (the unknown function in a
     # slit) at real points.
     def _into_wide(self, x: Array) -> Array:
-        """x moved by whole periods into the period that begins at the first wide zone's left
-        end.
-        """
+        """Points x moved by whole periods into the period that starts with the first wide zone."""
         return wrapped(x, self.geometry.wide.a[0], self.kernel.period)
 
     @property

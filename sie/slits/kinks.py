@@ -165,17 +165,16 @@ class SlitKink(Kept):
 
     @cached_property
     def _over_root(self) -> Array:
-        """Quadrature weights for integrals of psi f / (pi X), with X = sqrt(1 - t^2) of the wide
-        zone.
+        """Weights of a quadrature rule for integrals of psi f / (pi X), with X = sqrt(1 - t^2).
+
+        f is any smooth function, and t is the coordinate of the wide zone.
         """
         from_left, from_right, _, weight = self.seen
         return np.asarray(weight / root_weight(from_left, from_right) / np.pi)
 
     @property
     def total(self) -> float:
-        """Integral of psi (see `slope`) over the slit, divided by pi and by the slit's half
-        width.
-        """
+        """Integral of psi (see `slope`) over the slit, divided by pi times its half width."""
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:
@@ -252,8 +251,7 @@ class SlitKink(Kept):
     def outside_slit(
         self, from_left: Array, from_right: Array, outside: Array, past: Mask
     ) -> Array:
-        """The bounded part of the density that psi (see `slope`) causes, at points outside the
-        slit.
+        """Bounded part of the density that psi (see `slope`) causes, at points outside the slit.
 
         outside: distance from the slit in its half widths; past: whether a point is right of it.
         """
@@ -337,7 +335,7 @@ class SlitKink(Kept):
 
 
 def _spread_powers(left: Array, right: Array) -> tuple[Array, Array, Array, Array]:
-    """Means, over places z' of the slit, of (z - z')^k if z > z' and of 0 otherwise, k = 0 ... 3.
+    """Means over the slit's places z' of (z - z')^k if z > z', and of 0 if z < z', k = 0 ... 3.
 
     The mean over z' has the weight 1 / (pi sqrt(1 - z'^2)). left, right: distances of z from the
     slit's ends, in its half widths.

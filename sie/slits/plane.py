@@ -151,7 +151,7 @@ def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Compl
 
 
 def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Complex:
-    """Transform, or its derivative by zeta, of the density that psi (see `SlitKink.slope`) causes.
+    """Transform, or its derivative by zeta, of the density due to psi (see `SlitKink.slope`).
 
     It holds off the wide zone. seen, inner: the points relative to the wide zone and to the slit.
     """

@@ -69,7 +69,7 @@ class Opened(Trial):
 
 
 class SlitsNotConverged(SingularSystem):
-    """The equations of wide zones (zones joined across slits) and of slits have no common solution.
+    """Error: no common solution of the equations of wide zones (joined across slits) and slits.
 
     The response of a slit on the surrounding zones is too strong for the solver.
     """
@@ -306,9 +306,7 @@ class SlitState(Answered):
         return self.whole.linear_error[self.geometry.piece_zone]
 
     def wide_of(self, zones: Index) -> tuple[State, Index]:
-        """(solution on wide zones, index of the wide zone that contains each of the given
-        zones).
-        """
+        """(solution on wide zones, index of the wide zone that contains each given zone)."""
         return self.whole, self.geometry.piece_zone[zones]
 
     # The methods below give solutions for other values of the side conditions.
