@@ -32,8 +32,8 @@ class ArcOptions:
     # two ends of a step. The predictor's deviation from the tangent, divided by the length, has the
     # same bound.
     longest_step: float = 0.5
-    # Largest number of known equilibria used to interpolate inside a step, and largest number of
-    # halvings of the distance to a known equilibrium after a failed solve.
+    # Largest number of known equilibria used to interpolate inside a step. After a failed solve,
+    # the distance to a known equilibrium is halved at most as many times.
     interpolation_nodes: int = 3
 
 

@@ -134,7 +134,7 @@ class CohesiveEvents(Events):
                 half *= 0.1
                 continue
             # The new ends must tend to move in the direction of the jump, and no other end may tend
-            # to move in the opposite direction.
+            # to move against it.
             new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
             if half < TOLERANCES.neutral or (
                 np.all(sign * at.residual > -TOLERANCES.resting_step)

@@ -41,9 +41,8 @@ NUMERICAL_ERRORS = (ValueError, ArithmeticError, np.linalg.LinAlgError, IndexErr
 class SnapOptions:
     """Options of the early test for full contact."""
 
-    # The contact must close on the grid even with this fraction of the work of adhesion, since the
-    # grid has errors of a few per cent. If following the contact has failed, the whole work is
-    # used.
+    # The contact must close on the grid even with this fraction of the work of adhesion. The grid
+    # has errors of a few per cent. If following the contact has failed, the whole work is used.
     work_share: float = 0.9
     # Width of the strip of attraction, in cells of the grid. With only 3 cells, the ends of the
     # zones would stick to the cells.

@@ -36,8 +36,8 @@ class MoveOptions:
     # Factor by which a failed step is shortened. It is also the smallest factor by which a
     # safeguarded length or residual may fall at once.
     least_part: float = 0.3
-    # A length or growth rate is small if it is below this fraction of another length or growth rate
-    # with which the code compares it.
+    # A length or growth rate is small if it is below this fraction of the one with which the code
+    # compares it.
     small_part: float = 0.1
     # Largest accepted error of a predicted residual. It is also the largest accepted residual of
     # the wrong sign after an end has passed an equilibrium.
@@ -45,8 +45,9 @@ class MoveOptions:
     # If the residuals of both ends of a gap or zone exceed this, the gap or zone vanishes before
     # the ends come to rest.
     hard_drive: float = 0.5
-    # A gap narrower than this fraction of its zones has closed, and a zone narrower than this
-    # fraction of its former width is lost, if the residuals of the ends exceed `hard_drive`.
+    # A gap has closed if it is narrower than this fraction of its zones, a zone is lost if it is
+    # narrower than this fraction of its former width. In either case the residuals of the ends must
+    # exceed `hard_drive`.
     vanished: float = 0.01
     # Width of a new zone, divided by the width of the overlap, interval or period in which the zone
     # begins.
@@ -68,8 +69,8 @@ class SampleOptions:
 
     # Least number of sample points between two ends.
     samples: int = 32
-    # Number of sample points of a profile that states no resolution, and least number of sample
-    # points at which the sign of the pressure on a zone is tested.
+    # Number of sample points of a profile that states no resolution. `sign_samples` is the least
+    # number of points at which the sign of the pressure on a zone is tested.
     profile_samples: int = 2049
     sign_samples: int = 128
     # Largest numbers of sample points of the profile on a period, and of the gap between two ends.
