@@ -25,8 +25,8 @@ class Substrate(Named, sie.Kept):
         The limit of L(q)/q for long waves [m]. A uniform pressure p displaces the surface by
         2 p compression / E*. A body on a rigid base has a compression, and displacements and the
         approach count from the base. It is None for a body without a base, whose symbol tends to a
-        number above 0 for long waves. The displacement of such a body is defined up to a constant: in a
-        periodic contact its mean is set to 0, in other contacts a datum fixes it.
+        number above 0 for long waves. The displacement of such a body is defined up to a
+        constant: in a periodic contact its mean is set to 0, in other contacts a datum fixes it.
 
     Examples
     --------
