@@ -330,8 +330,8 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
         | (here.growth < 0.0 <= ahead.growth)
         | (after < -MOVES.small_drive)
     )
-    # No overshoot is allowed if the step makes a stable state at least as unstable as it was
-    # stable. An end that has passed an equilibrium would not come back.
+    # No overshoot is allowed if the growth rate changes in the step from negative to positive and
+    # becomes at least as large. An end that has passed an equilibrium would not come back.
     if 0.0 < -here.growth <= ahead.growth:
         allowed = np.where(before > 0.0, -TOLERANCES.coarse, allowed)
     # A pinned end was at rest before the step, so that it has passed no equilibrium.

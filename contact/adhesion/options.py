@@ -45,7 +45,7 @@ class MoveOptions:
     # If the residuals of both ends of a gap or zone exceed this, the gap or zone vanishes before
     # the ends come to rest.
     hard_drive: float = 0.5
-    # A gap has closed if it is narrower than this fraction of its zones, a zone is lost if it is
+    # A gap has closed if it is narrower than this fraction of its zones. A zone is lost if it is
     # narrower than this fraction of its former width. In either case the residuals of the ends must
     # exceed `hard_drive`.
     vanished: float = 0.01
