@@ -296,9 +296,9 @@ class Slit(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r, so that r @ d is the mean over the wide zone of the slack's integral.
+        """Row vector r; r @ d is the zone's mean of the slack's integral, for the slit's series d.
 
-        The slack is the slit's unknown function, and d is the slit's series.
+        The slack is the slit's unknown function.
 
         The weight of the mean is 1 / sqrt(1 - t^2).
         """
@@ -540,8 +540,8 @@ class Slits(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r, so that r @ d is the mean over the wide zone of the slack's integral.
+        """Row vector r; r @ d is the zone's mean of the slack's integral, for the slits' series d.
 
-        The slack is the unknown function in the slits, and d holds the series of all slits.
+        The slack is the unknown function in the slits.
         """
         return np.concatenate([slit.mean_row for slit in self.slits])
