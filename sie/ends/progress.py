@@ -82,10 +82,10 @@ class Progress:
 
     @property
     def left_to_solve(self) -> float:
-        """Tolerance of the next solution; its error is below that of two more Newton steps."""
+        """Tolerance of the next solution: `forcing` times the cube of the last relative move."""
         last = self.trace[-1].move if self.trace else 1.0
-        # If some ends may stay unconverged, those with the largest moves are ignored here: their
-        # zones may vanish.
+        # If some ends may stay unconverged, the ends with the largest moves are ignored here,
+        # because their zones may vanish.
         last = self.most if self.options.unresolved_fraction else min(last, self.initial_error)
         return self.options.forcing * last**3
 
@@ -128,7 +128,7 @@ class Progress:
         return Convergence(certain and (rests or growth > 0) and known, error, rounding)
 
     def _moves_by_rounding(self, delta: Array, width: Array, noise: Array) -> float:
-        """Ratio of the largest recent move to the last one; 0 unless the moves are round-off."""
+        """Largest recent move divided by the last move; 0 unless round-off causes the moves."""
         move, rounding_step = self.trace[-1].move, self.options.rounding_step
         quiet = delta < np.clip(100 * noise, rounding_step * width, 1e-2 * width)
         by_rounding = (self.stalled >= 2 and move < 1e-3 * rounding_step) or (
@@ -140,7 +140,7 @@ class Progress:
         return max(step.move for step in recent) / max(move, 1e-300)
 
     def _scatter(self) -> float:
-        """Ratio of the second last move to the last; 0 unless the second last move was round-off.
+        """Second last move divided by the last move; 0 unless round-off caused the second last.
 
         Near the solution a move is at most about a constant times the square of the move before.
         A small move beyond that shows the round-off of the data. The last move may be smaller than
@@ -173,7 +173,7 @@ class Progress:
         return stays or (stalled and move < options.rounding_step)
 
     def _stays(self) -> bool:
-        """Whether the moves did not decrease lately, while the widths hardly changed."""
+        """Whether the last moves hardly decreased while no width changed by a factor of 3."""
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
         if len(now) != len(before):
             return False
@@ -203,16 +203,16 @@ class Progress:
         self.leaving = np.where(vanishes, (self.leaving if len(self.leaving) else 0) + 1, 0)
         part = options.vanished_part
         if len(zones) == 1:
-            # A single zone keeps a given total however narrow it is. Only without a given total may
-            # it vanish.
+            # A single zone keeps a given total, however narrow it is. So it counts as vanished only
+            # at a much smaller width.
             part **= 4
         gone = width < np.maximum(part * self.first_width, 8 * np.spacing(np.abs(zones.a)))
-        # A damped step leaves most of a zone. So a zone counts as vanished if several undamped
+        # A damped step leaves most of a zone. So a zone also counts as vanished if several undamped
         # steps in a row would have removed it.
         insists = np.zeros(len(gone), dtype=bool)
         if len(zones) > 1 and (self.leaving >= options.insistent_steps).any():
-            # If one zone counts as vanished, all zones are removed that the last two undamped steps
-            # would have removed.
+            # If one zone counts as vanished, all zones are removed that each of the last two
+            # undamped steps would have removed.
             insists = self.leaving >= 2
         narrowest = np.minimum(width, self.first_width)
         closed = self.closing >= 2
