@@ -213,8 +213,8 @@ def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
         return _same_places(u, zone[:, 0], angle[0], flip[0])
     shape, zone, angle, flip = angle.shape, zone.ravel(), angle.ravel(), flip.ravel()
     terms = _terms(u, zone)
-    # The series is the imaginary part of sum_k u_k turn^(k+1), or of sum_k u_k turn (-turn)^k where
-    # `flip` is true.
+    # The series is the imaginary part of sum_k u_k turn^(k+1), with turn = exp(i angle). Where
+    # `flip` is true, it is the imaginary part of sum_k u_k turn (-turn)^k.
     turn = np.exp(1j * angle)
     out = (
         turn

@@ -201,7 +201,7 @@ class Zones(Kept):
         return replace(self, a=a, b=b, rest=sum_error(ends, by) if exactly else np.zeros_like(by))
 
     def changed(self, lost: Index, met: Index, period: float | None) -> "tuple[Zones, Index]":
-        """(the zones that remain after some have vanished or merged, their indices before that).
+        """(zones that remain after some have vanished or merged, former indices of these zones).
 
         lost: indices of the zones that have vanished; met: indices of zones that have merged with
         the next one. A merged zone keeps the index of its first part.

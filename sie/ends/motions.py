@@ -204,9 +204,10 @@ class IteratedMotions(FreeEnds):
         return np.asarray(np.einsum("zab,bz->az", np.abs(self._local), k))
 
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
-        """(changes of intensities, of levels (potential's constants)) by motions d of free ends.
+        """(changes of the free ends' intensities, changes of the levels) by motions d of free ends.
 
-        The levels are those of the solved zones. The values of the side conditions do not change.
+        The levels are the constants of the potential on the solved zones. The values of the side
+        conditions do not change.
         """
         rows, own = self._applied(np.zeros(self.solver.size), d)
         folded = self.solver(-rows, None, tolerance)

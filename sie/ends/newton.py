@@ -168,7 +168,7 @@ def find_ends(
     options: NewtonOptions | None = None,
     start: WarmStart | None = None,
 ) -> Free:
-    """Find the free ends of the zones: there the density has the prescribed edge intensities.
+    """Find the free ends of the zones, at which the density has the prescribed intensities.
 
     Parameters
     ----------

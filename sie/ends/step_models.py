@@ -67,7 +67,7 @@ def facing(of_ends: NDArray[Any]) -> NDArray[Any]:
 def gap_steps(
     gaps: Array, widths: Array, moves: Mask, k: Array, slopes: Array, tips: Array | None = None
 ) -> tuple[Array, Mask]:
-    """(outward steps (2, Z) at narrow gaps, mask of the ends for which these are valid).
+    """(outward steps (2, Z) at narrow gaps, mask of the ends at which these steps are valid).
 
     A gap is narrow if it is narrower than both zones next to it. gaps, moves, k, slopes: values
     (2, Z) at both ends of all zones. k is the intensity K less its target, and slopes is the edge

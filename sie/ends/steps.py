@@ -162,9 +162,9 @@ def _safe_slopes(
     weak = side * a <= least
     unsure = weak
     if last is not None:
-        # The last step should have removed most of the residual. Where it has not, the measured
-        # change of the residual gives a better slope than the edge slope A. Changes by very small
-        # moves may be round-off.
+        # The last step should have removed most of the residual. Where more than half of the
+        # residual is left, the measured change of the residual gives a better slope than the edge
+        # slope A. Changes by very small moves may be round-off.
         measured = np.abs(last.moves) > options.rounding_step * 2 * density.zones.half
         unsure = weak | (measured & (np.abs(residual) > 0.5 * np.abs(last.residual)))
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
