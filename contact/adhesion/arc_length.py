@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.adhesion.curve import TOLERANCES, Curve, NoState, State
+from contact.adhesion.curve import ACCURACY, Curve, NoState, State
 from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
 from contact.formulation.roots import smooth_root
@@ -104,7 +104,7 @@ class Step:
         If Newton's method fails, the equilibrium half way to a known one is found first.
         """
         for place, (point, tightly) in self.known.items():
-            if abs(place - length) <= TOLERANCES.neutral * length and tightly >= tight:
+            if abs(place - length) <= ACCURACY.neutral * length and tightly >= tight:
                 return point
         found = _corrected(self.curve, self.start, self._about(length), self.start.tangent, tight)
         if found is None:
@@ -159,7 +159,7 @@ class Step:
     @property
     def lets_go(self) -> bool:
         """Whether ends jump off sharp corners at the end of the step, where the curve ends."""
-        return self.after is not None and self.after.growth > TOLERANCES.neutral
+        return self.after is not None and self.after.growth > ACCURACY.neutral
 
     @property
     def turned(self) -> float:
@@ -187,7 +187,7 @@ class Step:
 
     def turning(self, tight: bool = True) -> float:
         """Length inside the step at which the control has its extreme."""
-        accuracy = TOLERANCES.neutral if tight else TOLERANCES.coarse
+        accuracy = ACCURACY.neutral if tight else ACCURACY.coarse
         return self.where(
             self._rising, self.start.rises, self._rising(self.end.at), None, accuracy, tight
         )
@@ -203,7 +203,7 @@ class Step:
         first: float,
         last: float,
         length: float | None = None,
-        accuracy: float = TOLERANCES.neutral,
+        accuracy: float = ACCURACY.neutral,
         tight: bool = True,
     ) -> float:
         """Length inside the step at which a function of the equilibrium is zero.
@@ -233,7 +233,7 @@ class Step:
         roots = roots.real[
             (roots.imag == 0.0)
             & (roots.real >= 0.0)
-            & (roots.real <= (1.0 + 10 * TOLERANCES.resting_step) * self.length)
+            & (roots.real <= (1.0 + 10 * ACCURACY.resting_step) * self.length)
         ]
         if len(roots) == 0:
             return None
@@ -271,11 +271,11 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
         end = None if ahead is None else onward(curve, place, ahead)
         if end is None or not (
             _keeps(place, end)
-            or (vanishing and length < 1e2 * TOLERANCES.resting_step and _has_lost(place, end))
+            or (vanishing and length < 1e2 * ACCURACY.resting_step and _has_lost(place, end))
         ):
             if end is not None and place.at.growth < 0.0 <= end.at.growth:
                 unstable = place, length
-                if length < TOLERANCES.resting_step and not vanishing:
+                if length < ACCURACY.resting_step and not vanishing:
                     break
             short = curve.vanishes(place.at, place.tangent * place.scales)
             length, vanishing = (
@@ -283,7 +283,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
                 if short < length
                 else (MOVES.least_part * length, vanishing)
             )
-            if length < TOLERANCES.rough:
+            if length < ACCURACY.rough:
                 break
             continue
         step = _to_change(
@@ -298,7 +298,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
             break
         # Several steps of zero length in a row end the curve: an end could forever be pinned and
         # freed again in turn.
-        stands = stands + 1 if step.length < TOLERANCES.rough else 0
+        stands = stands + 1 if step.length < ACCURACY.rough else 0
         if stands > ARC_OPTIONS.interpolation_nodes:
             why = "ends at sharp corners are neither held nor free"
             break
@@ -312,7 +312,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
             short = curve.vanishes(place.at, place.tangent * place.scales)
             part = 2.0 if len(place.at.contact) > 1 else 1.0 - MOVES.small_part
             length, vanishing = min(length, part * short), short < ARC_OPTIONS.longest_step
-            if length < TOLERANCES.rough:
+            if length < ACCURACY.rough:
                 break
     if unstable is not None:
         raise SymmetryLost(curve, *unstable)
@@ -403,11 +403,11 @@ def _to_change(step: Step) -> Step:
         length = step.where(_least_pinned_drive, first, least)
         at = step.at(length)
         step = replace(step, length=length, end=onward(step.curve, step.start, at))
-        pinned = pinned & (at.whole.residual > TOLERANCES.resting_step)
+        pinned = pinned & (at.whole.residual > ACCURACY.resting_step)
     else:
         gap = step.curve.to_corners(at.table)
-        at_corner = gap < TOLERANCES.resting_step * at.widths
-        if not np.any(gap[~pinned] == 0.0) or step.length < TOLERANCES.rough:
+        at_corner = gap < ACCURACY.resting_step * at.widths
+        if not np.any(gap[~pinned] == 0.0) or step.length < ACCURACY.rough:
             return step
         pinned = pinned | at_corner
         at = step.curve.at(
@@ -493,7 +493,7 @@ def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
     measured. It passes through a second point, displaced by `moved`, with the tangent `there`.
     """
     length = float(tangent @ moved)
-    if abs(length) < TOLERANCES.rough:
+    if abs(length) < ACCURACY.rough:
         return np.zeros((2, len(tangent)))
     deviation, turned = (
         (moved - length * tangent) / length**2,
@@ -536,7 +536,7 @@ def _unit(curve: Curve, at: State) -> float:
     moves, _, rank, _ = np.linalg.lstsq(at.rates, at.by_value, rcond=None)
     if (
         rank < len(moves)
-        and np.abs(at.rates @ moves - at.by_value).max() * least > TOLERANCES.resting_step
+        and np.abs(at.rates @ moves - at.by_value).max() * least > ACCURACY.resting_step
     ):
         # At a turning point, the ends move while the control does not change. So the lower bound of
         # the unit is used.
@@ -594,11 +594,11 @@ def _newton(
         here.scales[:-1],
         float(here.scales[-1]),
     )
-    how_solved: dict[str, Any] = {} if tight else {"tolerance": TOLERANCES.rough}
+    how_solved: dict[str, Any] = {} if tight else {"tolerance": ACCURACY.rough}
     if at_start.corners is not None:
         how_solved["pinned"] = at_start.pinned
     before = np.inf
-    for k in range(TOLERANCES.max_newton_steps):
+    for k in range(ACCURACY.max_newton_steps):
         table = at_start.moved(start[:-1] * widths)
         if at_start.corners is not None:
             table, start = curve.within(table), start.copy()
@@ -621,15 +621,15 @@ def _newton(
         # The first Newton step must be short compared with the step along the curve. The lower
         # bound of this limit allows for a start of low accuracy.
         if size > (MOVES.least_part if k == 0 else 1.0) * max(
-            abs(length), 10 * TOLERANCES.resting_step
+            abs(length), 10 * ACCURACY.resting_step
         ):
             return None, None
-        rounded = 0.5 * before < size < TOLERANCES.resting_step
+        rounded = 0.5 * before < size < ACCURACY.resting_step
         if (
-            size < TOLERANCES.neutral
+            size < ACCURACY.neutral
             and "tolerance" not in how_solved
             or not tight
-            and (size < TOLERANCES.rough or rounded)
+            and (size < ACCURACY.rough or rounded)
         ):
             return at, start
         start = start + step
@@ -637,7 +637,7 @@ def _newton(
         # that the next step is shorter by at least the factor by which this one is shorter than the
         # step before. If zones have very different widths, round-off stops the steps from shrinking
         # earlier (`rounded`).
-        if size * min(size / before if k else 1.0, 1.0) < TOLERANCES.neutral or rounded:
+        if size * min(size / before if k else 1.0, 1.0) < ACCURACY.neutral or rounded:
             how_solved.pop("tolerance", None)
             return curve.at(
                 at_start.moved(start[:-1] * widths), at_start.value + start[-1] * unit, **how_solved

@@ -34,7 +34,7 @@ from contact.adhesion.cohesive_flow import (
 )
 from contact.adhesion.cohesive_pull_off import pull_off, pull_off_from_all
 from contact.adhesion.cohesive_zone import OPTIONS, CohesiveCurve, CohesiveState
-from contact.adhesion.curve import TOLERANCES, Closed, State
+from contact.adhesion.curve import ACCURACY, Closed, State
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.edge_branch import (
     branch_scaling,
@@ -109,7 +109,7 @@ def _greatest(
     if curve.control.load is not None or value > 0.0:
         return _receded_from_all(context, curve, value)
     above = mean = mean_height(context.scene)
-    while above > TOLERANCES.coarse * mean:
+    while above > ACCURACY.coarse * mean:
         above *= MOVES.least_part
         higher = replace(context, scene=context.scene.under(context.scene.control[0], above))
         try:
@@ -326,7 +326,7 @@ def _receded(
             table,
             max(value, 0.0),
             advancing(context, scaled, curve, max(value, 0.0)).zones,
-            TOLERANCES.rough,
+            ACCURACY.rough,
         )
         rest = receded(curve, table, max(value, 0.0))
         return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
@@ -380,7 +380,7 @@ def under_all(context: SolveContext, problem: Problem) -> Array | None:
     scene = _start_scene(context, problem)
     if scene.approach is not None and scene.approach <= 0.0:
         raise ContactLost
-    found = context.solve_scene(scene, TOLERANCES.resting_step)
+    found = context.solve_scene(scene, ACCURACY.resting_step)
     return placed(problem, found.zones) if len(found.zones) else None
 
 
@@ -436,11 +436,11 @@ def _solved_zones(
     free = next(
         (
             found
-            for tolerance in (10 * TOLERANCES.density, TOLERANCES.neutral)
+            for tolerance in (10 * ACCURACY.density, ACCURACY.neutral)
             if (found := sie.find_ends(pulled.equation(control), kinds, tolerance)).converged
         ),
         None,
-    ) or sie.find_ends(pulled.equation(control), kinds, TOLERANCES.rough)
+    ) or sie.find_ends(pulled.equation(control), kinds, ACCURACY.rough)
     if not free.converged:
         raise context.error(
             Failure(f"under the tension that was found {free.reason}", free), pulled
@@ -460,7 +460,7 @@ def _solved_at_corners(
         pulled = pulled.over(zones)
         control = Load(load + pulled.pulling.total)
         state = sie.solve_fixed(
-            pulled.equation(control), all_zones(pulled, zones), TOLERANCES.density
+            pulled.equation(control), all_zones(pulled, zones), ACCURACY.density
         )
         free = state.density.zones.moves
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -497,7 +497,7 @@ def everywhere(context: SolveContext, problem: Problem) -> Outcome:
     """The contact under tension on the whole period, from the contact without adhesion."""
     scene = _start_scene(context, problem)
     alone = replace(context, scene=scene, cache=SceneCache(scene))
-    found = alone.solve_scene(scene, TOLERANCES.resting_step)
+    found = alone.solve_scene(scene, ACCURACY.resting_step)
     stress = context.scene.law.tension
     pulled = TractionLoaded.of(
         problem, stress / problem.units.pressure, np.zeros((0, 2)), everywhere=True

@@ -4,41 +4,22 @@ The pressure p >= -s inside the zones means q = p + s >= 0. The certificate of t
 tests that, overlaps and the balance of the load of q.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from contact.adhesion.cohesive_fields import CohesiveFields, scaled_second_variation
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
-from contact.adhesion.curve import TOLERANCES
+from contact.adhesion.curve import ACCURACY
 from contact.adhesion.inner_contact import sampled_gap
 from contact.adhesion.options import SAMPLES
 from contact.formulation.fields import ZoneFields
 from contact.formulation.tables import gaps_between, located
+from contact.formulation.tolerances import TOLERANCES
 from contact.verify.certificate import Certificate, least_eigenvalue
 from contact.verify.error import SolvedZones, reference
 from sie import AnyDensity, Array, record, wrapped
-
-
-@dataclass(frozen=True)
-class CohesiveLimits:
-    """Limits of the certificate, and options of the bound of the pressure's error."""
-
-    # Largest error of the gap at an end of the tension, relative to the reach, with which the
-    # certificate holds. Round-off of the gap is added to this limit.
-    reach_error: float = 1e-7
-    # Bound of the pressure's relative error divided by the relative error of the ends. Pressures
-    # are compared at equal normalised positions in a zone. The bound holds because strips of
-    # tension move with their zones, and because the pressure's normalised slope next to an end is
-    # below this number.
-    pressure_factor: float = 16.0
-    # Least angle [rad] from the ends of a zone at which the slope of the zone's pressure is
-    # sampled. The cosine of the angle is the normalised position.
-    least_angle: float = 0.3
-
-
-LIMITS = CohesiveLimits()
 
 
 @record
@@ -81,7 +62,7 @@ def certified(
     if here is None:
         assert fields is not None
         _, gap = sampled_gap(fields)
-        inside = bool(np.all(gap < curve.reach * (1 + LIMITS.reach_error)))
+        inside = bool(np.all(gap < curve.reach * (1 + TOLERANCES.edge_condition)))
         note = (
             "the gap is below the reach of the tension everywhere: the frictionless contact, less "
             "the tension, and as stable"
@@ -100,7 +81,7 @@ def certified(
         np.minimum(np.abs(place - table[i, 0]), np.abs(place - table[i, 1])),
         np.abs(next_one[i] - place),
     )
-    clear_of_ends = away > TOLERANCES.rough * (table[i, 1] - table[i, 0])
+    clear_of_ends = away > ACCURACY.rough * (table[i, 1] - table[i, 0])
     assert here.q is not None
     rounding = here.q.gap_rounding
     wrong_side = clear_of_ends & np.where(
@@ -110,7 +91,7 @@ def certified(
     stability = least_eigenvalue(scaled_second_variation(here))
     if not holds:
         note = plain.note or "a sign or the balance fails"
-    elif reach_error > LIMITS.reach_error + 4 * rounding / curve.reach:
+    elif reach_error > TOLERANCES.edge_condition + 4 * rounding / curve.reach:
         holds, note = (
             False,
             f"at an end of the tension the gap misses its reach by {reach_error:.1e}",
@@ -150,7 +131,7 @@ def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> 
     error of the pressure.
     """
     assert here.q is not None
-    rounding = here.q.gap_rounding / 16 / curve.reach
+    rounding = here.q.gap_rounding / TOLERANCES.rounding_margin / curve.reach
     ends = np.abs(np.linalg.solve(here.rates, here.residual)) + np.abs(
         np.linalg.inv(here.rates)
     ) @ np.full(len(here.residual), rounding)
@@ -165,9 +146,9 @@ def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> 
     largest = max(
         reference(density, problem.end, problem.borne(density)), np.finfo(np.float64).tiny
     )
-    steep = np.maximum(LIMITS.pressure_factor, _steepness(density) / largest)
+    steep = np.maximum(TOLERANCES.tension_factor, _steepness(density) / largest)
     return max(
-        LIMITS.pressure_factor * float((ends / here.widths).max()),
+        TOLERANCES.tension_factor * float((ends / here.widths).max()),
         float((steep * followed.max(axis=1)).max()),
     )
 
@@ -179,7 +160,7 @@ def _steepness(density: AnyDensity) -> Array:
     """
     out = np.zeros(len(density.zones))
     for zone, count in enumerate(np.minimum(density.sampling, SAMPLES.profile_samples).tolist()):
-        theta = np.linspace(LIMITS.least_angle, np.pi - LIMITS.least_angle, count)
+        theta = np.linspace(TOLERANCES.least_angle, np.pi - TOLERANCES.least_angle, count)
         out[zone] = 2 * float((np.abs(density.by_angle(zone, theta)[1]) / np.sin(theta)).max())
     return out
 

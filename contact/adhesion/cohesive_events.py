@@ -17,7 +17,7 @@ import numpy as np
 from contact.adhesion import arc_length, cohesive_flow, cohesive_pull_off
 from contact.adhesion.arc_length import Step
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState, PastState
-from contact.adhesion.curve import TOLERANCES, Closed, NoState, State
+from contact.adhesion.curve import ACCURACY, Closed, NoState, State
 from contact.adhesion.events import Events, Jump, PathState, first_zero
 from contact.adhesion.inner_contact import ContactLost, EndsCovered
 from contact.adhesion.intervals import interval_of, joined
@@ -129,15 +129,15 @@ class CohesiveEvents(Events):
                 at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
             except EndsCovered:
                 # The contact reaches the new ends, so their distance is reduced.
-                if half < TOLERANCES.neutral:
+                if half < ACCURACY.neutral:
                     raise
                 half *= 0.1
                 continue
             # The new ends must tend to move in the direction of the jump, and no other end may tend
             # to move against it.
             new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
-            if half < TOLERANCES.neutral or (
-                np.all(sign * at.residual > -TOLERANCES.resting_step)
+            if half < ACCURACY.neutral or (
+                np.all(sign * at.residual > -ACCURACY.resting_step)
                 and np.all(sign * at.residual[new] > 0.0)
             ):
                 break
@@ -255,15 +255,15 @@ class CohesiveEvents(Events):
                 size = float(np.abs(step / at.widths).max())
                 # The residual decreases with the Newton steps until the residual is round-off.
                 if (
-                    size < TOLERANCES.neutral
-                    or size * size < TOLERANCES.neutral * before
-                    or 0.5 * before < size < TOLERANCES.rough
+                    size < ACCURACY.neutral
+                    or size * size < ACCURACY.neutral * before
+                    or 0.5 * before < size < ACCURACY.rough
                 ):
                     break
                 before = size
             return at
 
-        touches = TOLERANCES.rough * self.curve.reach
+        touches = ACCURACY.rough * self.curve.reach
         value, step = here.value, 1e-4 / float(np.abs(here.by_value).max())
         try:
             at = state(value, here.table)
@@ -274,7 +274,7 @@ class CohesiveEvents(Events):
                 if (
                     least == before
                     or 0.5 * abs(before) < abs(least) < touches
-                    or abs(step) < 1e-2 * TOLERANCES.neutral * abs(value)
+                    or abs(step) < 1e-2 * ACCURACY.neutral * abs(value)
                 ):
                     break
                 step *= -least / (least - before)
@@ -338,7 +338,7 @@ class CohesiveEvents(Events):
         if not found:
             return
         if least is None:
-            least = TOLERANCES.coarse * abs(high[0] - low[0])
+            least = ACCURACY.coarse * abs(high[0] - low[0])
         if len(found) > 1 and abs(high[0] - low[0]) > least:
             middle = 0.5 * (low[0] + high[0])
             state = middle, at(middle)
@@ -374,7 +374,7 @@ class CohesiveEvents(Events):
             root = smooth_root(
                 lambda u: condition(self.curve, formally(u), change)[1],
                 {0.0: first, 1.0: last},
-                TOLERANCES.neutral,
+                ACCURACY.neutral,
             )
             here = formally(root)
         except (NotConverged, NoState):
@@ -399,7 +399,7 @@ class CohesiveEvents(Events):
     def reopening(self, here: PathState, value: float) -> Jump | None:
         if value >= self.full:
             return None
-        after = self.under_all(self.full - TOLERANCES.resting_step * self.size)
+        after = self.under_all(self.full - ACCURACY.resting_step * self.size)
         assert isinstance(after.point, CohesiveState)
         return Jump(
             "open",
@@ -422,7 +422,7 @@ class CohesiveEvents(Events):
 
     def _under_all_to(self, here: CohesiveState, value: float) -> Iterator[Jump | PathState]:
         rises = value > here.value
-        end = min(value, self.full - TOLERANCES.resting_step * self.size) if rises else value
+        end = min(value, self.full - ACCURACY.resting_step * self.size) if rises else value
         # The states are followed to a little below full contact only, since full contact has no gap
         # to follow.
         at, step, halvings = here.value, MOVES.small_part * (end - here.value), 0
@@ -500,10 +500,10 @@ class CohesiveEvents(Events):
             table = np.array([[place + half, place + period - half]])
             try:
                 cut = curve.from_zones(table, value, curve.fitted(at.zones, table))
-                if half < TOLERANCES.neutral or np.all(cut.residual < TOLERANCES.resting_step):
+                if half < ACCURACY.neutral or np.all(cut.residual < ACCURACY.resting_step):
                     break
             except (ContactLost, EndsCovered):
-                if half < TOLERANCES.neutral:
+                if half < ACCURACY.neutral:
                     break
             half *= 0.1
         return self.jump(at, place, self.shrunk(table, value), False)

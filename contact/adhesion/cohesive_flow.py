@@ -11,7 +11,7 @@ import numpy as np
 
 from contact.adhesion import gradient_flow, jkr_guide
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
-from contact.adhesion.curve import TOLERANCES, Closed, NoState, State
+from contact.adhesion.curve import ACCURACY, Closed, NoState, State
 from contact.adhesion.grid_guide import GridGuide
 from contact.adhesion.inner_contact import ContactLost, EndsCovered
 from contact.adhesion.intervals import below, interval_of, joined, within
@@ -116,7 +116,7 @@ def guided(
         try:
             found = guide.resting(table, value, sign, 1.0 - sign * margin)
             here = curve.from_zones(
-                found.table, value, curve.fitted(found.zones, found.table), TOLERANCES.rough
+                found.table, value, curve.fitted(found.zones, found.table), ACCURACY.rough
             )
         except Closed:
             if sign > 0 and margin == MOVES.margins[-1]:
@@ -140,7 +140,7 @@ def guided(
 
 
 def _flow(curve: CohesiveCurve, table: Array, value: float, sign: float) -> CohesiveState | None:
-    here = curve.at(table, value, TOLERANCES.rough)
+    here = curve.at(table, value, ACCURACY.rough)
     first = here
     for _ in range(LIMITS.max_steps):
         new = _changed_intervals(curve, here, sign)
@@ -184,7 +184,7 @@ def _on_new_intervals(
         uncovered(curve, table, here.value, zones) if sign > 0 else table,
         here.value,
         zones,
-        TOLERANCES.rough,
+        ACCURACY.rough,
     )
 
 
@@ -206,7 +206,7 @@ def _is_near_rest(curve: CohesiveCurve, here: CohesiveState) -> bool:
     """Whether a stable equilibrium is so near that Newton's method alone converges."""
     if here.growth >= 0.0 or np.abs(here.residual).max() > MOVES.hard_drive:
         return False
-    return bool(np.all(np.abs(here.newton) <= TOLERANCES.coarse * curve.room(here.table)))
+    return bool(np.all(np.abs(here.newton) <= ACCURACY.coarse * curve.room(here.table)))
 
 
 def settled(curve: CohesiveCurve, here: State, sign: float) -> CohesiveState | None:
@@ -241,12 +241,12 @@ def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) ->
     before, power, faster = table, 0, 1
     for _ in range(LIMITS.max_iterations):
         try:
-            here = curve.from_zones(table, value, curve.fitted(zones, table), TOLERANCES.rough)
+            here = curve.from_zones(table, value, curve.fitted(zones, table), ACCURACY.rough)
         except EndsCovered as covered:
             before, power = table, power + faster
             table = _widened(curve, table, zones, covered, MOVES.widening ** (1 + power))
             continue
-        if power == 0 or here.residual.min() > -TOLERANCES.coarse:
+        if power == 0 or here.residual.min() > -ACCURACY.coarse:
             return table
         table, power, faster = before, 0, 0
     raise NotConverged(TOO_NARROW)
@@ -278,7 +278,7 @@ def _widened(
         strips, i, np.column_stack((zones[:, 0] - table[i, 0], table[i, 1] - zones[:, 1]))
     )
     left, right = covered.ends.reshape(2, -1)
-    out = (by - 1) * np.clip(strips, TOLERANCES.resting_step * width[:, None], 0.5 * width[:, None])
+    out = (by - 1) * np.clip(strips, ACCURACY.resting_step * width[:, None], 0.5 * width[:, None])
     out = np.minimum(out, MOVES.max_move * np.column_stack((np.roll(gaps, 1), gaps)))
     table = table + np.column_stack((-1.0 * left, right)) * out
     # Two intervals are joined if contact is about to close the gap between them.

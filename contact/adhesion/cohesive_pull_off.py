@@ -13,7 +13,7 @@ from contact.adhesion.cohesive_flow import (
     receded,
 )
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState, StateOutline
-from contact.adhesion.curve import TOLERANCES, Curve, NoState, State
+from contact.adhesion.curve import ACCURACY, Curve, NoState, State
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.inner_contact import ContactLost, EndsCovered
 from contact.adhesion.intervals import within
@@ -128,7 +128,7 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
     low, high, found, opened = lost, value, curve.contact_under(pulled, value, zones), False
     for _ in range(LIMITS.max_iterations):
         middle = 0.5 * (low + high)
-        if middle in (low, high) or high - low < TOLERANCES.density * (value - lost):
+        if middle in (low, high) or high - low < ACCURACY.density * (value - lost):
             break
         try:
             here = curve.contact_under(pulled, middle, found[0].density.zones.table)
@@ -154,7 +154,7 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
         )
     except ContactLost:
         return state
-    rest = receded(curve, table, high - TOLERANCES.rough * (value - lost))
+    rest = receded(curve, table, high - ACCURACY.rough * (value - lost))
     return state if rest is None else pull_off(curve, rest)
 
 
@@ -199,7 +199,7 @@ def touching(curve: CohesiveCurve, table: Array, at: float) -> StateOutline:
         table = curve.within(table + np.column_stack((-step[: len(table)], step[len(table) :])))
         if np.any(np.diff(table, axis=1) <= 0.0):
             raise NotConverged("the place where the surfaces touch last was not found")
-        if float(np.abs(step).max()) < TOLERANCES.density * float(np.diff(table, axis=1).min()):
+        if float(np.abs(step).max()) < ACCURACY.density * float(np.diff(table, axis=1).min()):
             break
     load = -TractionLoaded.of(curve.problem, curve.stress, table).pulling.total
     value = load if curve.control.load is not None else curve.yields * load + lowest

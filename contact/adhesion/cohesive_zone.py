@@ -25,12 +25,12 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from contact.adhesion.curve import TOLERANCES, Curve, State
+from contact.adhesion.curve import ACCURACY, Curve, State
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.inner_contact import (
     ContactLost,
     EndsCovered,
-    Tolerances,
+    InnerTolerances,
     contact_under,
     edge_slopes,
     sample_places,
@@ -44,6 +44,7 @@ from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import outward
+from contact.formulation.tolerances import allowed_overlap
 from contact.model.profiles.noise import EPS
 from sie import Array, Mask, record
 
@@ -209,7 +210,7 @@ class CohesiveCurve(Curve):
         self,
         table: Array,
         value: float,
-        tolerance: float = TOLERANCES.density,
+        tolerance: float = ACCURACY.density,
         pinned: Mask | None = None,
         same_rates: CohesiveState | None = None,
     ) -> CohesiveState:
@@ -294,17 +295,17 @@ class CohesiveCurve(Curve):
         table: Array,
         value: float,
         zones: Array,
-        tolerance: float = TOLERANCES.density,
+        tolerance: float = ACCURACY.density,
         same_rates: CohesiveState | None = None,
     ) -> CohesiveState:
         """The state with tension on given intervals, found from a first guess of the zones."""
         table = self.within(table)
         narrow = self.strip / float(np.diff(zones, axis=1).max(initial=0.0) or np.inf)
-        wanted, of_rates = tolerance, TOLERANCES.coarse
-        if tolerance <= TOLERANCES.density:
-            of_rates = TOLERANCES.rough
+        wanted, of_rates = tolerance, ACCURACY.coarse
+        if tolerance <= ACCURACY.density:
+            of_rates = ACCURACY.rough
         if 0.0 < narrow < OPTIONS.narrow_strip:
-            tolerance, of_rates = TOLERANCES.density, max(TOLERANCES.rough, of_rates * narrow)
+            tolerance, of_rates = ACCURACY.density, max(ACCURACY.rough, of_rates * narrow)
         for curve, last, tightly in self.recent:
             if (
                 tightly <= wanted
@@ -324,13 +325,12 @@ class CohesiveCurve(Curve):
             if self._may_be_loose and len(zones) == 0
             else None
         )
-        overlap = -TOLERANCES.neutral * self.reach
-        if point is None or (not self.formal and point.gap_samples[1].min() < overlap):
+        if point is None or (not self.formal and not self._is_apart(point)):
             try:
                 tolerances = (
-                    Tolerances(tolerance)
-                    if wanted <= TOLERANCES.density
-                    else Tolerances.intermediate(tolerance)
+                    InnerTolerances(tolerance)
+                    if wanted <= ACCURACY.density
+                    else InnerTolerances.intermediate(tolerance)
                 )
                 point = self._point(
                     table,
@@ -356,11 +356,11 @@ class CohesiveCurve(Curve):
         self, pulled: TractionLoaded, value: float, zones: Array
     ) -> tuple[ZoneFields, tuple[Array, Array]]:
         """(fields of the contact pressure q under a tension, sampled gap) at a control value."""
-        fields, gap_samples = self._contact_under(pulled, value, zones, Tolerances())
+        fields, gap_samples = self._contact_under(pulled, value, zones, InnerTolerances())
         return fields, sampled_gap(fields) if gap_samples is None else gap_samples
 
     def _contact_under(
-        self, pulled: TractionLoaded, value: float, zones: Array, tolerances: Tolerances
+        self, pulled: TractionLoaded, value: float, zones: Array, tolerances: InnerTolerances
     ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
         return contact_under(
             pulled, lambda at: self.inner_control(at, value), zones, self.formal, tolerances
@@ -381,7 +381,7 @@ class CohesiveCurve(Curve):
                 None,
                 samples_with_extremes(lambda y: pulled.shape(y) + level, x),
             )
-            apart = may_separate.gap_samples[1].min() >= -TOLERANCES.neutral * self.reach
+            apart = self._is_apart(may_separate)
             if len(zones) == 0 and (self.formal or apart):
                 return may_separate
         try:
@@ -406,7 +406,7 @@ class CohesiveCurve(Curve):
             return 1.0
         return float(self.control.yields or 0.0)
 
-    def fields(self, here: State, tolerance: float = TOLERANCES.density) -> ZoneFields:
+    def fields(self, here: State, tolerance: float = ACCURACY.density) -> ZoneFields:
         """The fields of a state, at the accuracy with which the state was solved."""
         assert isinstance(here, CohesiveState) and here.q is not None
         return here.q
@@ -436,10 +436,14 @@ class CohesiveCurve(Curve):
     def formally(self) -> "CohesiveCurve":
         return self if self.formal else replace(self, formal=True)
 
+    def _is_apart(self, here: CohesiveState) -> bool:
+        """Whether the surfaces of a state without contact overlap nowhere."""
+        return bool(here.gap_samples[1].min() >= -allowed_overlap(reach=self.reach))
+
     def has_right_zones(self, here: State) -> bool:
         assert isinstance(here, CohesiveState)
         if here.q is None:
-            return bool(here.gap_samples[1].min() >= -TOLERANCES.neutral * self.reach)
+            return self._is_apart(here)
         return signs_hold(here.q, here.gap_samples)
 
     def vanishes(self, here: State, motion: Array) -> float:
@@ -461,17 +465,17 @@ class CohesiveCurve(Curve):
         if not any(last is here for _, last, _ in self.recent):
             here = self.at(here.table, here.value)
         before = np.inf
-        for _ in range(TOLERANCES.max_newton_steps):
+        for _ in range(ACCURACY.max_newton_steps):
             size, tight = (
                 float(np.abs(here.newton / here.widths).max()),
-                self.recent[0][2] <= TOLERANCES.density,
+                self.recent[0][2] <= ACCURACY.density,
             )
             # Newton steps that no longer decrease are round-off.
             converged = tight and (size < 4 * EPS or size > 0.5 * before)
-            if size > TOLERANCES.other_equilibrium or converged:
+            if size > ACCURACY.other_equilibrium or converged:
                 break
             before = size if tight else np.inf
-            same_rates = here if tight and size < TOLERANCES.rough else None
+            same_rates = here if tight and size < ACCURACY.rough else None
             here = self.at(here.moved(here.newton), here.value, same_rates=same_rates)
         return self.at(here.table, here.value)
 
@@ -584,7 +588,7 @@ class CohesiveCurve(Curve):
         if not np.isfinite(corners).all():
             return here
         return here.with_pinned(
-            (here.table == corners).T.ravel() & (here.residual >= -TOLERANCES.rough)
+            (here.table == corners).T.ravel() & (here.residual >= -ACCURACY.rough)
         )
 
     def _without_contact(self, table: Array, value: float, pulled: TractionLoaded) -> CohesiveState:

@@ -28,7 +28,7 @@ from sie import Array, Index, Mask, record
 
 
 @dataclass(frozen=True)
-class StateTolerances:
+class StateAccuracy:
     """Tolerances of a state on given intervals, and of an equilibrium.
 
     Lengths are relative to the width of the interval of each end.
@@ -54,7 +54,7 @@ class StateTolerances:
     max_newton_steps: int = 8
 
 
-TOLERANCES = StateTolerances()
+ACCURACY = StateAccuracy()
 
 
 class Closed(Exception):
@@ -198,7 +198,7 @@ class State:
         matrix = (gains * scale)[:, None] * self.rates[np.ix_(ends, ends)] * scale
         # The matrix of second derivatives of an energy is symmetric, up to the accuracy of the
         # rates. A larger asymmetry means that the interaction derives from no energy.
-        if np.abs(matrix - matrix.T).max(initial=0.0) > 10 * TOLERANCES.rough:
+        if np.abs(matrix - matrix.T).max(initial=0.0) > 10 * ACCURACY.rough:
             return None
         return 0.5 * (matrix + matrix.T), scale
 
@@ -215,7 +215,7 @@ class State:
 
         Then there is a continuous family of contacts instead of one.
         """
-        if abs(self.growth) <= TOLERANCES.neutral:
+        if abs(self.growth) <= ACCURACY.neutral:
             raise NotConverged(
                 "a zone on a level stretch may be anywhere along it, and no one place is that of "
                 "the contact"
@@ -246,7 +246,7 @@ class Curve:
         self,
         table: Array,
         value: float,
-        tolerance: float = TOLERANCES.density,
+        tolerance: float = ACCURACY.density,
         pinned: Mask | None = None,
     ) -> State:
         """The state on given zones: the solution of one linear problem, and its rates.
@@ -272,7 +272,7 @@ class Curve:
             follows = sie.solve_fixed(
                 equation,
                 state.density.zones,
-                TOLERANCES.rough if tolerance <= TOLERANCES.density else TOLERANCES.coarse,
+                ACCURACY.rough if tolerance <= ACCURACY.density else ACCURACY.coarse,
                 direct=True,
             )
         rates = sie.end_rates(follows)
@@ -301,7 +301,7 @@ class Curve:
         if not np.isfinite(corners).all():
             return here
         if pinned is None:
-            pinned = (table == np.array(corners)).T.ravel() & (residual >= -TOLERANCES.rough)
+            pinned = (table == np.array(corners)).T.ravel() & (residual >= -ACCURACY.rough)
         return here.with_pinned(pinned)
 
     def under(self, control: Control) -> "Curve":
@@ -362,26 +362,26 @@ class Curve:
         """The equilibrium near a state, by Newton's method to full accuracy."""
         rough = (
             here.solved is not None
-            and here.solved[1] > TOLERANCES.density
-            and here.growth < -TOLERANCES.other_equilibrium
+            and here.solved[1] > ACCURACY.density
+            and here.growth < -ACCURACY.other_equilibrium
         )
         is_near = (
-            rough and float(np.abs(here.newton / here.widths).max()) < TOLERANCES.other_equilibrium
+            rough and float(np.abs(here.newton / here.widths).max()) < ACCURACY.other_equilibrium
         )
         here = self.at(here.moved(here.newton) if is_near else here.table, here.value)
         here.refuse_neutral()
-        for _ in range(TOLERANCES.max_newton_steps):
+        for _ in range(ACCURACY.max_newton_steps):
             size = float(np.abs(here.newton / here.widths).max())
-            if size > TOLERANCES.other_equilibrium:
+            if size > ACCURACY.other_equilibrium:
                 break
             # Each Newton step is taken before its size is tested. After the last one, the error is
             # about the square of this step.
             here = self.at(here.moved(here.newton), here.value)
-            if size < TOLERANCES.neutral:
+            if size < ACCURACY.neutral:
                 break
         return here
 
-    def fields(self, here: State, tolerance: float = TOLERANCES.density) -> ZoneFields:
+    def fields(self, here: State, tolerance: float = ACCURACY.density) -> ZoneFields:
         """The fields of a state, such as pressure and gap."""
         if here.solved is not None and here.solved[1] <= tolerance:
             return ZoneFields(self.problem, here.solved[0])

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact.adhesion.curve import TOLERANCES, Curve, State
+from contact.adhesion.curve import ACCURACY, Curve, State
 from contact.adhesion.events import Events, Jump, PathState, moves_both_ways
 from contact.adhesion.full_contact import closing_foreseen
 from contact.adhesion.gradient_flow import Closed, receded
@@ -176,7 +176,7 @@ def start_contact(context: SolveContext, load: float | None = None) -> Solution:
     )
     with unwarned():
         try:
-            return context.solve_scene(alone, TOLERANCES.resting_step)
+            return context.solve_scene(alone, ACCURACY.resting_step)
         except NotConverged as failure:
             if failure.best is None or not failure.best.error < 1e-2:
                 raise
@@ -249,7 +249,7 @@ def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
         # at the corners.
         slack = here.whole.residual / here.whole.by_value
         here = curve.at(
-            here.table, value - min(0.0, float(slack.min()) * (1.0 + TOLERANCES.resting_step))
+            here.table, value - min(0.0, float(slack.min()) * (1.0 + ACCURACY.resting_step))
         )
     else:
         here = advancing(context, scaled, curve, max(value, 0.0))

@@ -11,7 +11,7 @@ and approach Newton's. The energy falls, so that the equilibrium at the end is s
 import numpy as np
 
 from contact.adhesion import gradient_flow
-from contact.adhesion.curve import TOLERANCES, Curve, State
+from contact.adhesion.curve import ACCURACY, Curve, State
 from contact.adhesion.nucleation import with_new
 from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
@@ -24,7 +24,7 @@ def relaxed(curve: Curve, table: Array, value: float) -> State | None:
 
     None if all zones are lost. Raises `Closed` if the surfaces close altogether.
     """
-    here = curve.at(table, value, TOLERANCES.rough)
+    here = curve.at(table, value, ACCURACY.rough)
     widest = np.diff(here.table, axis=1)[:, 0]
     for _ in range(LIMITS.max_steps):
         changed = _changed(curve, here, widest)
@@ -32,13 +32,13 @@ def relaxed(curve: Curve, table: Array, value: float) -> State | None:
             here, step = _step(curve, here)
             widest = np.maximum(widest, np.diff(here.table, axis=1)[:, 0])
             if (
-                float(np.abs(step / here.widths).max()) > TOLERANCES.resting_step
-                or float(np.abs(here.residual).max()) > TOLERANCES.coarse
+                float(np.abs(step / here.widths).max()) > ACCURACY.resting_step
+                or float(np.abs(here.residual).max()) > ACCURACY.coarse
             ):
                 continue
             # Overlaps are searched for only once the ends are at rest. A search costs as much as
             # many steps, and earlier overlaps may vanish again.
-            overlaps = curve.within(openings(curve.fields(here, TOLERANCES.rough)).overlaps)
+            overlaps = curve.within(openings(curve.fields(here, ACCURACY.rough)).overlaps)
             if len(overlaps) == 0:
                 if here.growth < 0.0:
                     return here
@@ -47,7 +47,7 @@ def relaxed(curve: Curve, table: Array, value: float) -> State | None:
         if len(changed) == 0:
             return None
         widest = _carried(here.table, widest, changed)
-        here = curve.at(changed, value, TOLERANCES.rough)
+        here = curve.at(changed, value, ACCURACY.rough)
     raise NotConverged("the ends of zones did not come to rest under a held control")
 
 
@@ -74,7 +74,7 @@ def _carried(before: Array, widest: Array, table: Array) -> Array:
 def _step(curve: Curve, here: State) -> tuple[State, Array]:
     """(state after the next step down the slope of the energy, step of the ends)."""
     inward, outward = gradient_flow.inward_and_outward(curve, here)
-    damped = np.full(len(here.residual), TOLERANCES.coarse)
+    damped = np.full(len(here.residual), ACCURACY.coarse)
     for _ in range(LIMITS.max_iterations):
         step = here.damped_step(damped)
         # Damping is increased only for ends that would move too far. So a zone that separates does
@@ -83,7 +83,7 @@ def _step(curve: Curve, here: State) -> tuple[State, Array]:
         if far.any():
             damped[far] *= 2.0
             continue
-        ahead = curve.at(here.moved(step), here.value, TOLERANCES.rough)
+        ahead = curve.at(here.moved(step), here.value, ACCURACY.rough)
         if ahead.residual @ step >= -MOVES.small_drive * (here.residual @ step):
             return ahead, step
         damped *= 4.0

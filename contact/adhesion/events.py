@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.adhesion.arc_length import Step
-from contact.adhesion.curve import TOLERANCES, Closed, Curve, State
+from contact.adhesion.curve import ACCURACY, Closed, Curve, State
 from contact.adhesion.energy_descent import relaxed
 from contact.adhesion.gradient_flow import receded
 from contact.adhesion.nucleation import grown, touched
@@ -149,7 +149,7 @@ class Events:
 
     def _at_rest(self, here: State) -> PathState:
         rest = self.curve.settled(here)
-        if not float(np.abs(rest.residual).max()) < TOLERANCES.resting_step:
+        if not float(np.abs(rest.residual).max()) < ACCURACY.resting_step:
             raise NotConverged(
                 "after a jump ends of zones hold back one another, and do not come to rest: it is "
                 "not followed on"
@@ -181,7 +181,7 @@ class Events:
         """The jump where surfaces first touch outside the zones in a step; None if none touch."""
         looks = sense > 0.0 or not self.by_load
         overlaps = (
-            openings(self.curve.fields(last, TOLERANCES.rough)).overlaps
+            openings(self.curve.fields(last, ACCURACY.rough)).overlaps
             if looks
             else np.zeros((0, 2))
         )
@@ -190,7 +190,7 @@ class Events:
         curve = self.curve
 
         def least(at: State, lo: float, hi: float) -> tuple[float, float]:
-            return minimum(curve.fields(at, TOLERANCES.rough).formal_gap, np.linspace(lo, hi, 17))
+            return minimum(curve.fields(at, ACCURACY.rough).formal_gap, np.linspace(lo, hi, 17))
 
         length, place, width = first_zero(
             step,
@@ -198,7 +198,7 @@ class Events:
             last,
             overlaps,
             least,
-            lambda at: openings(curve.fields(at, TOLERANCES.rough)).overlaps,
+            lambda at: openings(curve.fields(at, ACCURACY.rough)).overlaps,
         )
         here = step.at(length)
         after = self.grown(self._with_new(here, place, 0.5 * MOVES.new_width * width), here.value)
@@ -211,10 +211,10 @@ class Events:
         while True:
             new = np.concatenate((table, [[place - half, place + half]]))
             order = np.argsort(new[:, 0])
-            at = self.curve.at(new[order], here.value, TOLERANCES.rough).residual
+            at = self.curve.at(new[order], here.value, ACCURACY.rough).residual
             own = int(np.argmax(order))
-            driven = at.min() > -TOLERANCES.resting_step and at[[own, own + len(new)]].min() >= 0.0
-            if driven or half < TOLERANCES.neutral:
+            driven = at.min() > -ACCURACY.resting_step and at[[own, own + len(new)]].min() >= 0.0
+            if driven or half < ACCURACY.neutral:
                 return new[order]
             half *= 0.1
 

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.adhesion.curve import TOLERANCES, Closed, Curve
+from contact.adhesion.curve import ACCURACY, Closed, Curve
 from contact.adhesion.grid_guide import GRID, shares_below
 from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import ContactError, NotConverged
@@ -137,7 +137,7 @@ def _closes(context: SolveContext, curve: Curve, value: float, work_share: float
             influence,
             load=mean_pressure * period + stress * float(share.sum()) * cell,
             start=pressure,
-            tol=TOLERANCES.coarse,
+            tol=ACCURACY.coarse,
         )
         if np.all(state.gap < reach):
             return True

@@ -23,7 +23,7 @@ change.
 
 import numpy as np
 
-from contact.adhesion.curve import TOLERANCES, Closed, Curve, State
+from contact.adhesion.curve import ACCURACY, Closed, Curve, State
 from contact.adhesion.inner_contact import ContactLost, EndsCovered
 from contact.adhesion.intervals import joined
 from contact.adhesion.options import LIMITS, MOVES, SAMPLES
@@ -33,7 +33,7 @@ from sie import Array, Mask
 
 
 def advanced(
-    curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step
+    curve: Curve, table: Array, value: float, rest: float = ACCURACY.resting_step
 ) -> State:
     """The smallest equilibrium around the given intervals, if all their ends tend to advance.
 
@@ -54,14 +54,14 @@ def receded(curve: Curve, table: Array, value: float) -> State | None:
 
 
 def _flow(
-    curve: Curve, table: Array, value: float, sign: float, rest: float = TOLERANCES.resting_step
+    curve: Curve, table: Array, value: float, sign: float, rest: float = ACCURACY.resting_step
 ) -> State | None:
-    here = curve.at(table, value, TOLERANCES.rough)
+    here = curve.at(table, value, ACCURACY.rough)
     widths, residual = here.widths, here.residual
     for _ in range(LIMITS.max_steps):
         predicted = _predictor(curve, here, sign)
         if sign > 0 and (merged := closing(curve, here, predicted)) is not None:
-            here = curve.at(merged, value, TOLERANCES.rough)
+            here = curve.at(merged, value, ACCURACY.rough)
             continue
         # A zone is judged lost by comparing its width now with its width at the state at which its
         # ends tended to recede least.
@@ -72,7 +72,7 @@ def _flow(
                 return None
             stays = np.tile(~apart, 2)
             here, widths, residual = (
-                curve.at(here.table[~apart], value, TOLERANCES.rough),
+                curve.at(here.table[~apart], value, ACCURACY.rough),
                 widths[stays],
                 residual[stays],
             )
@@ -88,7 +88,7 @@ def _flow(
     )
 
 
-def at_rest(here: State, move: float, rest: float = TOLERANCES.resting_step) -> bool:
+def at_rest(here: State, move: float, rest: float = ACCURACY.resting_step) -> bool:
     """Whether ends are at rest after a step.
 
     move: largest move relative to the widths. rest: largest Newton step of ends at rest. A step may
@@ -98,9 +98,9 @@ def at_rest(here: State, move: float, rest: float = TOLERANCES.resting_step) -> 
     if here.growth < 0.0 and driven <= MOVES.hard_drive:
         newton = float(np.abs(here.newton / here.widths).max())
         return newton <= rest or (
-            move <= TOLERANCES.resting_step and newton <= 10 * TOLERANCES.resting_step
+            move <= ACCURACY.resting_step and newton <= 10 * ACCURACY.resting_step
         )
-    return move <= TOLERANCES.resting_step and driven <= TOLERANCES.coarse
+    return move <= ACCURACY.resting_step and driven <= ACCURACY.coarse
 
 
 def _predictor(curve: Curve, here: State, sign: float) -> Predictor | None:
@@ -114,7 +114,7 @@ def _predictor(curve: Curve, here: State, sign: float) -> Predictor | None:
         or float((sign * here.residual).max()) < MOVES.small_part
     ):
         return None
-    return Predictor.of(curve, here, curve.fields(here, TOLERANCES.rough), sign)
+    return Predictor.of(curve, here, curve.fields(here, ACCURACY.rough), sign)
 
 
 def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor) -> State | None:
@@ -123,7 +123,7 @@ def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor
     limit = outward if sign > 0 else inward
     for _ in range(LIMITS.patience):
         step = predicted.step(limit)
-        ahead = curve.at(here.moved(sign * step), here.value, TOLERANCES.rough)
+        ahead = curve.at(here.moved(sign * step), here.value, ACCURACY.rough)
         astray = predicted.astray(step, sign * ahead.residual)
         if not astray.any():
             return ahead
@@ -135,11 +135,11 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
     """(next state, largest motion of an end divided by the lesser width of its zone and gap)."""
     onward = sign * here.residual
     if onward.min() < -MOVES.small_drive or (
-        here.growth >= 0.0 and onward.max() <= TOLERANCES.coarse < -onward.min()
+        here.growth >= 0.0 and onward.max() <= ACCURACY.coarse < -onward.min()
     ):
         return _let_go(curve, here, sign)
     limit, back = limits(curve, here, sign)
-    accuracy = TOLERANCES.rough / max(1.0, float(np.abs(here.residual).max()))
+    accuracy = ACCURACY.rough / max(1.0, float(np.abs(here.residual).max()))
     lost, beyond = 0, np.zeros(len(limit))
     size = curve.room(here.table)
     back_again = 0
@@ -150,7 +150,7 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
         try:
             # The accuracy of a state is relative to the largest residual. Ends at rest need an
             # absolute accuracy, so the tolerance is smaller if residuals are large.
-            ahead = curve.at(here.moved(step), here.value, max(TOLERANCES.density, accuracy))
+            ahead = curve.at(here.moved(step), here.value, max(ACCURACY.density, accuracy))
         except (ContactLost, NotConverged):
             lost += 1
             if lost > LIMITS.patience:
@@ -197,7 +197,7 @@ def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
         step = here.damped_step(above)
         if np.all(np.abs(step) <= np.where(sign * step > 0.0, onward, back)):
             try:
-                return curve.at(here.moved(step), here.value, TOLERANCES.rough), np.inf
+                return curve.at(here.moved(step), here.value, ACCURACY.rough), np.inf
             except EndsCovered:
                 pass
         above *= 2.0
@@ -210,7 +210,7 @@ def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
     if here.corners is not None:
         # An end moves at most to its sharp corner. The corner does not limit the step of a pinned
         # end.
-        adjacent = np.maximum(curve.to_corners(here.table), TOLERANCES.resting_step * here.widths)
+        adjacent = np.maximum(curve.to_corners(here.table), ACCURACY.resting_step * here.widths)
         outward = np.where(here.pinned, outward, np.minimum(outward, adjacent))
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
     return onward, np.minimum(back, MOVES.short_move * here.widths)
@@ -269,7 +269,7 @@ def lost_zones(here: State, widths: Array, residual: Array) -> Mask:
 def bounded_step(here: State, sign: float, limit: Array, most_back: Array) -> Array:
     """Newton step of the ends within bounds; damped if the state is not stable."""
     rates, residual = here.rates, here.residual
-    if here.growth >= -TOLERANCES.neutral:
+    if here.growth >= -ACCURACY.neutral:
         return _damped_step(here, sign, limit)
     step = np.zeros(len(residual))
     free, released = step == 0.0, step != 0.0
@@ -300,7 +300,7 @@ def _damped_step(here: State, sign: float, limit: Array) -> Array:
     growth rate and is as small as the limits allow.
     """
     # An end that tends to move against the flow does not move until the other ends have moved on.
-    free = sign * here.residual > -TOLERANCES.coarse
+    free = sign * here.residual > -ACCURACY.coarse
     weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
     growth = max(here.growth_of(np.flatnonzero(free)), -above)
     step = np.zeros_like(here.residual)
@@ -320,8 +320,8 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
     first, last = here.whole, ahead.whole
     before, after = sign * first.residual, sign * last.residual
     allowed = np.minimum(
-        -MOVES.small_drive * np.minimum(np.abs(before), 1.0) - TOLERANCES.coarse,
-        1.1 * before - TOLERANCES.coarse,
+        -MOVES.small_drive * np.minimum(np.abs(before), 1.0) - ACCURACY.coarse,
+        1.1 * before - ACCURACY.coarse,
     )
     # Short steps are exempt from the test: near a stable equilibrium a small overshoot corrects
     # itself.
@@ -333,7 +333,7 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
     # No overshoot is allowed if the growth rate changes in the step from negative to positive and
     # becomes at least as large. An end that has passed an equilibrium would not come back.
     if 0.0 < -here.growth <= ahead.growth:
-        allowed = np.where(before > 0.0, -TOLERANCES.coarse, allowed)
+        allowed = np.where(before > 0.0, -ACCURACY.coarse, allowed)
     # A pinned end was at rest before the step, so that it has passed no equilibrium.
     far &= ~first.pinned
     over = (after < allowed) & far

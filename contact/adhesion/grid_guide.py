@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from contact.adhesion.curve import TOLERANCES, Closed
+from contact.adhesion.curve import ACCURACY, Closed
 from contact.adhesion.inner_contact import ContactLost
 from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
@@ -150,7 +150,7 @@ class GridGuide(sie.Kept):
         """Approximate lowest value of the control at which shrinking intervals come to rest."""
         high, low = value, self._lost(value)
         warm_start: GridRest | None = None
-        least = TOLERANCES.coarse * (high - low)
+        least = ACCURACY.coarse * (high - low)
         while high - low > least:
             middle = 0.5 * (high + low)
             try:
@@ -192,7 +192,7 @@ class GridGuide(sie.Kept):
             if not load > 0.0:
                 raise ContactLost
             state = solve_grid(
-                deformed, self.influence, load=load, start=start, tol=TOLERANCES.coarse
+                deformed, self.influence, load=load, start=start, tol=ACCURACY.coarse
             )
         else:
             state = solve_grid(
@@ -200,7 +200,7 @@ class GridGuide(sie.Kept):
                 self.influence,
                 level=self.problem.lowest + value * units.height,
                 start=start,
-                tol=TOLERANCES.coarse,
+                tol=ACCURACY.coarse,
             )
         if not state.load > 0.0:
             raise ContactLost

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import sie
-from contact.adhesion.curve import TOLERANCES, NoState
+from contact.adhesion.curve import ACCURACY, NoState
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.intervals import fitted, interval_of, sample_points
 from contact.adhesion.options import LIMITS, MOVES, SAMPLES
@@ -24,6 +24,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.quadrature import sides
 from contact.formulation.roots import reaches
 from contact.formulation.tables import gaps_between, joined_where, runs_of
+from contact.formulation.tolerances import allowed_overlap
 from sie import Array, Index, Mask, record
 
 
@@ -57,7 +58,7 @@ class EndsCovered(NoState):
 
 
 @record
-class Tolerances:
+class InnerTolerances:
     """Tolerances for the solution of a contact under tension.
 
     density: of the density. ends: of the last Newton step, relative to the strips of tension next
@@ -65,14 +66,14 @@ class Tolerances:
     Newton's method squares the error.
     """
 
-    density: float = TOLERANCES.density
-    ends: float = TOLERANCES.neutral
-    last: float = TOLERANCES.rough
+    density: float = ACCURACY.density
+    ends: float = ACCURACY.neutral
+    last: float = ACCURACY.rough
 
     @classmethod
-    def intermediate(cls, density: float) -> Tolerances:
+    def intermediate(cls, density: float) -> InnerTolerances:
         """Tolerances for an intermediate state, whose ends need little accuracy."""
-        return cls(density, TOLERANCES.resting_step, TOLERANCES.coarse)
+        return cls(density, ACCURACY.resting_step, ACCURACY.coarse)
 
 
 def contact_under(
@@ -80,7 +81,7 @@ def contact_under(
     control: Callable[[TractionLoaded], Control],
     zones: Array,
     formal: bool,
-    tolerances: Tolerances,
+    tolerances: InnerTolerances,
 ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
     """(fields of the contact pressure q under a tension, sampled gap outside the zones).
 
@@ -112,7 +113,7 @@ def _with_ends(
     pulled: TractionLoaded,
     control: Callable[[TractionLoaded], Control],
     zones: Array,
-    tolerances: Tolerances,
+    tolerances: InnerTolerances,
     plain: bool,
 ) -> tuple[TractionLoaded, sie.AnyState]:
     """(problem, state) for the zones whose ends were found from a first guess.
@@ -144,7 +145,7 @@ def _settled(
     pulled: TractionLoaded,
     control: Callable[[TractionLoaded], Control],
     zones: Array,
-    tolerances: Tolerances,
+    tolerances: InnerTolerances,
 ) -> tuple[TractionLoaded, sie.State]:
     """(problem, state) for zones whose ends were found by Newton's method.
 
@@ -178,14 +179,14 @@ def _settled(
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
         # The search also ends if short Newton steps no longer decrease: next to narrow strips of
         # tension, their round-off may exceed the tolerance.
-        if miss < tolerances.ends or (stuck > 2 and miss < 10 * TOLERANCES.resting_step):
+        if miss < tolerances.ends or (stuck > 2 and miss < 10 * ACCURACY.resting_step):
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)
         # Contact covers the end of an interval if it has closed the strip of tension there. Strips
         # that end at a sharp corner do not count, as they may be arbitrarily narrow.
         covers = (
             ~shared
-            & (room < TOLERANCES.resting_step * width)
+            & (room < ACCURACY.resting_step * width)
             & (step > 0.5 * room)
             & ~_beside_corners(here, zones)
         )
@@ -275,7 +276,7 @@ def _pinned(pulled: TractionLoaded, zones: Array, k: Array) -> tuple[Mask, Mask]
     An end stays if its edge intensity K is compressive, up to round-off.
     """
     pinned = (zones == np.array(pulled.corners)).T
-    return pinned, pinned & (k >= -TOLERANCES.rough * np.abs(k).max())
+    return pinned, pinned & (k >= -ACCURACY.rough * np.abs(k).max())
 
 
 def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
@@ -328,7 +329,7 @@ def _searched(
     pulled: TractionLoaded,
     control: Callable[[TractionLoaded], Control],
     zones: Array,
-    tolerances: Tolerances,
+    tolerances: InnerTolerances,
 ) -> tuple[TractionLoaded, sie.AnyState]:
     """(problem, state) for zones found by the engine's search for ends.
 
@@ -510,7 +511,7 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
     borne = fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right)
     for i, (q, far) in enumerate(zip(_by_zone(borne, counts), _by_zone(left, counts), strict=True)):
         q, place = q[::-1], zones.a[i] + zones.half[i] * far[::-1]
-        begin, least = float(zones.a[i]), -TOLERANCES.rough * np.abs(q).max()
+        begin, least = float(zones.a[i]), -ACCURACY.rough * np.abs(q).max()
         place, q = _refined(fields, int(i), place, q, least)
         for s, e in runs_of(q < least):
             changed = True
@@ -519,7 +520,8 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
             begin = float(0.5 * (place[e] + place[e + 1])) if e < len(q) - 1 else np.inf
         if np.isfinite(begin):
             out.append((begin, float(zones.b[i])))
-    rounding = fields.gap_rounding + 2 * float(np.abs(fields.formal_gap(zones.middle)).max())
+    on_zones = float(np.abs(fields.formal_gap(zones.middle)).max())
+    rounding = fields.gap_rounding + allowed_overlap(on_zones=on_zones)
     free, tension = ~density.locate(x)[2], fields.problem.pulling
     if len(tension.table):
         # Where surfaces overlap outside the intervals of tension, the intervals grow, but no zone

@@ -15,7 +15,7 @@ import numpy as np
 from contact.adhesion import gradient_flow
 from contact.adhesion import pull_off as apart
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
-from contact.adhesion.curve import TOLERANCES, Closed, Curve, NoState, State
+from contact.adhesion.curve import ACCURACY, Closed, Curve, NoState, State
 from contact.adhesion.energy_descent import relaxed
 from contact.adhesion.inner_contact import ContactLost
 from contact.adhesion.intervals import joined
@@ -36,7 +36,7 @@ def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> Cohesiv
         if short is None:
             return None
         with suppress(Closed, NoState, ContactLost, NotConverged):
-            found = _with_range(curve, short, grown(short, zones, value, TOLERANCES.coarse), margin)
+            found = _with_range(curve, short, grown(short, zones, value, ACCURACY.coarse), margin)
             if found is not None:
                 return found
     return None
@@ -71,7 +71,7 @@ def _with_range(
     by_slope = (
         np.pi
         / (3 * curve.stress)
-        * np.maximum(np.concatenate(short.fields(tips, TOLERANCES.rough).density.edge_slopes), 0.0)
+        * np.maximum(np.concatenate(short.fields(tips, ACCURACY.rough).density.edge_slopes), 0.0)
     )
     d = np.full(len(by_slope), wide)
     for _ in range(LIMITS.max_iterations):
@@ -85,9 +85,9 @@ def _with_range(
     if joins.all() or np.any(zones[:, 1] <= zones[:, 0]):
         return None
     here = curve.from_zones(
-        joined(table, joins, [], curve.problem.round), tips.value, zones, TOLERANCES.rough
+        joined(table, joins, [], curve.problem.round), tips.value, zones, ACCURACY.rough
     )
-    for _ in range(TOLERANCES.max_newton_steps):
+    for _ in range(ACCURACY.max_newton_steps):
         driven = here.residual * math.copysign(1.0, margin)
         if driven.min() > 0.0 and driven.max() < MOVES.hard_drive:
             return here
@@ -95,7 +95,7 @@ def _with_range(
             break
         inward, outward = gradient_flow.inward_and_outward(curve, here)
         step = np.linalg.solve(-here.rates, here.residual - margin)
-        here = curve.at(here.moved(np.clip(step, -inward, outward)), tips.value, TOLERANCES.rough)
+        here = curve.at(here.moved(np.clip(step, -inward, outward)), tips.value, ACCURACY.rough)
     return None
 
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from contact.adhesion.arc_length import Step, SymmetryLost, beyond, let_go, pushed_off, steps
-from contact.adhesion.curve import TOLERANCES, State
+from contact.adhesion.curve import ACCURACY, State
 from contact.adhesion.events import Events, Jump, PathState
 from contact.adhesion.options import LIMITS
 from contact.errors import NotConverged
@@ -124,7 +124,7 @@ class LoadingPath:
                 step.start.at.value - value,
                 last.value - value,
                 length,
-                TOLERANCES.resting_step,
+                ACCURACY.resting_step,
                 False,
             )
             found = self.law.curve.settled(replace(step.at(length), value=value))

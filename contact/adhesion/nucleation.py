@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
-from contact.adhesion.curve import TOLERANCES, Curve, State
+from contact.adhesion.curve import ACCURACY, Curve, State
 from contact.adhesion.gradient_flow import advanced
 from contact.adhesion.options import LIMITS, MOVES, SAMPLES
 from contact.errors import NotConverged
@@ -21,7 +21,7 @@ from contact.verify.certificate import openings
 from sie import Array
 
 
-def grown(curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step) -> State:
+def grown(curve: Curve, table: Array, value: float, rest: float = ACCURACY.resting_step) -> State:
     """The smallest equilibrium around given zones in which the surfaces do not overlap.
 
     Their ends are all driven outward. Raises `Closed` if there is none. rest: largest Newton step,
@@ -29,7 +29,7 @@ def grown(curve: Curve, table: Array, value: float, rest: float = TOLERANCES.res
     """
     for _ in range(LIMITS.max_iterations):
         here = advanced(curve, table, value, rest)
-        new = curve.within(openings(curve.fields(here, TOLERANCES.rough)).overlaps)
+        new = curve.within(openings(curve.fields(here, ACCURACY.rough)).overlaps)
         if len(new) == 0:
             return here
         table = _driven_outward(curve, here, new)
@@ -43,7 +43,7 @@ def _driven_outward(curve: Curve, here: State, overlaps: Array) -> Array:
     """
     while True:
         table = with_new(here.table, overlaps)
-        left, right = np.split(curve.at(table, here.value, TOLERANCES.rough).whole.residual, 2)
+        left, right = np.split(curve.at(table, here.value, ACCURACY.rough).whole.residual, 2)
         away = table[(left < 0.0) & (right < 0.0)].mean(axis=1)
         stays = ~np.array([np.any((away > lo) & (away < hi)) for lo, hi in overlaps])
         if stays.all() or not stays.any():
@@ -82,7 +82,7 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
     ends = np.array([0, len(x) - 1])
     if profile.support is not None:
         low = np.append(low, ends[[f[0] <= f[1], f[-1] <= f[-2]]])
-    together = TOLERANCES.neutral * max(float(np.ptp(f)), 1.0)
+    together = ACCURACY.neutral * max(float(np.ptp(f)), 1.0)
     # No level stretch is used if one crosses the border of the cell: it would be found twice, at
     # both borders.
     whole = profile.support is not None or not (

@@ -11,7 +11,7 @@ from contact.adhesion import cohesive_branch
 from contact.adhesion.cohesive_events import CohesiveEvents
 from contact.adhesion.cohesive_fields import fields_of
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
-from contact.adhesion.curve import TOLERANCES, Closed, Curve, State
+from contact.adhesion.curve import ACCURACY, Closed, Curve, State
 from contact.adhesion.edge_branch import advancing, branch_scaling, curve_of
 from contact.adhesion.events import Events, Jump, PathState
 from contact.adhesion.inner_contact import ContactLost
@@ -209,7 +209,7 @@ class _CohesivePath:
             start = self.curve.from_zones(here.table, value, zones)
         # `far` is so low an approach that the present approach and the reach, divided by it, are
         # below the tolerance `resting_step`.
-        far = value - (self.curve.reach + abs(value)) / TOLERANCES.resting_step
+        far = value - (self.curve.reach + abs(value)) / ACCURACY.resting_step
         try:
             for found in LoadingPath(self.events).to(PathState(value, start), far):
                 if isinstance(found, Jump) and found.kind == "pull-off":

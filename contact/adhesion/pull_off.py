@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from contact.adhesion.arc_length import Step, beyond, let_go, steps
-from contact.adhesion.curve import TOLERANCES, Closed, Curve, NoState, State
+from contact.adhesion.curve import ACCURACY, Closed, Curve, NoState, State
 from contact.adhesion.gradient_flow import receded
 from contact.adhesion.options import LIMITS, MOVES
 from contact.errors import NotConverged
@@ -104,8 +104,8 @@ def _end_in(
     first = past_cut(step.start.at)
     if not first < 0.0 < past_cut(last):
         return _End(last, beyond(curve, last, -1.0), lambda: step.at(step.turning()))
-    until = step.where(past_cut, first, past_cut(last), length, TOLERANCES.coarse, False)
-    length = min(until + 2 * TOLERANCES.coarse * length, length)
+    until = step.where(past_cut, first, past_cut(last), length, ACCURACY.coarse, False)
+    length = min(until + 2 * ACCURACY.coarse * length, length)
     about = step.at(length, False)
     return _End(
         about, about.table, lambda: step.at(step.where(past_cut, first, past_cut(about), length))

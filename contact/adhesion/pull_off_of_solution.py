@@ -10,7 +10,7 @@ from contact.adhesion import cohesive_pull_off
 from contact.adhesion.arc_length import SymmetryLost
 from contact.adhesion.cohesive_fields import CohesiveFields
 from contact.adhesion.cohesive_zone import CohesiveCurve, StateOutline
-from contact.adhesion.curve import TOLERANCES, Curve, State
+from contact.adhesion.curve import ACCURACY, Curve, State
 from contact.adhesion.energy_descent import relaxed
 from contact.adhesion.gradient_flow import receded
 from contact.adhesion.pull_off import lowered_by_load, near_the_last, pull_off
@@ -65,9 +65,7 @@ def _on_its_zones(curve: Curve, last: State) -> State:
     here = curve.at(last.table, last.value)
     y = np.linalg.svd(here.rates)[0][:, -1]
     by_value = float(y @ here.by_value)
-    if here.pinned.any() or abs(by_value) < TOLERANCES.coarse * float(
-        np.linalg.norm(here.by_value)
-    ):
+    if here.pinned.any() or abs(by_value) < ACCURACY.coarse * float(np.linalg.norm(here.by_value)):
         return last
     return curve.at(last.table, last.value - float(y @ here.residual) / by_value)
 

@@ -5,10 +5,10 @@ Only scenes with a cohesive law import this module.
 
 import numpy as np
 
-from contact.adhesion.cohesive_certificate import LIMITS
 from contact.adhesion.cohesive_fields import scaled_second_variation
 from contact.adhesion.cohesive_zone import CohesiveState
 from contact.adhesion.separated_fields import SeparatedFields
+from contact.formulation.tolerances import TOLERANCES
 from contact.model.scene import Scene
 from contact.solution.assemble import lawful
 from contact.solution.plan import Plan
@@ -26,7 +26,7 @@ def separated_solution(
     residual = float(np.abs(here.residual).max(initial=0.0))
     stability = least_eigenvalue(scaled_second_variation(here)) if ends else None
     stable = stability is None or stability > 0.0
-    holds = least > 0.0 and residual <= LIMITS.reach_error and stable
+    holds = least > 0.0 and residual <= TOLERANCES.edge_condition and stable
     certificate = Certificate(
         smallest_pressure=-scene.law.tension,
         smallest_gap=least * fields.problem.units.height,
@@ -37,7 +37,7 @@ def separated_solution(
         stability=stability,
     )
     off = np.abs(np.linalg.solve(here.rates, here.residual)) / here.widths if ends else np.zeros(1)
-    error = 1e-13 + float(off.max())
+    error = TOLERANCES.closed_form_rounding + float(off.max())
     return lawful(
         Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan, branch=branch)
     )

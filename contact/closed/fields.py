@@ -20,9 +20,9 @@ from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full_contact import lowest
 from contact.formulation.problem import Problem
 from contact.formulation.roots import maximum
+from contact.formulation.tolerances import TOLERANCES
 from contact.formulation.units import Units
 from contact.model.scene import Scene
-from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, nearest_image
 
 

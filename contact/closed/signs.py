@@ -24,9 +24,9 @@ import numpy as np
 
 from contact.closed.line import Value, column, everywhere, largest, least
 from contact.closed.series import SAMPLES_PER_DEGREE, off, off_integral, table
-from contact.closed.zone import OPTIONS, ROUND_OFF, ClosedZone
+from contact.closed.zone import OPTIONS, SUM_ROUND_OFF, ClosedZone
+from contact.formulation.tolerances import TOLERANCES, allowed_overlap
 from contact.model.profiles.noise import EPS
-from contact.verify.tolerances import TOLERANCES
 from sie import Array
 
 
@@ -134,7 +134,7 @@ def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[b
     Called where the slope of the gap is not positive everywhere.
     """
     problem = zone.problem
-    rounding = 4.0 * ROUND_OFF * (np.abs(own) + zone.sums[0] + problem.kink)
+    rounding = TOLERANCES.slope_rounding * (np.abs(own) + zone.sums[0] + problem.kink)
     if (rises > -rounding).all() and rises.max() > 0.0:
         return True, math.inf
     if problem.kink or not math.isfinite(problem.limit):
@@ -144,7 +144,7 @@ def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[b
     gap = height - float(problem.profile.height(zone.half_width)) - sunk
     top = int(np.argmax(gap))
     lowest = float(gap[top:].min())
-    lost = TOLERANCES.rounding * float((np.abs(height) + np.abs(sunk)).max())
+    lost = allowed_overlap(series=float((np.abs(height) + np.abs(sunk)).max()))
     rising = bool(np.all(np.diff(gap[: top + 1]) >= -lost))
     # After its maximum, the gap must fall by less between two samples than its least sampled value.
     # Then the gap is positive between the samples, too.
@@ -169,7 +169,7 @@ def stated(zone: ClosedZone) -> Value:
     # A relative error e of the half length h changes the weight w by at most e h tan A. Here A is
     # pi times the half width over the period. The change is below e/w.
     turns = 0.0 if way.period is None else 1.0 / weight
-    pressure = zone.end_error * (follows + scale * turns) + left + ROUND_OFF * scale
+    pressure = zone.end_error * (follows + scale * turns) + left + SUM_ROUND_OFF * scale
     rise = way.load_factor / weight
     of_ends = zone.end_error * zone.half * rise / zone.widths + 0.5 * EPS
     return TOLERANCES.rounding + np.maximum(of_ends, pressure * zone.widths / zone.totals)

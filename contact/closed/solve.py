@@ -17,7 +17,7 @@ from contact.closed.fields import ClosedFields
 from contact.closed.line import LineMap, Value
 from contact.closed.signs import least_inside, places, signs, stated
 from contact.closed.zone import (
-    ROUND_OFF,
+    SUM_ROUND_OFF,
     ClosedZone,
     OneZoneProblem,
     zone_at_approach,
@@ -25,6 +25,7 @@ from contact.closed.zone import (
     zone_under,
 )
 from contact.formulation import claims
+from contact.formulation.tolerances import allowed_overlap
 from contact.model.controls import Quantity
 from contact.model.interactions import Interaction
 from contact.model.laws import Law
@@ -65,9 +66,9 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
         if not scene.is_flat or scene.given_load is None:
             return None
         corner = profile.support[1]
-    kink, inside = 0.0, limit * (1.0 - ROUND_OFF)
+    kink, inside = 0.0, limit * (1.0 - SUM_ROUND_OFF)
     for at, height in np.asarray(profile.kinks).tolist():
-        if abs(at) <= ROUND_OFF * (scene.period or 1.0) and height > 0.0:
+        if abs(at) <= SUM_ROUND_OFF * (scene.period or 1.0) and height > 0.0:
             kink = height
         elif abs(at) < inside:
             return None
@@ -184,7 +185,7 @@ def _certificate(scene: Scene, zone: ClosedZone, gap: float, fields: ClosedField
         # The value inf stands for a gap that rises everywhere outside the zone. Its least value is
         # then 0, at the ends of the zone.
         smallest_gap=None if corner else gap if math.isfinite(gap) else 0.0,
-        gap_rounding=16 * ROUND_OFF * abs(float(scene.profile.height(zone.half_width))),
+        gap_rounding=allowed_overlap(heights=abs(float(scene.profile.height(zone.half_width)))),
         load_balance=0.0 if load is None else abs(unit * float(zone.totals) / load - 1.0),
         points=points,
         holds=True,

@@ -26,7 +26,7 @@ from contact.model.profiles.noise import EPS
 from sie import Array, Mask, record
 
 # Relative round-off of a sum of a few terms.
-ROUND_OFF = 4 * EPS
+SUM_ROUND_OFF = 4 * EPS
 # Half lengths below this number lose digits, since they are close to the smallest normal
 # floating-point number.
 SMALLEST = float(np.finfo(float).tiny) / EPS
@@ -181,7 +181,7 @@ def zone_under(problem: OneZoneProblem, loads: Value) -> ClosedZone:
         return _punch(problem, problem.corner, loads)
 
     def residual(half: Value, total: Value, rate: Value) -> tuple[Value, Value, Value]:
-        return np.log(loads / total), half * rate / total, ROUND_OFF
+        return np.log(loads / total), half * rate / total, SUM_ROUND_OFF
 
     start = 0.25 * problem.top if math.isfinite(problem.top) else 1.0
     return _newton(problem, start + 0.0 * loads, residual)
@@ -197,7 +197,9 @@ def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | No
     def residual(half: Value, total: Value, rate: Value) -> tuple[Value, Value, Value]:
         give = -problem.even_level(half, datum) / math.pi
         present = problem.mean_height(half) + give * total
-        lost = ROUND_OFF * (abs(lowest(problem.profile)) + approach + abs(give) * total) / present
+        lost = (
+            SUM_ROUND_OFF * (abs(lowest(problem.profile)) + approach + abs(give) * total) / present
+        )
         return np.log(approach / present), give * half * rate / present, lost
 
     return _newton(problem, 0.25 * problem.top if math.isfinite(problem.top) else 1.0, residual)
@@ -207,7 +209,7 @@ def zone_of_width(problem: OneZoneProblem, half_width: float) -> ClosedZone:
     """The zone with a given half width [m]."""
 
     def residual(half: Value, total: Value, rate: Value) -> tuple[Value, Value, Value]:
-        return 0.0, 1.0, ROUND_OFF
+        return 0.0, 1.0, SUM_ROUND_OFF
 
     zone = _newton(problem, problem.map.y(half_width), residual)
     return replace(zone, half_width=half_width)
@@ -238,11 +240,11 @@ def _newton(
         first, edge, one, other = values.dot(nodal.sums).T
         scale = largest(np.abs(values)) + abs(problem.kink)
         tail = abs(one) + abs(other)
-        resolved = tail <= ROUND_OFF * scale
+        resolved = tail <= SUM_ROUND_OFF * scale
         kinked, kinked_rate = problem.kink_load(half)
         total = 0.5 * factor * half * first + kinked
         missing, slope, lost = residual(half, total, factor * edge + kinked_rate)
-        move, rounding = missing / slope, ROUND_OFF + lost / abs(slope)
+        move, rounding = missing / slope, SUM_ROUND_OFF + lost / abs(slope)
         fails = move != move
         done = resolved & (settled | (abs(move) <= 4.0 * rounding))
         if everywhere(done | fails):

@@ -16,8 +16,9 @@ from contact.formulation.controls import Load
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import cuts_between, over_period, panels, sides
 from contact.formulation.roots import maximum, reaches
+from contact.formulation.tolerances import allowed_overlap
 from contact.model.profiles.derive import DETAIL, detail_of
-from contact.model.profiles.noise import EPS, ROUND_OFF
+from contact.model.profiles.noise import ROUND_OFF
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 
@@ -354,7 +355,7 @@ class ZoneFields(sie.Kept):
         """Scaled error of the gap due to round-off."""
         ends = np.concatenate((self.density.zones.a, self.density.zones.b))
         some = ends[:: max(1, len(ends) // (2 * OPTIONS.peak_zones))]
-        return 64 * EPS * self.largest_shape + 8 * self.problem.shape_rounding(some)
+        return allowed_overlap(heights=self.largest_shape, noise=self.problem.shape_rounding(some))
 
     @cached_property
     def largest_shape(self) -> float:

@@ -35,7 +35,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
 from contact.formulation.roots import maximum
 from contact.formulation.tables import gaps_between
-from contact.model.profiles.noise import EPS
+from contact.formulation.tolerances import allowed_overlap
 from sie import Array, Index, record
 
 
@@ -251,7 +251,7 @@ class GapFields(sie.Kept):
     @property
     def gap_rounding(self) -> float:
         """Scaled error of the gap due to round-off; the gap is an integral of its slope."""
-        return 64 * EPS * float(self.gap_sizes.max())
+        return allowed_overlap(series=float(self.gap_sizes.max()))
 
     @property
     def gap_sizes(self) -> Array:

@@ -18,6 +18,7 @@ import numpy as np
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, HalfWidth, Load, Width
 from contact.formulation.problem import Problem
+from contact.formulation.tolerances import TOLERANCES
 from contact.localized.derivatives import ContactRates, TwoContacts, table_of
 from contact.localized.several_zones import no_isolated_load
 from contact.model.interactions.isolated import Isolated
@@ -25,7 +26,6 @@ from contact.model.profiles.noise import EPS
 from contact.search.options import SEARCH
 from contact.search.topology.failure import EXACT
 from contact.verify.error import SolvedZones
-from contact.verify.tolerances import TOLERANCES
 from sie import Array, record
 
 Search = Callable[[Problem, Control, Array | None], SolvedZones]

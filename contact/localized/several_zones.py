@@ -21,6 +21,7 @@ import numpy as np
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
+from contact.formulation.tolerances import TOLERANCES
 from contact.localized.derivatives import (
     ContactRates,
     TwoContacts,
@@ -41,7 +42,6 @@ from contact.search.topology.failure import NOT_APPLICABLE, Failure
 from contact.search.topology.loop import NewtonSettings, refine_topology
 from contact.search.topology.pressure_form import PressureForm
 from contact.verify.error import SolvedZones
-from contact.verify.tolerances import TOLERANCES
 from sie import Array
 
 Strip = Callable[[Problem, Control, Array | None], SolvedZones]

@@ -14,6 +14,7 @@ import numpy as np
 from contact.errors import ContactError, OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
+from contact.formulation.tolerances import TOLERANCES
 from contact.search.context import SolveContext
 from contact.search.grid.proposals import about
 from contact.search.grid.scaling import ScaledScene
@@ -21,7 +22,6 @@ from contact.search.options import SEARCH
 from contact.search.strategies.guesses import INSTEAD, search
 from contact.search.topology.failure import EXACT
 from contact.verify.error import SolvedZones
-from contact.verify.tolerances import TOLERANCES
 from sie import Array
 
 
@@ -65,12 +65,12 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
         miss = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1]) - centre
         step, follows, expected, is_secant = miss, 1.0, zones.table, False
         if before is not None and before[2].shape == zones.table.shape and before[1] != miss:
-            moved, is_secant = centre - before[0], True
-            longest = OPTIONS.longest_step * max(abs(miss), abs(moved))
-            secant = miss * moved / (before[1] - miss)
+            shift, is_secant = centre - before[0], True
+            longest = OPTIONS.longest_step * max(abs(miss), abs(shift))
+            secant = miss * shift / (before[1] - miss)
             step = min(max(secant, -longest), longest)
-            rate = (zones.table - before[2]) / moved
-            follows = max(float(np.abs(rate).max()) * abs(moved / (before[1] - miss)), 1.0)
+            rate = (zones.table - before[2]) / shift
+            follows = max(float(np.abs(rate).max()) * abs(shift / (before[1] - miss)), 1.0)
             expected = zones.table + step * rate
         close = 0.1 * context.tolerance * width + float(np.spacing(abs(centre)))
         if abs(miss) * follows <= close or stalled < abs(miss) < TOLERANCES.noise * width:

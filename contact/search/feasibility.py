@@ -17,10 +17,10 @@ import numpy as np
 from contact.errors import OutOfRange
 from contact.formulation.full_contact import period_samples
 from contact.formulation.tables import runs_of
+from contact.formulation.tolerances import TOLERANCES
 from contact.model.controls import Quantity
 from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
-from contact.verify.tolerances import TOLERANCES
 from sie import Array, Mask
 
 # Distances [m] from x = 0 that are far larger than any contact. Each is ten times the one before.

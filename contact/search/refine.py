@@ -7,6 +7,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.extras import require
+from contact.formulation.tolerances import TOLERANCES
 from contact.model.profiles.noise import EPS
 from contact.search.context import SolveContext
 from contact.search.grid.proposals import about, placed
@@ -18,7 +19,6 @@ from contact.search.strategies.tightening import tightened
 from contact.search.topology.failure import Failure, attempted
 from contact.solution.assemble import undeclared_corner
 from contact.verify.error import SolvedGaps, SolvedZones, body_limit, limit, position_rounding
-from contact.verify.tolerances import TOLERANCES
 
 Search = Callable[[SolveContext], Outcome]
 

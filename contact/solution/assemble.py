@@ -21,6 +21,7 @@ from contact.formulation.full_contact import (
     period_samples,
 )
 from contact.formulation.problem import Problem
+from contact.formulation.tolerances import TOLERANCES
 from contact.formulation.units import Units
 from contact.model.profiles.base import is_of_package
 from contact.model.scene import Scene
@@ -124,14 +125,13 @@ def full_contact_solution(
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
     # The error is relative to the peak pressure, or to the mean pressure if the peak is infinite.
-    # Its part 1e-13 is the round-off of the closed form.
     peak = (
         max(abs(fields.max_pressure), abs(least))
         if math.isfinite(fields.max_pressure)
         else abs(mean_pressure)
     )
     claimed = claims.of(profile)
-    error = 1e-13 + full.error / peak + claimed.error
+    error = TOLERANCES.closed_form_rounding + full.error / peak + claimed.error
     solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan, branch=branch)
     if error > tol:
         why = (

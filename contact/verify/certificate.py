@@ -19,8 +19,8 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import NARROWEST
 from contact.formulation.quadrature import chebyshev_nodes, sides
 from contact.formulation.tables import runs_of
+from contact.formulation.tolerances import TOLERANCES, allowed_overlap
 from contact.verify.minima import SAMPLING, Signs, lowest, signs_on, zoomed
-from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, Mask, record
 
 
@@ -139,7 +139,8 @@ def openings(fields: ZoneFields, unresolved_fraction: float = 0.0) -> Openings:
     # values.
     places = (zones.middle[:, None] + zones.half[:, None] * chebyshev_nodes(4)).ravel()
     on_zones = float(np.quantile(np.abs(fields.formal_gap(places)), 1.0 - unresolved_fraction))
-    return Openings(*_gaps(fields, fields.gap_rounding + 2 * on_zones), on_zones)
+    rounding = fields.gap_rounding + allowed_overlap(on_zones=on_zones)
+    return Openings(*_gaps(fields, rounding), on_zones)
 
 
 def certify(

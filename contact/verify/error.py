@@ -21,9 +21,9 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import chebyshev_nodes, sides
 from contact.formulation.tables import located
+from contact.formulation.tolerances import TOLERANCES
 from contact.model.profiles.noise import EPS
 from contact.verify.certificate import Solved
-from contact.verify.tolerances import TOLERANCES
 from sie import Array, record, wrapped
 
 
@@ -66,7 +66,7 @@ class SolvedZones(Solved):
         # Under a given approach, the rounding error of displacement plus height adds an error of
         # the load. It is large in a stiff contact.
         assert fields.stiffness is not None
-        rounding = fields.gap_rounding / 16 + 2 * EPS * abs(density.total)
+        rounding = fields.gap_rounding / TOLERANCES.rounding_margin + 2 * EPS * abs(density.total)
         return error + abs(
             rounding * fields.stiffness * units.height / (units.load * fields.load_size)
         )

@@ -10,9 +10,9 @@ from contact.formulation.full_contact import NARROWEST
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import sides
 from contact.formulation.tables import located, runs_of
+from contact.formulation.tolerances import TOLERANCES, allowed_overlap
 from contact.verify.certificate import Certificate, unresolved_gaps_note
 from contact.verify.minima import SAMPLING, Signs, follow, lowest, may_be_negative, signs_on
-from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, record
 
 
@@ -32,6 +32,7 @@ def certify_gaps(fields: GapFields) -> Certificate:
         smallest_pressure=least * units.pressure,
         smallest_gap=openings.least * units.height,
         points=openings.points + points,
+        gap_rounding=fields.gap_rounding * units.height,
         holds=not (negative or openings.negative),
         undecided=left_out > 0 or (dip <= TOLERANCES.rounding and not negative),
         note=note,
@@ -54,7 +55,7 @@ def _openings(fields: GapFields) -> tuple[Signs, Array]:
         )
         x = gaps.middle[group][:, None] + gaps.half[group][:, None] * np.cos(theta)
         minima.append(lowest(x.ravel(), opening.ravel(), row * len(theta) + at + 1))
-        return opening, TOLERANCES.rounding * sizes[group], opening.max(axis=1)
+        return opening, allowed_overlap(series=1.0) * sizes[group], opening.max(axis=1)
 
     signs = signs_on(gaps, density.sampling, sampled, density.integral_at)
     return signs, np.concatenate(minima)

@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 
 from contact.formulation.protocol import Fields
+from contact.formulation.tolerances import TOLERANCES
 from contact.model.laws import Law
 from contact.model.plugin_checks.forms import AuthorMethod
 from contact.verify.certificate import Certificate
-from contact.verify.tolerances import TOLERANCES
 
 
 def held_to_law(

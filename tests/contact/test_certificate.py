@@ -4,10 +4,13 @@ many taken for one.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import contact
+from contact.formulation import tolerances
 from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
 from contact.reference.inverse import design
@@ -105,3 +108,24 @@ def test_the_zooms_at_a_kink_that_touches_zero_end(depth):
         rounding,
     )
     assert dips.negative == []
+
+
+@pytest.mark.parametrize(
+    ("profile", "control"),
+    [
+        (contact.Sinusoid(1e-3, 1.0), {"half_width": 0.2}),  # closed form
+        (EXACT.profile, {"load": 1e-3}),  # zones
+        (EXACT.profile, {"contact_fraction": 0.99}),  # gaps
+    ],
+)
+def test_one_function_says_the_overlap_that_is_allowed_on_every_route(
+    monkeypatch, profile, control
+):
+    scene = contact.Scene(profile, 1.0, contact.Periodic(), **control)
+    before = contact.solve(scene).certificate.gap_rounding
+    known = tolerances.TOLERANCES
+    wider = replace(known, height_rounding=1e-9)
+    if "contact_fraction" in control:
+        wider = replace(known, rounding=1e-9)
+    monkeypatch.setattr(tolerances, "TOLERANCES", wider)
+    assert contact.solve(scene).certificate.gap_rounding > 1e3 * before > 0

@@ -40,8 +40,8 @@ import scipy.fft
 from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange
+from contact.formulation.tolerances import TOLERANCES
 from contact.model.profiles.noise import EPS
-from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, Mask, record
 
 Rest = Callable[[Array, float], Array]

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
 from contact.formulation.tables import in_cell, runs_of
+from contact.formulation.tolerances import TOLERANCES
 from contact.model.plugin_checks.declarations import require_numbers
 from contact.model.profiles.base import Profile
 from contact.model.profiles.noise import EPS
@@ -23,7 +24,6 @@ from contact.search.grid.conjugate_gradient import GridState, Response, solve_gr
 from contact.search.options import SEARCH
 from contact.search.topology.intervals import NARROW, without
 from contact.verify.minima import SAMPLING
-from contact.verify.tolerances import TOLERANCES
 from sie import Array, record
 
 Height = Callable[[Array], ArrayLike]

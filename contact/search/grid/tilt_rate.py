@@ -13,8 +13,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from contact.errors import OutOfRange
+from contact.formulation.tolerances import TOLERANCES
 from contact.search.grid.conjugate_gradient import GridState, turning_rate
-from contact.verify.tolerances import TOLERANCES
 from sie import record
 
 

@@ -14,6 +14,7 @@ from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
+from contact.formulation.tolerances import TOLERANCES
 from contact.model.controls import Quantity
 from contact.model.profiles.noise import EPS
 from contact.search.context import SolveContext
@@ -28,7 +29,6 @@ from contact.search.topology.failure import NOT_APPLICABLE, Failure
 from contact.search.topology.loop import NewtonSettings
 from contact.solution.solution import Solution
 from contact.verify.error import SolvedGaps, SolvedZones
-from contact.verify.tolerances import TOLERANCES
 from sie import Array
 
 

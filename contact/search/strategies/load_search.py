@@ -20,12 +20,12 @@ import numpy as np
 
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.quadrature import chebyshev_nodes
+from contact.formulation.tolerances import TOLERANCES
 from contact.model.plugin_checks.forms import AuthorMethod
 from contact.model.profiles.noise import EPS
 from contact.model.scene import Scene
 from contact.search.options import SEARCH
 from contact.solution.solution import Solution
-from contact.verify.tolerances import TOLERANCES
 
 # Relative step of the load for difference quotients: the fourth root of the round-off. For this
 # step, both the error of the difference and the errors of the solutions, divided by the step, are

@@ -13,13 +13,13 @@ from contact.formulation.fields import mean_shape
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem, minus_one
 from contact.formulation.relief import ScaledRelief, height_noise
+from contact.formulation.tolerances import TOLERANCES
 from contact.search.topology.failure import WrongTopology
 from contact.search.topology.intervals import united, without
 from contact.search.topology.loop import NewtonSettings, Round
 from contact.verify.certificate import Certificate, Solved
 from contact.verify.error import SolvedGaps
 from contact.verify.gap_certificate import certify_gaps
-from contact.verify.tolerances import TOLERANCES
 from sie import Array, record
 
 

@@ -21,11 +21,11 @@ from contact.errors import ContactError, SceneError
 from contact.formulation import input_checks
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
+from contact.formulation.tolerances import TOLERANCES
 from contact.search.options import LEAST, SEARCH
 from contact.search.topology.failure import Failure, WrongTopology, same
 from contact.search.topology.intervals import merged
 from contact.verify.certificate import NOT_CHECKED, Certificate, Solved
-from contact.verify.tolerances import TOLERANCES
 from sie import Array, Mask, record
 
 Progress = Callable[[str, int, int | None], None]

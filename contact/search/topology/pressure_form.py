@@ -13,13 +13,13 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import parted_at_wide
+from contact.formulation.tolerances import TOLERANCES
 from contact.search.options import SEARCH
 from contact.search.topology.failure import EXACT, WrongTopology
 from contact.search.topology.intervals import NEW_ZONE, united, without
 from contact.search.topology.loop import NewtonSettings, Round, end_errors
 from contact.verify.certificate import Certificate, Solved, certify
 from contact.verify.error import SolvedZones, too_thin
-from contact.verify.tolerances import TOLERANCES
 from sie import Array, record, wrapped
 
 
