@@ -254,7 +254,7 @@ def _solution(context: SolveContext, outcome: Outcome) -> Solution:
         return assemble.full_contact_solution(
             scene, context.full, outcome.mean_pressure, plan, tol, branch
         )
-    record_unknowns(plan, outcome)
+    record_unknowns(context, outcome)
     if isinstance(outcome, SolvedGaps):
         return assemble.gap_solution(scene, outcome, plan, tol)
     find_pull_off = (

@@ -59,7 +59,7 @@ from contact.search.context import SceneCache, SolveContext
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.strategies.full_contact import closed
-from contact.search.strategies.gaps import by_gaps
+from contact.search.strategies.gaps import by_gaps, record_as_before
 from contact.search.strategies.guesses import Outcome
 from contact.search.topology.failure import Failure
 from contact.solution.assemble import mean_height
@@ -508,6 +508,7 @@ def everywhere(context: SolveContext, problem: Problem) -> Outcome:
     load = found.load / problem.units.load
     plain = replace(problem, law=scene.law)
     if isinstance(found.fields, GapFields):
+        record_as_before(context.plan, found)
         gapped = by_gaps(alone, plain, Load(load), float(np.diff(zones, axis=1).sum()), zones)
         if isinstance(gapped, Failure):
             raise context.error(gapped, plain)

@@ -22,6 +22,7 @@ def separated_solution(
     """The certified solution at an equilibrium without contact."""
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces pull without touching"
+    plan.decide("unknowns", "none", "the surfaces pull without touching")
     ends, least = len(here.table) > 0, float(here.gap_samples[1].min())
     residual = float(np.abs(here.residual).max(initial=0.0))
     stability = least_eigenvalue(scaled_second_variation(here)) if ends else None

@@ -55,7 +55,7 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
         or profile.slope_is_derived
         or profile.extent is not None
         or scene.turned
-        or not _asks_for_pressure_only(law, scene.E_star)
+        or _refusal(law, scene.E_star)
         or not _is_half_plane(scene)
     ):
         return None
@@ -78,15 +78,20 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
     return OneZoneProblem(profile, LineMap(scene.period), kink, corner, limit)
 
 
-def _asks_for_pressure_only(law: Law, E_star: float) -> bool:
-    """Whether the law only requires a positive pressure that vanishes at the ends of zones."""
-    return (
-        law.routes.module is None
-        and law.equilibria.unique
-        and not law.pressure_range.has_tension
-        and law.intensity(E_star) == 0.0
-        and not has_checks(law)
-    )
+def why_not_closed(law: Law, E_star: float) -> str:
+    """The reason why a scene under this law that has no closed solution has none."""
+    return _refusal(law, E_star) or "the closed form is for one symmetric interval of a half-plane"
+
+
+def _refusal(law: Law, E_star: float) -> str:
+    """The reason why a law has no closed form; empty if it only requires positive pressure."""
+    if law.routes.module is not None:
+        return f"the law {law.name} is solved by {law.routes.module}"
+    if not law.equilibria.unique:
+        return f"under the law {law.name} right signs do not make a contact the only one"
+    if law.pressure_range.has_tension or law.intensity(E_star) != 0.0:
+        return f"the closed form has no tension, which the law {law.name} has"
+    return f"the law {law.name} has checks of its own" if has_checks(law) else ""
 
 
 def _is_half_plane(scene: Scene) -> bool:
@@ -199,6 +204,7 @@ def _plan(scene: Scene, zone: ClosedZone, took: float) -> Plan:
     told.decide(
         "solver", "closed form", "one symmetric interval of a half-plane needs no coupled system"
     )
+    told.decide("unknowns", "zones", "the closed form is a series of the pressure on the zone")
     given = scene.held(Quantity.HALF_WIDTH) is not None or zone.problem.corner is not None
     for part in told.parts:
         if part.name == "coarse search":

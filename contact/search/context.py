@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 import sie
+from contact.closed.solve import why_not_closed
 from contact.errors import ContactError, NotConverged, OutOfRange, SceneError
 from contact.formulation import input_checks
 from contact.formulation.controls import Control, Machine, scaled_control
@@ -136,11 +137,10 @@ class SolveContext:
     ) -> SolveContext:
         """The context of a scene with a new plan. others: further fields of the new context."""
         made = plan(scene)
-        made.decide(
-            "solver",
-            "coupled system",
-            "the closed form is for one symmetric interval of a half-plane",
-        )
+        way, because = "coupled system", why_not_closed(scene.law, scene.E_star)
+        if scene.law.routes.module is not None:
+            way = "the module of the law"
+        made.decide("solver", way, because)
         tolerance = max(INNER * tol, LEAST)
         return cls(scene, tol, made, cache or SceneCache(scene), tolerance, solver, **others)
 

@@ -37,14 +37,17 @@ def refined(context: SolveContext, found: Outcome, search: Search | None = None)
         return outcome
     # A solution that started from a similar solution may suffer more from rounding than one found
     # by a search from nothing.
-    afresh = replace(context, previous=(), warm_start=None)
+    afresh, decisions = replace(context, previous=(), warm_start=None), context.plan.decisions
+    context.plan.decisions = dict(decisions)
     other: Outcome | Failure = attempted(lambda: _refined_once(afresh, search(afresh), search))
     if isinstance(other, Failure):
         context.record_failure(
             "a search from nothing, as from others the error is above the tolerance", other
         )
-        return outcome
-    return other if isinstance(other, Full) or other.error < outcome.error else outcome
+    elif isinstance(other, Full) or other.error < outcome.error:
+        return other
+    context.plan.decisions = decisions
+    return outcome
 
 
 def _no_search(context: SolveContext) -> Outcome:
@@ -101,7 +104,11 @@ def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedG
     other = context.refine_topology(
         about(problem, table), control, table, initial_error=found.error
     )
-    return other if isinstance(other, SolvedZones) and other.error < found.error else found
+    if not (isinstance(other, SolvedZones) and other.error < found.error):
+        return found
+    because = "the stated error by the gaps is {}"
+    context.plan.decide("unknowns", "zones", because, found.error, context.tol)
+    return other
 
 
 def _tightened(

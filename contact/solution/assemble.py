@@ -124,6 +124,7 @@ def full_contact_solution(
     )
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
+    plan.decide("unknowns", "none", "the pressure of full contact has a closed form")
     # The error is relative to the peak pressure, or to the mean pressure if the peak is infinite.
     peak = (
         max(abs(fields.max_pressure), abs(least))
@@ -146,6 +147,7 @@ def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan:
     """The solution for surfaces that do not touch. approach [m]: None if it is not given."""
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces are apart"
+    plan.decide("unknowns", "none", "the surfaces are apart")
     gap, holds = (None, True) if approach is None else (-approach, approach <= 0.0)
     certificate = Certificate(
         smallest_pressure=0.0,

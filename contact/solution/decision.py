@@ -29,7 +29,7 @@ class Decision:
         """The reason with its numbers, as in "contact is 0.81 of the period, above 0.7"."""
         if self.measured is None:
             return self.because
-        reason = self.because.format(f"{self.measured:.3g}")
+        reason = self.because.replace("{}", f"{self.measured:.3g}")
         if self.threshold is None:
             return reason
         if self.measured == self.threshold:

@@ -201,7 +201,10 @@ def plan(scene: Scene) -> Plan:
             Part("fields", False, "computed when asked"),
         ]
     )
-    if given:
+    module = scene.law.routes.module
+    if module is not None:
+        made.decide("first guess", "that of the module", f"{scene.law.name} is solved by {module}")
+    elif given:
         made.decide("first guess", "the given zone", "the half width is given")
     elif single:
         made.decide("first guess", "one zone", "the profile is one symmetric asperity")

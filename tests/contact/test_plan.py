@@ -7,14 +7,19 @@ from __future__ import annotations
 import subprocess
 import sys
 import tracemalloc
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 import contact
 from contact.formulation.fields import ZoneFields
+from contact.formulation.full_contact import ApartFields, FullFields
+from contact.formulation.gaps import GapFields
+from contact.model.laws.base import Routes
 from contact.reference.inverse import design
+from contact.search import refine
+from contact.search.find import found
 from contact.search.strategies import gaps
 from contact.search.topology.failure import Failure
 from contact.solution.decision import Decision
@@ -466,7 +471,9 @@ class TestDecisions:
         solution = solve(self.ROUGH, tol=1e-7, mean_pressure=4e-3)
         choice = solution.plan.decisions["unknowns"]
         assert isinstance(solution.fields, ZoneFields)
-        assert str(choice) == "zones, since the gaps did not lead to the wanted error"
+        assert choice.way == "zones" and choice.measured > choice.threshold == 0.7
+        assert "gaps led to no contact (not today)" in choice.reason
+        assert any("gaps" in one and "not today" in one for one in solution.plan.tried)
 
     def test_a_near_solution_is_named_as_the_first_guess(self):
         first = solve(self.ROUGH, tol=1e-7, mean_pressure=5e-4)
@@ -489,3 +496,113 @@ class TestDecisions:
     def test_a_decision_reads_as_a_sentence(self):
         choice = Decision("gaps", "contact is {} of the period", 0.81, 0.7)
         assert str(choice) == "gaps, since contact is 0.81 of the period, above 0.7"
+
+
+ROUGH = TestDecisions.ROUGH
+VALLEYS = contact.Biquadratic(radius=1.0, spacing=0.4 * L, period=L)
+LOCALIZED = contact.Localized("self-consistent", neighbours=2)
+
+
+def unknowns_of(fields):
+    """The unknowns for which a solution with these fields was solved."""
+    if isinstance(fields, GapFields):
+        return "gaps"
+    if isinstance(fields, (FullFields, ApartFields)):
+        return "none"
+    return "zones"
+
+
+class TestUnknowns:
+    """The recorded unknowns are those of the fields of the solution, and the reason is true."""
+
+    SCENES = [
+        (WAVE, PERIODIC, "mean_pressure", (1e-3, 3.1e-3, 0.1)),
+        (WAVE, PERIODIC, "half_width", (0.1, 0.2, 0.45)),
+        (WAVE, PERIODIC, "contact_fraction", (0.3, 0.96, 0.97, 1.0)),
+        (WAVE, PERIODIC, "approach", (1e-4, 9.9e-4)),
+        (WAVE, LOCALIZED, "half_width", (0.1, 0.3)),
+        (WAVE, LOCALIZED, "mean_pressure", (3e-4, 5e-4)),
+        (contact.Parabola(1.0), ISOLATED, "load", (1e-3, 2e-3)),
+        (ROUGH, PERIODIC, "mean_pressure", (1e-3, 2e-3, 4e-3, 6e-3, 0.1)),
+        (ROUGH, PERIODIC, "load", (1e-3, 4e-3)),
+        (ROUGH, PERIODIC, "contact_fraction", (0.3, 0.65, 0.72, 0.8, 0.81, 0.995)),
+        (ROUGH, PERIODIC, "approach", (2e-4, 5e-4)),
+        (VALLEYS, PERIODIC, "contact_fraction", (0.2, 0.5, 0.52)),
+        (VALLEYS, PERIODIC, "load", (1e-3, 1e-2)),
+    ]
+
+    @pytest.mark.parametrize(("profile", "model", "control", "values"), SCENES)
+    def test_the_recorded_unknowns_are_those_of_the_fields(self, profile, model, control, values):
+        near = None
+        for value in values:
+            scene = contact.Scene(profile, E, model, **{control: value})
+            alone = contact.solve(scene, tol=1e-7)
+            assert alone.plan.decisions["unknowns"].way == unknowns_of(alone.fields)
+            if near is not None and len(near.zones):
+                beside = contact.solve(scene, tol=1e-7, near=near)
+                assert beside.plan.decisions["unknowns"].way == unknowns_of(beside.fields)
+            near = alone
+
+    def test_the_recorded_unknowns_are_those_of_the_fields_along_a_curve(self):
+        scene = contact.Scene(ROUGH, E, PERIODIC, load=1.0)
+        loads = np.geomspace(1e-3, 6e-3, 12)
+        solutions = contact.solve_many(scene, loads, tol=1e-7)
+        ways = [solution.plan.decisions["unknowns"].way for solution in solutions]
+        assert ways == [unknowns_of(solution.fields) for solution in solutions]
+        assert set(ways) == {"zones", "gaps"}
+
+    @pytest.mark.parametrize("law", [contact.JKR(1e-7), contact.Dugdale(1e-7, 1e-3)])
+    @pytest.mark.parametrize("control", [{"mean_pressure": 1e-3}, {"mean_pressure": 0.1}])
+    def test_the_recorded_unknowns_are_those_of_the_fields_under_adhesion(self, law, control):
+        solution = contact.solve(contact.Scene(WAVE, E, PERIODIC, law=law, **control), tol=1e-6)
+        choice = solution.plan.decisions["unknowns"]
+        assert choice.way == unknowns_of(solution.fields)
+        assert law.name in solution.plan.decisions["solver"].reason
+
+    def test_a_contact_fraction_beside_another_says_where_its_unknowns_come_from(self):
+        near = solve(ROUGH, tol=1e-7, contact_fraction=0.8)
+        scene = contact.Scene(ROUGH, E, PERIODIC, contact_fraction=0.81)
+        plan = contact.solve(scene, tol=1e-7, near=near).plan
+        first, choice = plan.decisions["first guess"], plan.decisions["unknowns"]
+        assert first.way == "the warm start" and first.measured < first.threshold
+        assert first.measured == pytest.approx(0.01 / 0.19)
+        assert choice.way == "gaps" and choice.measured > choice.threshold
+        assert choice.because.startswith("as for a solution under a similar load: ")
+
+    def test_zones_whose_error_is_below_that_of_the_gaps_are_named(self, monkeypatch):
+        """The gaps pass, but with an error above the tolerance."""
+        plain = gaps.tightened_gaps
+        loose = {"control_error": 1e-4}
+        monkeypatch.setattr(gaps, "tightened_gaps", lambda c, f, **_: replace(plain(c, f), **loose))
+        monkeypatch.setattr(refine, "replace", lambda found, **_: found)
+        solution = solve(ROUGH, tol=1e-7, mean_pressure=4e-3)
+        choice = solution.plan.decisions["unknowns"]
+        assert isinstance(solution.fields, ZoneFields) and choice.way == "zones"
+        assert choice.because == "the stated error by the gaps is {}"
+        assert choice.measured > choice.threshold == 1e-7
+
+    @pytest.mark.parametrize(
+        ("scene", "because"),
+        [
+            (contact.Scene(WAVE, E, PERIODIC, law=contact.JKR(1e-7), half_width=0.1), "is given"),
+            (contact.Scene(contact.Parabola(1.0), E, ISOLATED, moment=1e-5, load=1e-3), "lone"),
+            (contact.Scene(WAVE, E, LOCALIZED, mean_pressure=5e-4), "strip"),
+            (contact.Scene(WAVE, E, PERIODIC, law=contact.JKR(1e-7), load=1e-3), "law jkr forbids"),
+        ],
+    )
+    def test_each_obstacle_to_gaps_has_its_own_reason(self, scene, because):
+        assert because in contact.solve(scene, tol=1e-6).plan.decisions["unknowns"].because
+
+    def test_a_law_with_a_module_of_its_own_is_the_reason(self, monkeypatch):
+        class Own(contact.Frictionless):
+            name = "own"
+            routes = Routes(False, False, module="contact.testing")
+
+        monkeypatch.setattr(contact.testing, "found", found, raising=False)
+        scene = contact.Scene(ROUGH, E, PERIODIC, law=Own(), mean_pressure=1e-3)
+        assert contact.plan(scene).decisions["first guess"].way == "that of the module"
+        decisions = contact.solve(scene, tol=1e-2).plan.decisions
+        assert str(decisions["solver"]) == (
+            "the module of the law, since the law own is solved by contact.testing"
+        )
+        assert decisions["unknowns"].because == "the law own forbids gaps as the unknowns"

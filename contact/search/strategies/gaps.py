@@ -7,6 +7,7 @@ from contact.formulation.controls import Control
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import gaps_between
+from contact.model.controls import Quantity
 from contact.search.context import SolveContext
 from contact.search.options import SEARCH
 from contact.search.strategies.tightening import tightened
@@ -15,6 +16,7 @@ from contact.search.topology.gap_form import GapForm
 from contact.search.topology.intervals import united
 from contact.search.topology.loop import NewtonSettings, refine_topology
 from contact.solution.plan import Plan
+from contact.solution.solution import Solution
 from contact.verify.error import SolvedGaps, SolvedZones
 from sie import Array
 
@@ -33,9 +35,27 @@ class GapOptions:
 
 OPTIONS = GapOptions()
 
-NOT_WIDE = Failure(
-    "the contact is not wide enough to be solved by its gaps, or the operator has no inverse"
-)
+# Prefix of the reason for the unknowns that another solution had already.
+_AS_BEFORE = "as for a solution under a similar load: "
+
+
+def why_not_gaps(context: SolveContext, problem: Problem) -> str:
+    """The reason why the gaps cannot be the unknowns, whatever the width; empty if they can."""
+    scene, operator = context.scene, context.operator
+    if problem.interaction.strip:
+        return f"the model {scene.interaction.name} solves a strip, which has no full contact"
+    if problem.period is None:
+        return "a lone body has no full contact"
+    if scene.held(Quantity.HALF_WIDTH) is not None:
+        return "the half width is given"
+    if not scene.law.routes.gaps:
+        return f"the law {scene.law.name} forbids gaps as the unknowns"
+    if not operator.has_inverse:
+        body = scene.interaction if operator.is_own else scene.substrate
+        return f"no inverse of the operator is known, as {body.name} declares no symbol"
+    if not context.full.approached:
+        return "full contact is not approached, as the profile ends at sharp corners"
+    return ""
 
 
 def gaps_are_better(
@@ -46,13 +66,9 @@ def gaps_are_better(
     The answer is noted in the plan.
     """
     options, period = options or OPTIONS, problem.period
-    if period is None:
-        context.plan.decide("unknowns", "zones", "a lone body has no full contact")
-        return False
-    if not (
-        context.full.approached and context.operator.has_inverse and context.scene.law.routes.gaps
-    ):
-        context.plan.decide("unknowns", "zones", "full contact, or its operator, is not known")
+    reason = why_not_gaps(context, problem)
+    if reason or period is None:
+        context.plan.decide("unknowns", "zones", reason)
         return False
     threshold, because = options.wide_contact, "the first guess of contact is {} of the period"
     if not (context.full.possible or context.single):
@@ -64,12 +80,32 @@ def gaps_are_better(
     return is_wide
 
 
-def record_unknowns(plan: Plan, solved: SolvedZones | SolvedGaps) -> None:
-    """Correct the plan if the unknowns (zones or gaps) are not those that were planned."""
+def record_as_before(plan: Plan, before: Solution) -> None:
+    """Record in the plan the unknowns of another solution, with the reason for them."""
+    way = "gaps" if isinstance(before.fields, GapFields) else "zones"
+    decided = before.plan.decisions.get("unknowns")
+    if decided is None or decided.way != way:
+        plan.decide("unknowns", way, "a solution under a similar load has them")
+        return
+    because = _AS_BEFORE + decided.because.removeprefix(_AS_BEFORE)
+    plan.decide("unknowns", way, because, decided.measured, decided.threshold)
+
+
+def record_unknowns(context: SolveContext, solved: SolvedZones | SolvedGaps) -> None:
+    """Make the plan state the unknowns of the solution that is kept, zones or gaps."""
+    plan, module = context.plan, context.scene.law.routes.module
     decided = plan.decisions.get("unknowns")
     way = "gaps" if isinstance(solved, SolvedGaps) else "zones"
-    if decided is not None and decided.way != way:
-        plan.decide("unknowns", way, f"the {decided.way} did not lead to the wanted error")
+    if decided is None:
+        because = "a guess of them is at hand"
+        if module is not None:
+            because = f"the law {context.scene.law.name} is solved by {module}"
+        elif way == "zones":
+            because = why_not_gaps(context, solved.fields.problem) or because
+        plan.decide("unknowns", way, because)
+    elif decided.way != way:
+        because = f"the solution that is kept has them, after {decided.way}: {decided.because}"
+        plan.decide("unknowns", way, because, decided.measured, decided.threshold)
 
 
 def gap_tolerance(context: SolveContext) -> float:
@@ -80,6 +116,38 @@ def gap_tolerance(context: SolveContext) -> float:
     return SEARCH.tight_factor * context.tolerance
 
 
+def by_gaps_if_better(
+    context: SolveContext,
+    problem: Problem,
+    control: Control,
+    width: float,
+    zones: Array | None = None,
+    strategy: str = "gaps",
+    **newton: bool,
+) -> SolvedGaps | None:
+    """The contact by its gaps if they are better unknowns; None if not, or if they lead to none.
+
+    A failure of the gaps is recorded in the plan, where `strategy` names the attempt. width, zones,
+    newton: see `by_gaps`.
+    """
+    if not gaps_are_better(context, problem, width):
+        return None
+    found = by_gaps(context, problem, control, width, zones, **newton)
+    if isinstance(found, SolvedGaps):
+        return found
+    record_failed_gaps(context, strategy, found)
+    return None
+
+
+def record_failed_gaps(context: SolveContext, strategy: str, failure: Failure) -> None:
+    """Record in the plan why the gaps led to no contact, so that the zones are the unknowns."""
+    context.record_failure(strategy, failure)
+    decided = context.plan.decisions.get("unknowns")
+    if decided is not None:
+        because = f"gaps led to no contact ({failure.reason}), although {decided.because}"
+        context.plan.decide("unknowns", "zones", because, decided.measured, decided.threshold)
+
+
 def by_gaps(
     context: SolveContext,
     problem: Problem,
@@ -88,13 +156,11 @@ def by_gaps(
     zones: Array | None = None,
     **newton: bool,
 ) -> SolvedGaps | Failure:
-    """The contact with its gaps as the unknown, if its scaled width `width` is large enough.
+    """The contact with its gaps as the unknown.
 
-    zones: approximate zones of the contact, if they are known. newton: `abandon_if_far` and
-    `allow_loss` of `NewtonSettings`.
+    width: approximate scaled width of the contact. zones: approximate zones of the contact, if they
+    are known. newton: `abandon_if_far` and `allow_loss` of `NewtonSettings`.
     """
-    if control.half_width is not None or not gaps_are_better(context, problem, width):
-        return NOT_WIDE
     form = GapForm(problem, context.cache.relief(problem))
     width = width if control.width is None else control.width
     with context.plan.timed("zone ends"):

@@ -31,7 +31,12 @@ from contact.search.strategies.full_contact import (
     no_inverse,
     refuse_full_approach,
 )
-from contact.search.strategies.gaps import by_gaps, gaps_are_better
+from contact.search.strategies.gaps import (
+    by_gaps,
+    by_gaps_if_better,
+    gaps_are_better,
+    record_failed_gaps,
+)
 from contact.search.strategies.load_controls import by_fraction
 from contact.search.topology.failure import EXACT, NOT_APPLICABLE, Failure
 from contact.verify.error import SolvedGaps, SolvedZones
@@ -122,6 +127,7 @@ def _given_zone(
     a = scaled.control.half_width
     if a is None:
         return NOT_APPLICABLE
+    context.plan.decide("first guess", "the given zone", "the half width is given")
     found = context.refine_topology(scaled.problem, scaled.control, np.array([[-a, a]]))
     if not isinstance(found, Failure):
         return found
@@ -154,7 +160,7 @@ def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -
         found_by_gaps = by_gaps(context, problem, control, 2 * guess)
         if isinstance(found_by_gaps, SolvedGaps):
             return found_by_gaps
-        context.record_failure("gaps of one zone", found_by_gaps)
+        record_failed_gaps(context, "gaps of one zone", found_by_gaps)
         if full := full_under(context, control, but_for_kinks=True):
             return full
     has_branch = control.load is not None or control.approach is not None
@@ -334,8 +340,16 @@ class _GridSearch:
         ):
             return full
         table = placed(problem, proposal.zones)
-        found_by_gaps = by_gaps(context, problem, control, width, table, allow_loss=self.allow_loss)
-        if isinstance(found_by_gaps, SolvedGaps):
+        found_by_gaps = by_gaps_if_better(
+            context,
+            problem,
+            control,
+            width,
+            table,
+            strategy=f"gaps between {len(proposal.zones)} zones on {proposal.points} points",
+            allow_loss=self.allow_loss,
+        )
+        if found_by_gaps is not None:
             return found_by_gaps
         if proposal.full or not len(proposal.zones):
             return full_under(context, control, but_for_kinks=True) or NOT_APPLICABLE

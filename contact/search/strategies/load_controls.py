@@ -23,7 +23,13 @@ from contact.search.grid.proposals import of_width, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.grid.tilt import known_part
 from contact.search.options import SEARCH
-from contact.search.strategies.gaps import by_gaps, gap_tolerance, gaps_from_fields, tightened_gaps
+from contact.search.strategies.gaps import (
+    by_gaps_if_better,
+    gap_tolerance,
+    gaps_from_fields,
+    record_as_before,
+    tightened_gaps,
+)
 from contact.search.strategies.load_search import KnownLoads, approach, contact_fraction, nearer
 from contact.search.topology.failure import NOT_APPLICABLE, Failure
 from contact.search.topology.loop import NewtonSettings
@@ -87,6 +93,8 @@ def at_level(context: SolveContext) -> SolvedZones:
             problem, context.control(problem), placed(problem, start.zones)
         )
         if isinstance(found, SolvedZones):
+            because = "its approach is nearly the wanted one"
+            context.plan.decide("first guess", "a solution under a load", because)
             return found
         failure = found
         context.record_failure("zones under a load of about this approach", failure)
@@ -102,15 +110,19 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
     start = context.warm_start
     # A similar solution is a better start than a grid only if its contact fraction is close to the
     # wanted one.
-    if start is None or abs((start.contact_fraction or 0.0) - goal) > (
-        OPTIONS.max_change * smaller_part
-    ):
+    change = (
+        math.inf if start is None else abs((start.contact_fraction or 0.0) - goal) / smaller_part
+    )
+    if start is None or change > OPTIONS.max_change:
         outcome = _by_first_guess(context, scaled, goal)
         if not isinstance(outcome, float):
             return outcome
-        first = outcome
+        first, way = outcome, "a solution under a load"
+        context.plan.decide("first guess", way, "a grid led to no contact of this fraction")
     else:
         first = start.load
+        because = "its contact fraction is off by {} of the smaller of contact and gaps"
+        context.plan.decide("first guess", "the warm start", because, change, OPTIONS.max_change)
     near_enough, last, error = SEARCH.rough, None, 1.0
 
     def solve(load: float, nearest: Solution | None) -> Solution:
@@ -144,10 +156,11 @@ def _by_first_guess(
     # Close to full contact, grids do not resolve the narrow gaps that remain. These gaps are
     # guessed from the tension in full contact.
     if 1 - goal < SEARCH.rough:
-        found_by_gaps = by_gaps(context, problem, control, control.value)
-        if isinstance(found_by_gaps, SolvedGaps):
+        because = "a grid does not resolve the gaps"
+        context.plan.decide("first guess", "the tension in full contact", because)
+        found_by_gaps = by_gaps_if_better(context, problem, control, control.value)
+        if found_by_gaps is not None:
             return found_by_gaps
-        context.record_failure("gaps", found_by_gaps)
     part = context.plan["coarse search"]
     with context.plan.timed("coarse search"):
         proposal = of_width(scaled, control.value)
@@ -167,8 +180,10 @@ def _from_grid(
     if proposal.full or len(proposal.zones) == 0:
         return Failure("the grid has no zones of about this width")
     table = placed(problem, proposal.zones)
-    found_by_gaps = by_gaps(context, problem, control, control.value, table)
-    if isinstance(found_by_gaps, SolvedGaps):
+    found_by_gaps = by_gaps_if_better(
+        context, problem, control, control.value, table, "gaps between zones of a grid"
+    )
+    if found_by_gaps is not None:
         return found_by_gaps
     # All zones are scaled by one factor, so that their total width is the wanted one. Without this,
     # the ends would move farther in one step than the kernel of a thin layer allows.
@@ -212,6 +227,7 @@ def _from_solution(
 ) -> SolvedZones | SolvedGaps | Failure:
     """The contact from the zones, or the gaps, of a similar solution."""
     fields = start.fields
+    record_as_before(context.plan, start)
     if not isinstance(fields, GapFields):
         load = start.load / problem.units.load
         return _refined(context, problem, control, placed(problem, start.zones), load)

@@ -31,10 +31,15 @@ def tightened(
             break
         wanted = INNER * tolerance * context.tol / found.error
         tolerance = LEAST if is_useless else max(LEAST, wanted)
+        decisions = dict(context.plan.decisions)
         better = again(found, tolerance)
         if isinstance(better, Failure):
+            context.plan.decisions = decisions
             context.record_failure("a smaller inner tolerance", better)
             break
         is_useless = 2 * better.error > found.error
-        found = better if better.error < found.error else found
+        if better.error < found.error:
+            found = better
+        else:
+            context.plan.decisions = decisions
     return found
