@@ -567,7 +567,7 @@ class TestUnknowns:
         assert first.way == "the warm start" and first.measured < first.threshold
         assert first.measured == pytest.approx(0.01 / 0.19)
         assert choice.way == "gaps" and choice.measured > choice.threshold
-        assert choice.because.startswith("as for a solution under a similar load: ")
+        assert choice.because.startswith("they served under a similar load: ")
 
     def test_zones_whose_error_is_below_that_of_the_gaps_are_named(self, monkeypatch):
         """The gaps pass, but with an error above the tolerance."""

@@ -36,7 +36,7 @@ class GapOptions:
 OPTIONS = GapOptions()
 
 # Prefix of the reason for the unknowns that another solution had already.
-_AS_BEFORE = "as for a solution under a similar load: "
+_AS_BEFORE = "they served under a similar load: "
 
 
 def why_not_gaps(context: SolveContext, problem: Problem) -> str:
