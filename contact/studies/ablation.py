@@ -217,7 +217,7 @@ def run_ordinary(scene: contact.Scene, patience: float) -> dict[str, Any]:
 
 
 def measure(name: str, patience: float, ordinary_only: bool) -> dict[str, Any]:
-    """Run all scenes with one mechanism switched off, or with all on if the name is empty."""
+    """Run all scenes with the named mechanism off; with all mechanisms on if `name` is empty."""
     for switch in MECHANISMS.get(name, ()):
         switch.apply()
     with unwarned():

@@ -90,7 +90,7 @@ class Design:
     period: float | None
 
     def y(self, distance: Array) -> Array:
-        """The function y of distances, in extended precision: x, or sin(pi x/L) with a period."""
+        """y(x) at distances x, in extended precision: x, or sin(pi x/L) with a period L."""
         scaled = np.asarray(distance, dtype=np.longdouble)
         return (
             scaled if self.period is None else np.sin(np.longdouble(np.pi) / self.period * scaled)
@@ -135,7 +135,7 @@ class Design:
         step: float = 0.4,
         nodes: int = 230,
     ) -> float:
-        """Integral of P |Y| times a weight from an end to the next end (head of this module).
+        """Integral of the product P |Y| (module head) times a weight, from an end a to the next, b.
 
         The trapezoidal rule in s has an error of about exp(-2 pi^2/step) = 1e-21 by its step, and
         of about exp(-step nodes/2) = 1e-20 by its last node.
@@ -168,7 +168,7 @@ class Design:
         return -self.orientation(zone) * int(self.signs[zone, 1]) * scale * size
 
     def polynomial(self) -> list[float]:
-        """Coefficients of the equation's right side without a smooth kernel, lowest power first.
+        """Coefficients, lowest power first, of the right side for a kernel without a smooth part.
 
         The right side is minus the polynomial part of P Y (head of this module) far away.
         """

@@ -102,7 +102,7 @@ class Mixed(contact.Profile):
 
 
 def sinusoid(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A sinusoid whose wavelength is the length of the cell."""
+    """A sinusoid of random amplitude, with the wavelength `length`."""
     return contact.Sinusoid(length * 10 ** rng.uniform(-3, -1) / (2 * np.pi), length)
 
 
@@ -203,7 +203,7 @@ def piecewise(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def mixed(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A Fourier series added to a wedge, a parabola, a polynomial, a polygon or a trace."""
+    """A Fourier series added to a wedge, parabola, polynomial, trace or piecewise linear profile."""
     period = length if rng.random() < 0.6 else None
     if period is None:
         carrier = [wedge, parabola, polynomial][rng.integers(3)]

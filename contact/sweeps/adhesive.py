@@ -159,7 +159,7 @@ class AdhesivePath(Path):
 
     @property
     def dissipated(self) -> float | None:
-        """Energy lost in all jumps [J/m], per period if there is one; None without an approach."""
+        """Energy lost in all jumps [J/m], per period if there is one; None if it is undefined."""
         lost = [event.lost for event in self.events if isinstance(event, AdhesiveEvent)]
         return (
             None
@@ -236,7 +236,7 @@ class AdhesivePath(Path):
         return figure
 
     def _surfaces(self) -> tuple[str, Array, Array, Array, Array]:
-        """Title, places, deformed surface, body and zones for the picture of the surfaces [m]."""
+        """Title, positions, deformed surface, profile and zones [m] for the picture of surfaces."""
         parted = [
             event
             for event in self.events
@@ -374,7 +374,7 @@ class _PathRun:
         self.rises = 1.0
 
     def note(self, point: State | None, value: float = 0.0) -> None:
-        """Record an equilibrium, or the separate surfaces at a value of the control."""
+        """Record an equilibrium; if it is None, the separate surfaces at a value of the control."""
         units = self.problem.units
         if point is not None:
             approach = -point.level * units.height if self.problem.operator.has_approach else np.nan
@@ -420,7 +420,7 @@ class _PathRun:
             )
 
     def first(self, value: float) -> PathState:
-        """The state at the first value: separate surfaces below first touch, else contact."""
+        """The state at the first value of the control; the surfaces are apart below first touch."""
         scaled, first = value / self.unit, self.by.law.first
         if scaled < min(first, 0.0) or value < 0.0 == first:
             return PathState(scaled)
@@ -434,7 +434,7 @@ class _PathRun:
         return self.by.started(self.scene.under(self.control, value), scaled)
 
     def solved(self, here: PathState, value: float, before: float) -> Solution:
-        """The solution for the state `here` of the path."""
+        """The solution for the state `here` at a value of the control; `before`: the last value."""
         scene = self.scene.under(self.control, value)
         way = "advancing" if self.rises else "receding"
         described = (

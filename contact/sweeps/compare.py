@@ -120,7 +120,7 @@ def pressure_apart(attempt: Attempt, exact: Attempt, samples: int = 41) -> float
 
 
 def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
-    """Tables (title, columns): results, deviations from the exact model, ends of first zones.
+    """Tables (title, columns): results, deviations from the exact model, ends of the first zones.
 
     Each has one line per model and is at most 80 columns wide.
     """
@@ -189,7 +189,7 @@ def _percent(value: float | None, form: str = ".3g") -> str:
 
 
 def _models(own: Interaction) -> dict[str, Interaction]:
-    """The models, by the names that the table shows."""
+    """The interaction models to compare, by the names that the tables show."""
     models = {
         "isolated": own if own.name == "isolated" else interaction("isolated"),
         "first-order": interaction("localized", closure="first-order"),

@@ -56,7 +56,7 @@ def may_hide(low: Solution, high: Solution, rate_error: float, max_rate_ratio: f
 
 
 def ends_and_rates(solution: Solution) -> tuple[Array, Array] | None:
-    """Zones [m], and outward rates of their ends by the logarithm of the load [m], each (n, 2).
+    """Zones [m], and outward derivatives of their ends by ln(load) [m], two tables (n, 2).
 
     None in full contact.
     """

@@ -52,9 +52,9 @@ class PathOptions:
     # tolerance of ends, relative to the width of their zone, while an event is located. An error of
     # an end changes pressure and gap away from the end only by the square of that error.
     same: float = 1e-7
-    # Overlaps of two zones and errors of ends are assumed not to change the number of zones if they
-    # are relatively smaller than this. A smaller relative step of the load is assumed not to hide a
-    # zone that is born and merges.
+    # An overlap of two zones or an error of an end is assumed not to change the number of zones if
+    # it is below this fraction of a zone's width. A step of the load below this fraction of the
+    # load is assumed not to hide a zone that is born and merges within the step.
     negligible: float = 1e-3
     # If the ratio of two loads exceeds this, the rates of the ends at these loads do not predict
     # the motion of the ends.
@@ -68,10 +68,10 @@ class PathOptions:
 
     @property
     def retries_beyond(self) -> tuple[float, ...]:
-        """Relative distances outside the interval between two loads at which an event is sought.
+        """Relative distances beyond two equal loads at which an event between them is also sought.
 
-        The two loads are practically equal. An event's condition is tried there, too, since
-        certified signs may be wrong by round-off.
+        The two loads are equal except for round-off. Round-off can give a certified sign the wrong
+        value, so that the event between the loads seems to lie beyond them.
         """
         return tuple(np.geomspace(self.same, self.negligible, 5))
 
@@ -166,7 +166,7 @@ class Path:
 
 
 def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:
-    """The path along loads [N/m] of a law whose contact grows with the load; see `contact.path`."""
+    """The path along loads [N/m] for a law whose contact grows with load; see `contact.path`."""
     run = _Path(scene, tol, progress)
     run.curve.solve_in_closed_form(values)
     solutions: list[Solution] = []
@@ -275,7 +275,7 @@ class _Path:
     def _event(
         self, change: Change, low: Solution, high: Solution, beyond: tuple[float, ...] = ()
     ) -> Event | None:
-        """The event of one change of the zones (e.g. a merger), where a condition becomes zero.
+        """The event of a change of the zones (e.g. a merger): the zero of a condition on the load.
 
         None if the condition does not change sign. The condition is evaluated at both loads, and
         beyond them by the relative distances `beyond`: near an event the certificate accepts signs
@@ -307,7 +307,7 @@ class _Path:
 
 
 def _just_beyond(change: Change, side: Solution, other: Solution) -> float | None:
-    """A load just beyond the event, predicted by the rates of the ends; None if they predict none.
+    """A load just beyond the event, predicted by the ends' rates; None if not between the loads.
 
     The load is predicted from the solution `other`. The square of the width of a zone (a gap) is
     linear in the logarithm of the load as the zone appears (the gap closes). Its rate gives the
@@ -342,7 +342,7 @@ class _Condition:
         return self.of(self.formal(load))
 
     def of(self, fields: Any) -> float:
-        """Value of the condition for fields that have the condition's number of zones.
+        """Value of the condition for `fields`, the pressure and gap for the fixed number of zones.
 
         It is the least gap around a zone to be born, or the least pressure between two zones that
         have merged.
@@ -359,8 +359,8 @@ class _Condition:
             if not isinstance(fields, GapFields)
             else GapForm(self.problem, fields.relief)
         )
-        # Zones (or gaps) for each load at which they were computed. At a load next to the first
-        # one, they are extrapolated by the rates of the ends.
+        # Zones (or gaps) for each load at which they were computed. For a second load, close to
+        # that of `fields`, they are extrapolated by the rates of the ends.
         load, table = fields.load / fields.problem.units.load, fields.solved_zones.table
         self.tables: dict[float, Array] = {
             load: table,
@@ -380,9 +380,9 @@ class _Condition:
         return np.asarray(table) if np.all((grown > 0.5) & (grown < 2.0)) else first
 
     def formal(self, load: float) -> Any:
-        """Fields with the event's number of zones (or gaps); pressures and gaps may be negative.
+        """Pressure and gap at a load for a fixed number of zones (or gaps); both may be negative.
 
-        Later calls start from them.
+        Later calls start from the zones found here.
         """
         fields = self.form.formal(load, self.start(load), _OPTIONS.same, _OPTIONS.same**2)
         self.tables[load] = fields.solved_zones.table
@@ -398,7 +398,7 @@ def _moving(fields: Any) -> Array:
 
 
 def _scaled(fields: Any, places: tuple[float, float]) -> tuple[float, float]:
-    """Two places in scaled coordinates, moved to the period in which the fields' zones lie."""
+    """Two places in scaled coordinates, moved to the period in which the zones of `fields` lie."""
     zones, problem = fields.solved_zones, fields.problem
     middle = 0.5 * float(zones.a[0] + zones.b[-1])
     a, b = centred_on(np.array([problem.units.scaled(np.array(places))]), middle, problem.period)[
@@ -408,7 +408,7 @@ def _scaled(fields: Any, places: tuple[float, float]) -> tuple[float, float]:
 
 
 def _full_event(load: float, full: Solution, low: Solution) -> list[Event]:
-    """The event at which the last gap closes; no event if that gap lies over a concave kink.
+    """List of the event that closes the last gap; empty if that gap lies over a concave kink.
 
     The pressure at such a kink is minus infinity in full contact, so the gap never closes.
     """

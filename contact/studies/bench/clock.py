@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 def seconds(call: Callable[[], Any], patience: float = 0.3, most: int = 25) -> float:
-    """Least processor time [s] of repeated calls, for `patience` seconds or `most` calls.
+    """Least processor time [s] of a call, which is repeated for `patience` s or `most` times.
 
     The least time is taken because other work on the machine only adds to it.
     """

@@ -57,8 +57,8 @@ class HarmonicZone(SymmetricZone):
 
     def _pressure(self, r: Array, d: Array) -> Array:
         # The upper limit of the integral is `top`. Its square is cos(2 pi r) - cos(2 pi a), with
-        # the
-        # half width a. It equals 2 sin(pi d) sin(pi (a + r)), which has no cancellation.
+        # the half width a. It equals 2 sin(pi d) sin(pi (a + r)) with d = a - r. This product has
+        # no cancellation.
         top = np.sqrt(2 * np.sin(pi * d) * np.sin(pi * (self.half_width + r)))
         nodes, weights = legendre.leggauss(len(self.amplitudes) + 1)
         v = 0.5 * (1 + nodes) * top[..., None]

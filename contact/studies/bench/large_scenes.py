@@ -74,7 +74,7 @@ def self_affine(kmax: int) -> contact.Fourier:
 
 
 def stylus() -> contact.Sampled:
-    """The stylus trace as docs/stylus.md prepares it; a twentieth is tapered at each end."""
+    """The stylus trace as docs/stylus.md prepares it; 5 % of its length is tapered at each end."""
     return contact.Sampled.from_file(
         ROOT / "examples" / "data" / "stylus-profile.csv",
         units="um",
@@ -86,7 +86,7 @@ def stylus() -> contact.Sampled:
 
 
 def sampled_wave(points: int) -> contact.Sampled:
-    """Harmonics 2 to 199 with amplitudes k^-1.3 and random phases, sampled at even points."""
+    """Evenly sampled harmonics k = 2 to 199 with amplitudes ~ k^-1.3 and random phases."""
     k = np.arange(2, 200)
     phase = np.random.default_rng(5).uniform(0, 2 * np.pi, len(k))
     series = np.zeros(points // 2 + 1, dtype=complex)

@@ -127,8 +127,8 @@ def rows(
         if tight is None:
             continue
         row = tight
-        # The loosest tolerance that does not increase the error is used. This favours the other
-        # code (peer) in the comparison of times.
+        # The loosest tolerance that increases the error by at most a tenth is used. This favours
+        # the other code (peer) in the comparison of times.
         for tolerance in tolerances[:-1]:
             loose = _measured(peer, case, x, heights, tolerance, 0.05)
             if (
@@ -156,9 +156,9 @@ def _measured(
 
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
-    """Least time of the runs that reach an error, as all finer runs do; None if none does.
+    """Least time of a run that reaches an error and whose finer runs all reach it; or None.
 
-    The rows go from coarse to fine. So the result is None if the last run misses the error.
+    The rows go from coarse to fine grids. None if the run on the finest grid has a larger error.
     """
     reached = None
     for row in reversed(rows_of_one):

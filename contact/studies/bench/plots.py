@@ -101,7 +101,7 @@ def _finish(figure: Any, panels: dict[str, Any], path: Path) -> None:
 
 
 def scaling(rows: list[Scaled], path: Path) -> None:
-    """Draw time, least time (floor) and memory against size, one panel for each series."""
+    """Draw time, its lower estimate (floor) and memory against size, a panel for each series."""
     series = list(dict.fromkeys(row.series for row in rows))
     across = min(2, len(series))
     down = -(-len(series) // across)

@@ -67,7 +67,7 @@ def line_of_scene(rows: list[Row], scene: str) -> str:
 
 
 def line_of_size(row: Scaled) -> str:
-    """Return a line of text: time for one size of a series, also over the least time (floor)."""
+    """Return a line of text: time for one size of a series, also in units of its floor."""
     floors = f"{row.seconds / row.floor:.3g} times the floor"
     return f"{row.series}, {row.size}: {_time(row.seconds)}, {floors}"
 

@@ -17,7 +17,7 @@ _PYTHON = "the time is that of calls from Python, not arithmetic: see the floor"
 
 @dataclass(frozen=True)
 class Figure:
-    """A required figure, the measured figure, whether the requirement is met, and why not."""
+    """A requirement, the measured figure, whether the requirement is `met`, and `why` if not."""
 
     asked: str
     measured: str
@@ -32,7 +32,7 @@ def table(
     solves: float,
     peers: Sequence[str],
 ) -> Table:
-    """The table of all required figures, with comparisons only if another contact code ran."""
+    """The table of all requirements; those that compare with other codes only if `peers` ran."""
     single = [case.name for case in cases if case.single]
     figures = [_millisecond(rows, single), _floor(floors, solves), *_estimates(rows)]
     if peers:
@@ -45,10 +45,10 @@ def table(
 
 
 def _hundredfold(rows: list[Row], single: Sequence[str], peers: Sequence[str]) -> Figure:
-    """Return the figure of speed: time of the faster other code / ours, at an error of 1e-4.
+    """Return the figure of speed: time of the fastest peer over our time, at an error of 1e-4.
 
-    If no peer reaches the error, a lower bound is returned: the longest run of each peer is taken,
-    and the shorter one of these times.
+    If no peer (other code) reaches this error, the figure is a lower bound. It takes the longest
+    run of each peer, and the shortest of these times.
     """
     found: list[tuple[float, str]] = []
     for scene in single:

@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Scaled:
-    """The measurement of one scene: time and memory of `solve`, least time, and counts."""
+    """Measurement of one scene: time and memory of `solve`, `floor_seconds`, and counts."""
 
     series: str
     size: int
@@ -52,7 +52,7 @@ class Scaled:
 
 
 def floor_seconds(solution: Solution) -> float:
-    """Least time (floor) [s]: one evaluation of the profile and one sum of the kernel."""
+    """Floor of the solver's time [s]: one evaluation of the profile and one sum of the kernel."""
     fields, profile = solution.fields, solution.scene.profile
     assert isinstance(fields, ZoneFields | GapFields)
     # Near full contact the solver's unknown is the slope of the gap instead of the pressure.

@@ -158,7 +158,7 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
 
 
 def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
-    """The `Curve` that solves the points of a chunk in turn; None if points need separate solves.
+    """The `Curve` that solves the points of a chunk in turn; None if each is solved on its own.
 
     It is None if no control varies, if the branch is not the default one, or if no point is a valid
     scene. Points with a closed form are solved here.

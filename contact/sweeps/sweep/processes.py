@@ -240,7 +240,7 @@ class Cluster:
 
     @property
     def solvers(self) -> int:
-        """Assumed number of threads: several times the present ones, as more workers may join."""
+        """Assumed number of threads: several times the present number, as more workers may join."""
         return CHUNKS.per_process * sum(self._client.ncores().values())
 
     def solved(self, scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
@@ -257,8 +257,8 @@ class Cluster:
             client.submit(solve_sent, given, chunk, tol, pure=False): chunk for chunk in chunks
         }
         try:
-            # Each result is fetched as soon as it is ready, so that a worker lost later does not
-            # take it along.
+            # Each result is fetched as soon as it is ready, so that it is not lost if its worker
+            # is lost later.
             done = self._distributed.as_completed(
                 list(running), loop=client.loop, with_results=True, raise_errors=False
             )

@@ -189,7 +189,7 @@ def _fill(
 
 
 def _check_values(scene: Scene, axes: Sequence[Axis]) -> None:
-    """Raise SceneError if a value of an axis gives no valid scene with any values of other axes."""
+    """Raise SceneError if a value of one axis is invalid for all values of the other axes."""
     for number, axis in enumerate(axes):
         for value in axis.values:
             first: SceneError | None = None

@@ -240,8 +240,8 @@ def alone(path: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        # The lock file is removed before the lock is released. A process that has opened the
-        # removed file notices this and creates a new lock file.
+        # The lock file is removed before the lock is released. A process that has already opened
+        # the file notices that it was removed, and creates a new lock file.
         with suppress(OSError):
             os.unlink(lock.lock_file)
         lock.release()

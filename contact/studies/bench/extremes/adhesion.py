@@ -24,7 +24,7 @@ _WHY = "of the closed form, by a difference"
 
 
 def jkr() -> Iterator[Extreme]:
-    """Extreme scenes of Johnson's wave and Barquins's cylinder under JKR adhesion, at a load.
+    """Extreme scenes of Johnson's wave and Barquins's cylinder under JKR adhesion.
 
     Near a turning point the ends move as the square root of the difference between the load and the
     load of the turning point, so that the condition is large.
@@ -82,10 +82,10 @@ def _under_tension(
     group: str, name: str, curve: DugdaleCylinder | DugdaleWave, load: float, part: float
 ) -> Extreme:
     here, by_load = curve.at_load(load), _condition(curve, load, part)
-    # The round-off of the ends is relative to the zone, but the pressure varies over the narrow
-    # strip of tension. The ratio of the two widths is the first factor. The end of the strip
-    # follows from work / stress, which is rounded too. The second factor is therefore the condition
-    # number of the result with respect to the work.
+    # `narrow` is a condition number. Its first factor is a/(c - a): the round-off of an end is
+    # relative to the zone's half width a, but the pressure varies over the narrow interval (a, c)
+    # of tension. The end c follows from work / stress, which is rounded too. So the second factor
+    # is the condition number of the result with respect to the work.
     narrow = (
         here.half_width
         / (here.cohesive_end - here.half_width)
@@ -121,10 +121,10 @@ def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
 
 
 def _condition(curve: Curve, load: float, part: float, by: str = "load") -> float:
-    """Change of the result divided by the relative change of the load or the attribute `by`.
+    """Condition number of ends and pressures with respect to the load or the attribute `by`.
 
-    The result is a difference quotient with the step 1e-3 `part`, where `part` is the relative
-    distance of the load from a turning point.
+    It is the change of the result over the relative change of the data, 1e-3 `part`. `part` is the
+    relative distance of the load from a turning point.
     """
     change = 1e-3 * part
     other = curve if by == "load" else replace(curve, **{by: getattr(curve, by) * (1 + change)})

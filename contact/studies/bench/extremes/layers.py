@@ -133,7 +133,7 @@ class UnderEllipse(Profile):
         return self._summed(lambda x: x + np.sin(np.outer(x, q)) @ weights, x)
 
     def _summed(self, function: Callable[[Array], Array], x: ArrayLike) -> Array:
-        """Values at x of a sum over all waves, for some positions at a time to save memory."""
+        """Values of a sum over all waves, for a few of the positions x at a time to save memory."""
         x = np.asarray(x, dtype=np.float64)
         parts = np.array_split(x.ravel(), 1 + x.size * len(self._waves[0]) // 2_000_000)
         return np.concatenate([function(part) for part in parts]).reshape(x.shape)
