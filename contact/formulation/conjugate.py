@@ -54,8 +54,9 @@ class ConjugateOptions:
     # between the samples.
     residual_margin: float = 2.0
     # The same multiple, for a residual whose Fourier terms fall like those of a jump or more
-    # slowly. At 1e-5 of the period from a corner, the conjugate is 4 times the jump.
-    jump_margin: float = 8.0
+    # slowly. At 1e-5 of the period from a corner, the conjugate is 4 times the jump. The residual
+    # at the samples may be a quarter of the jump, as the terms in use follow the rest of it.
+    jump_margin: float = 16.0
     # Fourier terms that do not decay are noise if they are below this fraction of the largest term.
     # Larger terms may come from a kink that is not declared.
     max_noise: float = 1e-9
