@@ -231,7 +231,7 @@ def measure(name: str, patience: float, ordinary_only: bool) -> dict[str, Any]:
 
 
 def changed(one: dict[str, Any], other: dict[str, Any]) -> bool:
-    """Whether the zone ends of two solutions differ by more than their stated errors together.
+    """Whether the zone ends of two solutions differ by more than the sum of the stated errors.
 
     Differences are relative to the widths of the zones.
     """

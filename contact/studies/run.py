@@ -27,7 +27,7 @@ def main(arguments: list[str]) -> int:
         print(__doc__, file=sys.stderr)
         return 2
     if any(os.environ.get(name) != "1" for name in ONE_THREAD):
-        # numpy chooses its number of threads at import, so that the program restarts with the
+        # numpy chooses its number of threads at import, so the program restarts with the
         # environment variables set.
         again = [sys.executable, "-m", "contact.studies.run", *sys.argv[1:]]
         os.execve(sys.executable, again, {**os.environ, **ONE_THREAD})

@@ -203,7 +203,7 @@ def piecewise(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def mixed(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A Fourier series added to a wedge, parabola, polynomial, trace or piecewise linear profile."""
+    """The sum of a Fourier series and a simpler profile, e.g. a wedge, a parabola or a trace."""
     period = length if rng.random() < 0.6 else None
     if period is None:
         carrier = [wedge, parabola, polynomial][rng.integers(3)]

@@ -159,7 +159,7 @@ class AdhesivePath(Path):
 
     @property
     def dissipated(self) -> float | None:
-        """Energy lost in all jumps [J/m], per period if there is one; None if it is undefined."""
+        """Energy lost in all jumps [J/m], per period if there is one; None if a loss is unknown."""
         lost = [event.lost for event in self.events if isinstance(event, AdhesiveEvent)]
         return (
             None

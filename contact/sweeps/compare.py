@@ -120,7 +120,7 @@ def pressure_apart(attempt: Attempt, exact: Attempt, samples: int = 41) -> float
 
 
 def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
-    """Tables (title, columns): results, deviations from the exact model, ends of the first zones.
+    """Tables (title, columns): results, their deviations from the exact model, ends of zones.
 
     Each has one line per model and is at most 80 columns wide.
     """

@@ -56,8 +56,8 @@ class PathOptions:
     # it is below this fraction of a zone's width. A step of the load below this fraction of the
     # load is assumed not to hide a zone that is born and merges within the step.
     negligible: float = 1e-3
-    # If the ratio of two loads exceeds this, the rates of the ends at these loads do not predict
-    # the motion of the ends.
+    # If the ratio of two loads exceeds this, the rates of the ends at these loads (derivatives by
+    # ln(load)) do not predict the motion of the ends.
     max_load_ratio: float = 1.3
     # If the ratio of an end's rates at the two loads exceeds this, the rates do not predict the
     # end's motion.

@@ -117,8 +117,8 @@ def _in_processes(
     ]
     solvers = min(workers or processors(), len(left) // 2)
     if solvers > 1:
-        # Each process gets every n-th value. So each value has a neighbour to start from, and all
-        # processes take about the same time.
+        # Each of n processes gets every n-th value, in ascending order. It starts each value from
+        # its previous one. All processes take about the same time.
         chunks = [
             Chunk.of_curve(curve.control, left[first::solvers], values) for first in range(solvers)
         ]

@@ -27,7 +27,7 @@ from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis, Value, varied
 from sie import Array, Mask
 
 # A row holds numbers by name, and `failed`, `reason` and `warning`. In a chunk of whole solutions,
-# a row holds `solution` or `raised` instead.
+# it holds instead the `solution` or, as `raised`, the exception.
 Row = dict[str, Any]
 Rows = list[tuple[int, Row]]
 

@@ -101,9 +101,9 @@ def solved_in_processes(
 
 
 def _not_sent_back(future: Future[Rows]) -> str:
-    """The reason why a process cannot send its solutions back, or "".
+    """The reason why a process cannot send its solutions back; "" if it can.
 
-    It is a class of the user's that cannot be pickled.
+    It cannot if a class of the user cannot be pickled.
     """
     error = future.exception()
     lost = isinstance(error, pickle.PicklingError) or (
@@ -113,7 +113,7 @@ def _not_sent_back(future: Future[Rows]) -> str:
 
 
 def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
-    """The scene as bytes; and the reason why other processes cannot use the scene, or ""."""
+    """The scene as bytes; the reason why other processes cannot use it, "" if they can."""
     script = getattr(sys.modules["__main__"], "__file__", None)
     if script is not None and not os.path.exists(script):
         return b"", f"import the script first, and {script} is no file"
