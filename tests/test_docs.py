@@ -110,19 +110,62 @@ def named_files(text: str) -> list[str]:
     return re.findall(r"`((?:contact|sie|docs)/[\w/]+\.(?:py|md))`", text)
 
 
-def test_each_of_the_five_changes_reads_at_most_six_files_that_exist() -> None:
-    changes = CHANGES.split("\n### ")[1:]
-    steps = [re.findall(r"^\d+\. `([^`]+)`: ", change, re.MULTILINE) for change in changes]
-    assert len(steps) == 5 and all(0 < len(files) <= 6 for files in steps)
+def steps_of(change: str) -> list[tuple[str, str]]:
+    """(file, text) of the numbered steps of a change; a step ends at the next one or a blank line."""
+    return re.findall(r"^\d+\. `([^`]+)`: (.*?)(?=^\d+\. |^$|\Z)", change, re.MULTILINE | re.DOTALL)
+
+
+def words_of(text: str) -> list[str]:
+    """Names in the code spans of a step, up to what it says to edit; paths of files left out."""
+    told = re.split(r"\sEdit:", text)[0]
+    spans = re.findall(r"`([A-Za-z_.]+)(?:\([^)`]*\))?`", told)
+    return [span.rpartition(".")[2] for span in spans]
+
+
+CHANGES_BY_TITLE = {
+    change.partition("\n")[0]: change.partition("\n")[2] for change in CHANGES.split("\n### ")[1:]
+}
+
+
+def test_there_are_five_changes_and_all_files_that_they_name_exist() -> None:
+    assert len(CHANGES_BY_TITLE) == 5
     assert not [name for name in named_files(CHANGES) if not (ROOT / name).is_file()]
 
 
-def test_the_five_changes_name_what_stands_in_their_files() -> None:
-    """A step's code spans before its first full stop are words of its file."""
-    for name, told in re.findall(r"^\d+\. `([^`]+)`: (.*?)(?:\. |\.$)", CHANGES, re.MULTILINE):
+@pytest.mark.parametrize("title", CHANGES_BY_TITLE)
+def test_a_change_reads_at_most_six_files_or_says_why_not(title: str) -> None:
+    text = CHANGES_BY_TITLE[title]
+    count = len(steps_of(text))
+    reason = re.search(r"more than six files[^.]*,\s+since ", text, re.IGNORECASE)
+    assert 0 < count <= 6 or reason is not None
+    assert [int(number) for number in re.findall(r"^(\d+)\. `", text, re.MULTILINE)] == list(
+        range(1, count + 1)
+    )
+
+
+@pytest.mark.parametrize("title", CHANGES_BY_TITLE)
+def test_a_step_names_what_stands_in_its_file(title: str) -> None:
+    for name, text in steps_of(CHANGES_BY_TITLE[title]):
         source = (ROOT / name).read_text(encoding="utf-8")
-        for span in re.findall(r"`([A-Za-z_.]+)(?:\([^)]*\))?`", told):
-            assert span.rpartition(".")[2] in source, (name, span)
+        for word in words_of(text):
+            assert word in source, (name, word)
+
+
+def test_a_name_with_its_file_in_brackets_stands_in_that_file() -> None:
+    pairs = re.findall(r"`(\w+)`\s\(`((?:contact|sie)/[\w/]+\.py)`", CHANGES)
+    assert len(pairs) > 5
+    for word, name in pairs:
+        assert word in (ROOT / name).read_text(encoding="utf-8"), (name, word)
+
+
+def test_words_before_the_edit_are_read_in_steps_of_several_lines() -> None:
+    text = (
+        "1. `a/b.py`: `one(x)` and\n   `two.three`. Edit: a method `new`.\n2. `c.py`: none.\n\n`no`"
+    )
+    assert [(name, words_of(told)) for name, told in steps_of(text)] == [
+        ("a/b.py", ["one", "three"]),
+        ("c.py", []),
+    ]
 
 
 @pytest.mark.parametrize("package", [contact, sie], ids=lambda p: p.__name__)
