@@ -11,7 +11,6 @@ import numpy as np
 
 from contact.adhesion.cohesive_fields import CohesiveFields, scaled_second_variation
 from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
-from contact.adhesion.curve import ACCURACY
 from contact.adhesion.inner_contact import sampled_gap
 from contact.adhesion.options import SAMPLES
 from contact.formulation.fields import ZoneFields
@@ -81,7 +80,7 @@ def certified(
         np.minimum(np.abs(place - table[i, 0]), np.abs(place - table[i, 1])),
         np.abs(next_one[i] - place),
     )
-    clear_of_ends = away > ACCURACY.rough * (table[i, 1] - table[i, 0])
+    clear_of_ends = away > TOLERANCES.reach_distance * (table[i, 1] - table[i, 0])
     assert here.q is not None
     rounding = here.q.gap_rounding
     wrong_side = clear_of_ends & np.where(
@@ -91,7 +90,9 @@ def certified(
     stability = least_eigenvalue(scaled_second_variation(here))
     if not holds:
         note = plain.note or "a sign or the balance fails"
-    elif reach_error > TOLERANCES.edge_condition + 4 * rounding / curve.reach:
+    elif (
+        reach_error > TOLERANCES.edge_condition + TOLERANCES.reach_multiple * rounding / curve.reach
+    ):
         holds, note = (
             False,
             f"at an end of the tension the gap misses its reach by {reach_error:.1e}",

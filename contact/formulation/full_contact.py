@@ -19,15 +19,12 @@ from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.relief import Relief, period_samples
 from contact.formulation.roots import maximum
+from contact.formulation.tolerances import TOLERANCES
 from contact.model.laws.base import Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.derive import detail_of
 from sie import Array, record
-
-# A gap is left out if its half width is below this fraction of the period, or of the zone next to
-# it. The certificate says so. The round-off of the gap's ends is about as large.
-NARROWEST = 1e-13
 
 
 class FullLimit(sie.Kept):
@@ -62,7 +59,7 @@ class FullLimit(sie.Kept):
     def onset_pressure(self) -> float:
         """Mean pressure [Pa] at which the least pressure of full contact is zero.
 
-        Over concave kinks it is the pressure at which a single gap is as narrow as `NARROWEST`.
+        Over concave kinks it is the pressure at which a single gap is as narrow as allowed.
         """
         relief, samples, kinks = self.relief, period_samples(self.profile), self.profile.kinks
         valleys = np.sort(self.profile.wrap(kinks[kinks[:, 1] < 0, 0]))
@@ -73,7 +70,7 @@ class FullLimit(sie.Kept):
         )
         # `least` is half the width of the interval in which the pressure of full contact is
         # negative. A single gap is twice as wide as this interval.
-        least = NARROWEST * relief.period / 2
+        least = TOLERANCES.narrowest_gap * relief.period / 2
 
         def beside_valleys(x: Array) -> Array:
             x = np.asarray(self.profile.wrap(x))

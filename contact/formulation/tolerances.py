@@ -40,12 +40,24 @@ class Tolerances:
     # smaller rate counts as rising.
     slope_rounding: float = 16 * EPS
 
+    # Bound of the error of the pressure's samples, over the noise of the zone's right side.
+    pressure_noise_multiple: float = 2.0
+    # A gap over a concave kink is left out if its half width is below this fraction of the period,
+    # or of the zone next to it. The certificate says so. The round-off of the gap's ends is about
+    # as large.
+    narrowest_gap: float = 1e-13
+
     # Largest allowed error of load and moment. It is far above rounding, and far below the error of
     # a wrong solution.
     balance: float = 1e-9
     # Largest allowed error of the intensity at an end, or of the gap where a cohesive tension ends,
     # relative to the reach of the tension.
     edge_condition: float = 1e-7
+    # Bound of the round-off of the gap at an end of a tension, over the round-off of other gaps.
+    reach_multiple: float = 4.0
+    # The certificate compares no gap with the reach nearer to an end of a tension than this distance,
+    # over the width of the interval of tension.
+    reach_distance: float = 1e-9
     gap_margin: float = 100.0  # factor on the gap that the density's error causes on the zones
 
     # Factor on error estimates that neglect terms of the same order, as for a truncated series.

@@ -16,7 +16,6 @@ import numpy as np
 import sie
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
-from contact.formulation.full_contact import NARROWEST
 from contact.formulation.quadrature import chebyshev_nodes, sides
 from contact.formulation.tables import runs_of
 from contact.formulation.tolerances import TOLERANCES, allowed_overlap
@@ -248,7 +247,8 @@ def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
 
 
 def unresolved_gaps_note(gaps: int, over: str) -> str:
-    return f"{gaps} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of {over}"
+    width = 2 * TOLERANCES.narrowest_gap
+    return f"{gaps} gaps over kinks are left out: narrower than {width:.0e} of {over}"
 
 
 def _intensity_error(fields: ZoneFields) -> float:
@@ -302,7 +302,12 @@ def _pressures(fields: ZoneFields) -> Signs:
         scale = np.abs(np.where(finite, value, 0.0)).max(axis=1)
         return (
             np.where(finite, value, np.inf),
-            scale * np.clip(2 * noise[group], TOLERANCES.rounding, TOLERANCES.noise),
+            scale
+            * np.clip(
+                TOLERANCES.pressure_noise_multiple * noise[group],
+                TOLERANCES.rounding,
+                TOLERANCES.noise,
+            ),
             scale,
         )
 
@@ -320,7 +325,7 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
     at, zone, inside = density.locate(kinks[heights < 0])
     found: list[tuple[float, float]] = []
     left_out = 0
-    distances = np.geomspace(NARROWEST, 1.0, SAMPLING.min_points)
+    distances = np.geomspace(TOLERANCES.narrowest_gap, 1.0, SAMPLING.min_points)
     for x, i in zip(at[inside], zone[inside], strict=True):
         half = density.zones.half[i]
         left, right = (x - density.zones.a[i]) / half, (density.zones.b[i] - x) / half

@@ -6,7 +6,6 @@ over every concave kink.
 
 import numpy as np
 
-from contact.formulation.full_contact import NARROWEST
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import sides
 from contact.formulation.tables import located, runs_of
@@ -182,7 +181,7 @@ def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
     if len(kinks) == 0:
         return [], 0
     half = valley_gaps(fields, kinks)
-    wide = half > NARROWEST * fields.period
+    wide = half > TOLERANCES.narrowest_gap * fields.period
     at = fields.gap_slope.locate(relief.at[kinks])[0]
     return [(float(x - w), float(x + w)) for x, w in zip(at[wide], half[wide], strict=True)], int(
         np.sum(~wide)

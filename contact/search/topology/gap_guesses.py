@@ -4,10 +4,10 @@ from functools import cached_property
 
 import numpy as np
 
-from contact.formulation.full_contact import NARROWEST
 from contact.formulation.relief import ScaledRelief
 from contact.formulation.roots import maximum
 from contact.formulation.tables import runs_of
+from contact.formulation.tolerances import TOLERANCES
 from contact.search.topology.failure import WrongTopology
 from contact.search.topology.intervals import NARROW, united
 from sie import Array, Index, Mask, record
@@ -137,7 +137,7 @@ class GapGuesses:
         kinks, rest = self._valleys
         at, heights = self.relief.at[kinks], self.relief.heights[kinks]
         half = self.period / np.pi * np.exp(np.pi * np.minimum((mean - rest) / heights, 9.0))
-        which = (half < 0.5 * NARROW * self.step) & (half > NARROWEST * self.period)
+        which = (half < 0.5 * NARROW * self.step) & (half > TOLERANCES.narrowest_gap * self.period)
         return np.column_stack((at - half, at + half))[which]
 
     @cached_property
