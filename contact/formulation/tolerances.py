@@ -20,13 +20,12 @@ class Tolerances:
     # negative a pressure may be, and how much the slope and the height of a profile may differ.
     noise: float = 1e-6
 
-    # The terms of the allowed overlap, see `allowed_overlap`. Where the gap is the integral of a
-    # series, `rounding` is the fifth.
+    # The terms of the allowed overlap, see `allowed_overlap`. A gap that is the integral of a
+    # series has the term `rounding` in place of the first two.
     # Round-off of a gap that is a sum of heights, relative to the largest height.
     height_rounding: float = 64 * EPS
-    noise_multiple: float = (
-        8.0  # bound of the noise of a gap, over one sample of the heights' noise
-    )
+    # Bound of the noise of a gap, over a sample of the noise of the heights.
+    noise_multiple: float = 8.0
     # The gap computed on the zones, where the exact gap is zero, is a sample of the error of all
     # gaps. The error elsewhere may be this many times larger.
     on_zones_multiple: float = 2.0
@@ -55,8 +54,8 @@ class Tolerances:
     edge_condition: float = 1e-7
     # Bound of the round-off of the gap at an end of a tension, over the round-off of other gaps.
     reach_multiple: float = 4.0
-    # The certificate compares no gap with the reach nearer to an end of a tension than this distance,
-    # over the width of the interval of tension.
+    # Nearer to an end of a tension than this, relative to the width of the interval of tension, the
+    # certificate does not compare the gap with the reach.
     reach_distance: float = 1e-9
     gap_margin: float = 100.0  # factor on the gap that the density's error causes on the zones
 
