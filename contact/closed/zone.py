@@ -202,7 +202,9 @@ def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | No
         )
         return np.log(approach / present), give * half * rate / present, lost
 
-    return _newton(problem, 0.25 * problem.top if math.isfinite(problem.top) else 1.0, residual)
+    # The approach of a lone zone grows up to about twice the datum, and falls beyond.
+    longest = min(problem.top, math.inf if datum is None else datum)
+    return _newton(problem, 0.25 * longest, residual)
 
 
 def zone_of_width(problem: OneZoneProblem, half_width: float) -> ClosedZone:

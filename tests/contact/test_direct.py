@@ -435,3 +435,16 @@ def test_two_zones_whose_interval_comes_to_fill_the_period_are_left_to_the_gener
                 two_tips, 1.8602866940716e7, contact.Periodic(), approach=0.001731331755008503
             )
         )
+
+
+@pytest.mark.parametrize("datum", [1e-6, 1e-2, 1e4])
+@pytest.mark.parametrize("part", [1e-12, 1e-6, 1e-3, 0.1, 0.9])
+@pytest.mark.filterwarnings("ignore::contact.ModelWarning")
+def test_an_approach_of_a_lone_parabola_has_the_closed_form_for_any_datum(datum, part):
+    """An approach is at most datum^2 / radius, at a half width of twice the datum."""
+    profile, alone = contact.Parabola(1.0), contact.Isolated(datum=datum)
+    approach = part * datum**2
+    found = contact.solve(contact.Scene(profile, 1e9, alone, approach=approach))
+    assert isinstance(found.fields, ClosedFields)
+    again = contact.solve(contact.Scene(profile, 1e9, alone, load=found.load))
+    assert again.approach == pytest.approx(approach, rel=1e-12)
