@@ -28,12 +28,12 @@ from sie import Array, record
 class ArcOptions:
     """Options of the steps along the curve; arc lengths are in units of zone widths."""
 
-    # Largest length of a step, in zone widths, and largest angle [rad] between the tangents at the
-    # two ends of a step. The predictor's deviation from the tangent, divided by the length, has the
-    # same bound.
+    # This number bounds three quantities of a step: its length in zone widths, the angle [rad]
+    # between the tangents at its ends, and the predictor's deviation from the tangent divided by
+    # the length.
     longest_step: float = 0.5
-    # Largest number of known equilibria used to interpolate inside a step. After a failed solve,
-    # the distance to a known equilibrium is halved at most as many times.
+    # `Step._about` interpolates at no more than this many known equilibria. After failed solves,
+    # `Step.at` halves the distance to a known equilibrium at most this many times.
     interpolation_nodes: int = 3
 
 
@@ -55,7 +55,7 @@ class CurvePoint:
     curvature: Array
 
     def ahead(self, length: float) -> Array:
-        """Predicted scaled displacement (2n + 1,) of the ends and the control for an arc length."""
+        """Predicted displacement (2n + 1,) of ends and control after a `length`, in `scales`."""
         deviation = length**2 * self.curvature[0] + length**3 * self.curvature[1]
         return np.asarray(
             length * self.tangent
@@ -68,7 +68,7 @@ class CurvePoint:
 
     @property
     def rises(self) -> float:
-        """Derivative of the control by the arc length, in units of the scales."""
+        """Derivative of the scaled control by the arc length; positive if the control rises."""
         return float(self.tangent[-1])
 
     def moved(self, to: State) -> Array:
@@ -99,7 +99,7 @@ class Step:
     def at(
         self, length: float, tight: bool = True, halvings: int = ARC_OPTIONS.interpolation_nodes
     ) -> State:
-        """The equilibrium at a length inside the step.
+        """The equilibrium at the arc length `length` from the start of the step.
 
         If Newton's method fails, the equilibrium half way to a known one is found first.
         """
@@ -121,7 +121,7 @@ class Step:
         return found
 
     def _about(self, length: float) -> Array:
-        """Scaled displacement at a length: a cubic, corrected by known equilibria in the step."""
+        """Guess of the scaled displacement at `length`: a cubic, corrected at known equilibria."""
         nodes: list[float] = []
         for node in sorted(self.known, key=lambda k: abs(k - length)):
             if len(nodes) < ARC_OPTIONS.interpolation_nodes and min(
@@ -144,7 +144,7 @@ class Step:
         )
 
     def _cubic(self, length: float) -> Array:
-        """Scaled displacement at a length, on the cubic that has the tangents at both ends."""
+        """Scaled displacement at `length`, on the cubic with the tangents at both step ends."""
         square, cube = self._leaves
         return np.asarray(length * self.start.tangent + length**2 * square + length**3 * cube)
 
@@ -158,7 +158,7 @@ class Step:
 
     @property
     def lets_go(self) -> bool:
-        """Whether ends jump off sharp corners at the end of the step, where the curve ends."""
+        """Whether ends jump off sharp corners at the end of this step; the curve ends there."""
         return self.after is not None and self.after.growth > ACCURACY.neutral
 
     @property
@@ -173,9 +173,10 @@ class Step:
 
     @property
     def turns_once(self) -> bool:
-        """Whether the control has exactly one extreme in the step; the growth rate is zero there.
+        """Whether the control has exactly one extreme in the step.
 
-        If not, there are several extremes and the step is too long.
+        At a single extreme the growth rate is zero. If it is not, there are several extremes and
+        the step is too long.
         """
         try:
             growth = self.at(self.turning(False), False).growth
@@ -186,14 +187,14 @@ class Step:
         )
 
     def turning(self, tight: bool = True) -> float:
-        """Length inside the step at which the control has its extreme."""
+        """Arc length, from the start of the step, at which the control has its extreme."""
         accuracy = ACCURACY.neutral if tight else ACCURACY.coarse
         return self.where(
             self._rising, self.start.rises, self._rising(self.end.at), None, accuracy, tight
         )
 
     def _rising(self, at: State) -> float:
-        """At a state: derivative of the control by the length along the step's first tangent."""
+        """Derivative, at a state, of the scaled control by the length along `start.tangent`."""
         tangent = _tangent(at, self.start.scales)
         return float(tangent[-1] / (tangent @ self.start.tangent))
 
@@ -296,15 +297,15 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
         if step.lets_go:
             why = "an end that was held at a sharp corner has let go"
             break
-        # Several steps of zero length in a row end the curve: an end could forever be pinned and
-        # freed again in turn.
+        # Several steps of zero length in a row end the curve. Otherwise an end at a corner could be
+        # pinned and freed again without end.
         stands = stands + 1 if step.length < ACCURACY.rough else 0
         if stands > ARC_OPTIONS.interpolation_nodes:
             why = "ends at sharp corners are neither held nor free"
             break
         place = step.end if step.after is None else _stood_by(curve, step.after, step.end.rises)
-        # The next step is made so long that its tangent turns by about half of the largest allowed
-        # angle.
+        # The next step gets the length at which its tangent should turn by half of the largest
+        # allowed angle.
         aimed = 0.5 * ARC_OPTIONS.longest_step
         growth = aimed / max(step.turned, aimed * MOVES.least_part)
         length = min(growth * length, ARC_OPTIONS.longest_step)
@@ -431,7 +432,10 @@ def let_go(step: Step) -> Array:
 
 
 def beyond(curve: Curve, turned: State, sense: float) -> Array:
-    """The intervals at a turning point, moved along the curve: inward if the control falls."""
+    """The intervals at a turning point, with their ends moved a little along the curve.
+
+    The motion is outward for sense 1, when the control rises, and inward for sense -1.
+    """
     move = _begun(curve, turned, sense).tangent[:-1] * turned.widths
     return turned.moved(
         np.asarray(
@@ -468,17 +472,16 @@ def _begun(curve: Curve, here: State, sense: float) -> CurvePoint:
 
 
 def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
-    """The curve point at the next equilibrium, with its tangent in the same direction."""
-    # At a turning point, a change of the control moves the ends infinitely far, so that the unit of
-    # the control would be 0. The unit falls by a limited factor from one point to the next. Without
-    # this limit the tangent would turn too sharply.
+    """The curve point at the equilibrium `ahead`, whose tangent leads away from `before`."""
+    # Near a turning point, a small change of the control moves the ends far, so that `_unit` tends
+    # to 0. From one point to the next, the unit falls at most by a limited factor. Without this
+    # limit the tangent would turn too sharply.
     scales = np.append(ahead.widths, max(_unit(curve, ahead), MOVES.least_part * before.scales[-1]))
     tangent, carried = _tangent(ahead, scales), scales / before.scales
     tangent = tangent if before.tangent @ (tangent * carried) >= 0.0 else -tangent
     here = CurvePoint(ahead, scales, tangent, np.zeros((2, len(tangent))))
     moved = here.moved(before.at)
-    # The curvature is that of the cubic through this point and the previous point, with their
-    # tangents.
+    # The curvature is that of the cubic through this point and `before`, with the tangents at both.
     return (
         replace(here, curvature=_leaving(tangent, moved, before.tangent / carried))
         if moved.any()
@@ -487,10 +490,11 @@ def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
 
 
 def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
-    """Coefficients (2, 2n + 1) of length^2 and length^3 in a cubic curve from the present point.
+    """Coefficients (2, 2n + 1) of length^2 and length^3 in the cubic for ends and control.
 
-    The cubic leaves the present point along the unit vector `tangent`, on which the length is
-    measured. It passes through a second point, displaced by `moved`, with the tangent `there`.
+    The length is measured from the present point along the unit vector `tangent`. The cubic starts
+    there with this tangent. It passes through a second point, displaced by `moved`, with the
+    tangent `there`.
     """
     length = float(tangent @ moved)
     if abs(length) < ACCURACY.rough:
@@ -518,10 +522,9 @@ def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
 
 
 def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
-    """Whether a step has lost zones of contact, with no extreme of the control inside.
+    """Whether a step has lost zones of contact, but has no extreme and keeps its stability.
 
-    The step must not change the stability either. The width of a lost zone vanishes like a square
-    root, so that the curve bends sharply there.
+    The width of a lost zone vanishes like a square root, so that the curve bends sharply there.
     """
     cosine = before.rises * ahead.rises > 0.0 and before.at.growth * ahead.at.growth > 0.0
     return cosine and len(ahead.at.contact) < len(before.at.contact)
@@ -538,8 +541,8 @@ def _unit(curve: Curve, at: State) -> float:
         rank < len(moves)
         and np.abs(at.rates @ moves - at.by_value).max() * least > ACCURACY.resting_step
     ):
-        # At a turning point, the ends move while the control does not change. So the lower bound of
-        # the unit is used.
+        # At a turning point, the ends move while the control does not change. So the unit is its
+        # lower bound.
         return least
     # One unit of the control may change the residual r of a pinned end by no more than max(1, |r|).
     driven = np.where(
@@ -557,7 +560,7 @@ def _tangent(at: State, scales: Array) -> Array:
 
 
 def along(curve: Curve, here: CurvePoint, length: float, tight: bool = True) -> State | None:
-    """The equilibrium where the curve meets the plane normal to the tangent at a given length.
+    """The equilibrium on the curve in the plane normal to the tangent, at `length` from `here`.
 
     None if Newton's method does not reach it.
     """
@@ -567,14 +570,14 @@ def along(curve: Curve, here: CurvePoint, length: float, tight: bool = True) -> 
 def _corrected(
     curve: Curve, here: CurvePoint, start: Array, normal: Array, tight: bool
 ) -> State | None:
-    """The equilibrium in a plane, which is given by its normal and the point `start` in it.
+    """The equilibrium on the curve in a plane, given by its normal and the point `start` in it.
 
     None if Newton's method does not reach it.
     """
     if curve.formally is curve:
         return _newton(curve, here, start, normal, tight)[0]
-    # Usually the number of zones of contact does not change. So the contact's signs are tested only
-    # at the equilibrium that was found.
+    # Newton's method runs on `curve.formally`, which keeps the number of zones of contact and tests
+    # no signs. The signs are tested once, at the equilibrium `found`.
     found, reached = _newton(curve.formally, here, start, normal, tight, True)
     if found is not None and curve.has_right_zones(found):
         return found
@@ -634,9 +637,9 @@ def _newton(
             return at, start
         start = start + step
         # This Newton step is the last one if the next would be below the tolerance. The estimate is
-        # that the next step is shorter by at least the factor by which this one is shorter than the
-        # step before. If zones have very different widths, round-off stops the steps from shrinking
-        # earlier (`rounded`).
+        # that each step is shorter than the one before by at least the same factor. If zones have
+        # very different widths, round-off makes the steps cease to shrink before that. Then this
+        # step is the last one, too (`rounded`).
         if size * min(size / before if k else 1.0, 1.0) < ACCURACY.neutral or rounded:
             how_solved.pop("tolerance", None)
             return curve.at(

@@ -123,7 +123,7 @@ def _greatest(
 def _lowered(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The contact on the advancing branch; for negative values it is followed down from 0."""
+    """The contact on the advancing branch; a negative `value` is reached from the value 0."""
     try:
         start = advancing(context, scaled, curve, max(value, 0.0))
     except Closed:
@@ -168,8 +168,8 @@ def _advanced_from_touch(
     if value == 0.0:
         table, zones = _touch_intervals(scaled, curve)
         if problem.period is None:
-            # For a body without a period, the width of its contact under no load is about the unit
-            # of length.
+            # A body without a period has, under no load, a contact about as wide as the unit of
+            # length.
             _refuse_narrow(context, problem.units.length)
     else:
         found = start_contact(context)
@@ -451,7 +451,7 @@ def _solved_zones(
 def _solved_at_corners(
     pulled: TractionLoaded, load: float, zones: Array
 ) -> tuple[CohesiveFields, sie.Free, Load]:
-    """The result of `_solved_zones` if zones are pinned at corners, over which the tension fades.
+    """The result of `_solved_zones` if the tension fades over zones that are pinned at corners.
 
     The tension on such a zone depends on its free end. load: the given load.
     """

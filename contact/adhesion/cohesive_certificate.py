@@ -167,7 +167,7 @@ def _steepness(density: AnyDensity) -> Array:
 
 
 def rounded_load(fields: CohesiveFields) -> float:
-    """Relative error of zones due to round-off of the load, for tension on the whole period.
+    """Relative error of the zones due to round-off of the load; the tension acts everywhere.
 
     The load of q = p + s is the sum of the tension's force and the given load, which may nearly
     cancel.

@@ -128,13 +128,14 @@ class CohesiveEvents(Events):
             try:
                 at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
             except EndsCovered:
-                # The contact reaches the new ends, so their distance is reduced.
+                # A zone of contact covers a new end, so the new ends are put closer to the place.
                 if half < ACCURACY.neutral:
                     raise
                 half *= 0.1
                 continue
-            # The new ends must tend to move in the direction of the jump, and no other end may tend
-            # to move against it.
+            # The residuals must drive the new ends in the direction of the jump: outward if an
+            # interval begins, inward if it is cut. They must drive no other end in the opposite
+            # direction.
             new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
             if half < ACCURACY.neutral or (
                 np.all(sign * at.residual > -ACCURACY.resting_step)
@@ -229,7 +230,7 @@ class CohesiveEvents(Events):
         return self.jump(touching, place, self.shrunk(table, state.value), False)
 
     def _without(self, here: CohesiveState, vanishing: Index) -> tuple[Array, CohesiveState] | None:
-        """(places where zones vanish, the equilibrium at which surfaces only touch at the places).
+        """(places where zones vanish, equilibrium without them in which the gap there is zero).
 
         None if it is not found.
         """
@@ -253,7 +254,8 @@ class CohesiveEvents(Events):
                 step = np.linalg.solve(-at.rates, at.residual)
                 at = formal.at(at.moved(np.asarray(step, dtype=np.float64)), value)
                 size = float(np.abs(step / at.widths).max())
-                # The residual decreases with the Newton steps until the residual is round-off.
+                # The search ends if this Newton step is small, or the next one is predicted to be.
+                # It also ends if round-off stops the steps from shrinking.
                 if (
                     size < ACCURACY.neutral
                     or size * size < ACCURACY.neutral * before
@@ -295,9 +297,9 @@ class CohesiveEvents(Events):
             if not ahead:
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
-            # `formally` keeps the zones of `here`, the state at one end of the step. The change of
-            # the zones that it finds may lie a little past the other end, so longer and longer
-            # ranges are offered.
+            # `formally` follows the curve with the zones of `here`, the state at one end of the
+            # step. The change of the zones may lie a little past the other end of the step, so
+            # three ranges of increasing length are generated.
             for past in (0.0, MOVES.small_part, arc_length.ARC_OPTIONS.longest_step):
 
                 def formally(u: float, part: float = 1.0 + past) -> CohesiveState:
@@ -423,8 +425,7 @@ class CohesiveEvents(Events):
     def _under_all_to(self, here: CohesiveState, value: float) -> Iterator[Jump | PathState]:
         rises = value > here.value
         end = min(value, self.full - ACCURACY.resting_step * self.size) if rises else value
-        # The states are followed to a little below full contact only, since full contact has no gap
-        # to follow.
+        # Full contact has no gap to follow. So the last state is a little below it.
         at, step, halvings = here.value, MOVES.small_part * (end - here.value), 0
         while at != end:
             ahead = end if abs(step) >= abs(end - at) else at + step
@@ -509,7 +510,7 @@ class CohesiveEvents(Events):
         return self.jump(at, place, self.shrunk(table, value), False)
 
     def _lost(self, here: CohesiveState) -> Jump:
-        """The jump where the last contact under tension everywhere shrinks to a point."""
+        """The jump at which the last zone shrinks to a point, under tension on the whole period."""
         pulled = self.curve.everywhere
         looks = [np.sort(here.gap_samples[0]), *(np.linspace(a, b, 65) for a, b in here.zones)]
         place, lowest = min((minimum(pulled.shape, x) for x in looks), key=lambda found: found[1])

@@ -187,8 +187,8 @@ class CohesiveGapFields(GapFields):
 
     @property
     def borne_beside(self) -> float:  # type: ignore[override]
-        # The zones carry the whole load of the frictionless contact. The tension acts on the whole
-        # period, so it multiplies the mean of the profile's height minus the gap.
+        # The integral over the zones is taken of q = p + stress. So the tension is counted here on
+        # the whole period: -stress times the integral of the profile's height minus the gap.
         own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
         return -self.stress * self.period * own
 

@@ -123,7 +123,8 @@ def guided(
                 raise
             continue
         except ContactLost:
-            # If the intervals on the grid vanish, the equilibrium inside them vanishes, too.
+            # The equilibrium lies inside the intervals on the grid. If these vanish, there is no
+            # equilibrium.
             if sign < 0 and margin == MOVES.margins[-1]:
                 raise
             continue
@@ -176,7 +177,7 @@ def _changed_intervals(curve: CohesiveCurve, here: CohesiveState, sign: float) -
 def _on_new_intervals(
     curve: CohesiveCurve, here: CohesiveState, table: Array, sign: float
 ) -> CohesiveState:
-    """The state with tension on changed intervals."""
+    """The state, to rough accuracy, with tension on the changed intervals `table`."""
     zones = curve.fitted(here.zones, table)
     if sign > 0:
         zones = _filled(curve, zones, table)
@@ -218,7 +219,7 @@ def settled(curve: CohesiveCurve, here: State, sign: float) -> CohesiveState | N
         try:
             tight = curve.settled(here)
         except ContactLost:
-            # The state was so near the loss of contact that Newton's method lost the contact.
+            # Newton's method has lost the contact, since the state was close to pull-off.
             if sign > 0:
                 raise
             return None
@@ -281,7 +282,8 @@ def _widened(
     out = (by - 1) * np.clip(strips, ACCURACY.resting_step * width[:, None], 0.5 * width[:, None])
     out = np.minimum(out, MOVES.max_move * np.column_stack((np.roll(gaps, 1), gaps)))
     table = table + np.column_stack((-1.0 * left, right)) * out
-    # Two intervals are joined if contact is about to close the gap between them.
+    # Two intervals are joined if the gap between them is very narrow and contact covers one of its
+    # ends.
     joins = (curve.gaps(table) < MOVES.vanished * np.minimum(width, np.roll(width, -1))) & (
         right | np.roll(left, -1)
     )
@@ -291,7 +293,7 @@ def _widened(
 
 
 def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """Old and new intervals of tension; two are joined if the whole gap between is below the reach.
+    """Old and new intervals of tension; two are joined if the tension reaches all between them.
 
     None if nothing changed.
     """

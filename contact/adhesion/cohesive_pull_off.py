@@ -54,8 +54,8 @@ def pull_off(curve: CohesiveCurve, here: State) -> State:
             < MOVES.small_part * np.diff(last.table, axis=1).sum()
         ):
             raise
-    # The last point of contact is sought in the widest zone. If several zones are equally wide, any
-    # of them will do, since all shrink to points at once.
+    # All zones have nearly vanished. The last point of contact is sought in the widest one. If
+    # several are equally wide, any of them will do, since all shrink to points at once.
     widest = int(np.argmax(np.diff(last.zones, axis=1)))
     return touching(curve, last.table, float(last.zones[widest].mean()))
 
@@ -98,8 +98,8 @@ def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
     try:
         least = guide.least_value(here.table, here.value)
     except NotConverged:
-        # Under a fixed approach, zones that recede make other zones advance. The search on the grid
-        # fails if they do.
+        # The search on the grid fails if zones advance. Under a fixed approach, they do so where
+        # other zones recede.
         return here
     for control in apart.controls_above(least, here.value):
         rest = receded(curve, here.table, control, guide)
@@ -146,8 +146,8 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
     )
     if not opened:
         return state
-    # The gap exceeds the reach before contact is lost. From there on, the tension acts on intervals
-    # only.
+    # The gap exceeds the reach before contact is lost. Below this control value, the tension acts
+    # on intervals only.
     try:
         table = intervals_left(
             curve, high, inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap))

@@ -53,10 +53,9 @@ from sie import Array, Mask, record
 class CohesiveOptions:
     """Options of the states on a curve of equilibria."""
 
-    # If a strip of tension is narrower than this fraction of its zone, the strip acts like an edge
-    # intensity. States are then solved to round-off, since the error of the rates is the error of
-    # the ends times (zone width/strip width)^2. The first move of an end is then a fraction of the
-    # Newton step for this intensity.
+    # A strip of tension narrower than this fraction of its zone acts like an edge intensity. States
+    # are then solved to round-off: the error of the rates is that of the ends times (zone
+    # width/strip width)^2. `cohesive_branch._moved_outward` then moves the ends outward at first.
     narrow_strip: float = 1e-3
     # Strips of tension narrower than this fraction of a zone are refused, since the pressure next
     # to the strips varies too fast.
@@ -228,8 +227,8 @@ class CohesiveCurve(Curve):
         try:
             here = self.from_zones(table, value, zones, tolerance, same_rates)
         except EndsCovered:
-            # The known state with the nearest ends may have lost zones, so that its other zones
-            # grew too far. The known state with the most zones is tried instead.
+            # `known_state` may have lost zones, so that its other zones are too wide. The known
+            # state with the most zones is tried instead.
             more = max(
                 (one for one in self.known if one.table.shape == table.shape),
                 key=lambda one: len(one.zones),
@@ -281,7 +280,7 @@ class CohesiveCurve(Curve):
         return np.asarray(new)
 
     def nearest(self, table: Array, value: float) -> PastState:
-        """The known state with as many intervals and the nearest ends, or the last known state."""
+        """The known state with as many intervals and the nearest ends, or the last known one."""
 
         def away(one: PastState) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)

@@ -39,8 +39,8 @@ class StateAccuracy:
     # Round-off times a condition number of 1e3. A growth rate, a step, a width or a height below
     # this counts as zero.
     neutral: float = 1e-12
-    # Accuracy of intermediate states in the search for an equilibrium, and of signs that round-off
-    # may change.
+    # Accuracy of intermediate states in the search for an equilibrium. A residual smaller than this
+    # may have the wrong sign.
     rough: float = 1e-9
     # Length of Newton's step below which the ends are at rest at an intermediate equilibrium.
     # Smaller steps may be round-off.
@@ -188,6 +188,8 @@ class State:
     def _second(self, ends: Index) -> tuple[Array, Array] | None:
         """(symmetric matrix with the eigenvalues of `_driven`, factors for its eigenvectors).
 
+        The factors turn the eigenvectors of the matrix into motions of the ends.
+
         None where K/K* of an end is not positive, since the energy does not determine the rates, or
         where an interaction has no energy.
         """
@@ -280,8 +282,9 @@ class Curve:
         size = abs(wanted)
         values = np.zeros(len(follows.condition_scale))
         first = follows.condition_index[0]
-        # In the right side of the side conditions, a given load stands in one row, that of the
-        # total load. A given approach stands, with a minus sign, in the row of every zone.
+        # `values` is the derivative of the side conditions' right side by the control. A load
+        # stands in one row, that of the total load. An approach stands, with a minus sign, in the
+        # row of every zone.
         by_load = control.load is not None
         values[first : first + (1 if by_load else len(table))] = 1.0 if by_load else -1.0
         unit = np.concatenate(follows.response(values).intensities)

@@ -130,7 +130,7 @@ class EndSum:
         return out
 
     def _of_cells(self, cells: Index) -> Array:
-        """Chebyshev series (terms, cells) of all cells, computed for the given cells if needed."""
+        """Chebyshev series (terms, all cells); those of the given cells are computed if missing."""
         edges, terms = self._cells.edges, _terms()
         if self._series is None:
             self._series = np.zeros((terms, len(edges) - 1))

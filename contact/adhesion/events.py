@@ -178,7 +178,7 @@ class Events:
         return iter(())
 
     def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:
-        """The jump where surfaces first touch outside the zones in a step; None if none touch."""
+        """The first jump in a step, where surfaces touch outside the zones; None if they do not."""
         looks = sense > 0.0 or not self.by_load
         overlaps = (
             openings(self.curve.fields(last, ACCURACY.rough)).overlaps
@@ -248,7 +248,8 @@ def first_zero(
         length = step.where(condition, first, last, length)
         end = step.at(length)
         place = least(end, lo, hi)[0]
-        # The next pass searches intervals in which the condition became negative earlier.
+        # The next pass searches the other intervals in which the condition is negative at this
+        # length, since it became negative there even earlier.
         seen = others(end)
         seen = seen[(seen[:, 0] > place) | (seen[:, 1] < place)]
     return length, place, width

@@ -41,8 +41,8 @@ NUMERICAL_ERRORS = (ValueError, ArithmeticError, np.linalg.LinAlgError, IndexErr
 class SnapOptions:
     """Options of the early test for full contact."""
 
-    # The contact must close on the grid even with this fraction of the work of adhesion. The grid
-    # has errors of a few per cent. If following the contact has failed, the whole work is used.
+    # Fraction of the work of adhesion with which the contact must close on the grid, since the grid
+    # has errors of a few per cent. After the contact could not be followed, the whole work is used.
     work_share: float = 0.9
     # Width of the strip of attraction, in cells of the grid. With only 3 cells, the ends of the
     # zones would stick to the cells.
@@ -111,8 +111,8 @@ def _closes(context: SolveContext, curve: Curve, value: float, work_share: float
         return False
     work = work_share * law.work_of_adhesion(scene.E_star)
     feature = scene.profile.feature or period
-    # The grid has cells for at least eight features, so that its period is wide compared with the
-    # strip of attraction.
+    # The grid has `GRID.cells` cells for each feature, and at least `few_zones` features. So its
+    # period is wide compared with the strip of attraction.
     points = 2 ** math.ceil(math.log2(GRID.cells * max(period / feature, MOVES.few_zones)))
     if points > GRID.max_points:
         return False

@@ -63,8 +63,8 @@ def _flow(
         if sign > 0 and (merged := closing(curve, here, predicted)) is not None:
             here = curve.at(merged, value, ACCURACY.rough)
             continue
-        # A zone is judged lost by comparing its width now with its width at the state at which its
-        # ends tended to recede least.
+        # `widths` and `residual` are those of the state at which each end tended to recede least.
+        # `lost_zones` compares the present state with them.
         widths = np.where(here.residual > residual, here.widths, widths) if sign < 0 else widths
         residual = np.maximum(here.residual, residual) if sign < 0 else residual
         if sign < 0 and (apart := lost_zones(here, widths, residual)).any():
@@ -132,7 +132,7 @@ def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor
 
 
 def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, largest motion of an end divided by the lesser width of its zone and gap)."""
+    """(next state, largest motion of an end divided by the smaller width of its zone and gap)."""
     onward = sign * here.residual
     if onward.min() < -MOVES.small_drive or (
         here.growth >= 0.0 and onward.max() <= ACCURACY.coarse < -onward.min()
@@ -217,7 +217,7 @@ def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
 
 
 def inward_and_outward(curve: Curve, here: State, detailed: bool = True) -> tuple[Array, Array]:
-    """(longest inward steps of the ends, longest outward steps), if there were no sharp corners.
+    """(longest inward steps of the ends, longest outward steps), regardless of sharp corners.
 
     detailed: whether they are also limited to the smallest feature of the profile.
     """
@@ -330,8 +330,8 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
         | (here.growth < 0.0 <= ahead.growth)
         | (after < -MOVES.small_drive)
     )
-    # No overshoot is allowed if the growth rate changes in the step from negative to positive and
-    # becomes at least as large. An end that has passed an equilibrium would not come back.
+    # No overshoot is allowed if the step makes a stable state unstable, with a growth rate at least
+    # as large in modulus. An end that has passed an equilibrium would not come back.
     if 0.0 < -here.growth <= ahead.growth:
         allowed = np.where(before > 0.0, -ACCURACY.coarse, allowed)
     # A pinned end was at rest before the step, so that it has passed no equilibrium.

@@ -293,7 +293,7 @@ def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
 
 
 def _beside_corners(pulled: TractionLoaded, zones: Array) -> Mask:
-    """Mask (2, n) of the ends on whose side the interval of tension ends at a sharp corner."""
+    """Mask (2, n) of the ends next to which the interval of tension ends at a sharp corner."""
     return np.asarray((_own(pulled, zones) == np.array(pulled.corners)).T)
 
 
@@ -378,7 +378,7 @@ def _own(pulled: TractionLoaded, zones: Array) -> Array:
 
 
 def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
-    """(zones joined across closed gaps, widths of these zones at the start of the search)."""
+    """(zones joined across closed gaps, the width at the start of the leftmost zone in each)."""
     gap = zones[1:, 0] - zones[:-1, 1]
     width = np.diff(zones, axis=1)[:, 0]
     meets = (
@@ -436,8 +436,8 @@ def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
     else:
         span = float(both.max() - both.min())
         far = _OPTIONS.far * span
-        # Distances from the zones at which the range of the sample points is divided. They form a
-        # geometric series with the ratio 4.
+        # The range of the sample points is divided at these distances from the outermost ends. They
+        # form a geometric series with the ratio 4.
         away = far / 4.0 ** np.arange(1, np.log(4 * _OPTIONS.far) / np.log(4.0))
         marks = np.concatenate((table.ravel(), both.min() - away, both.max() + away))
         left, right = max(lo, both.min() - far), min(hi, both.max() + far)
@@ -532,7 +532,7 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
         if (s == 0 or lo in zones.table) and (e == len(x) - 1 or hi in zones.table):
             continue
         middle = 0.5 * (x[s] + x[e])
-        # The new zone is half as wide as the overlap.
+        # The new zone is half as wide as the overlap, but at least a tenth of `hi - lo` wide.
         half = 0.25 * max(x[e] - x[s], 0.2 * (hi - lo))
         # A new zone at a sharp corner has one end at the corner.
         middle += (
