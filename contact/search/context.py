@@ -75,7 +75,7 @@ class SceneCache(sie.Kept):
         return starts_from_one_zone(self.scene)
 
     def relief(self, problem: Problem) -> ScaledRelief:
-        """The relief R, minus the pressure that flattens the profile, in the units of `problem`.
+        """The relief R, scaled: the negative of the pressure that flattens the profile.
 
         R has mean zero (see `Relief`). It is sampled once and shared.
         """
@@ -176,7 +176,7 @@ class SolveContext:
 
     @property
     def follows_branch(self) -> bool:
-        """Whether the scene has several equilibria, so that one branch of solutions is followed."""
+        """Whether the law has several equilibria and the control is not a half width."""
         return self.scene.law.equilibria.several and self.scene.held(Quantity.HALF_WIDTH) is None
 
     def with_warm_start(self, solution: Solution | None) -> SolveContext:

@@ -77,8 +77,8 @@ def lowest_stretches(profile: Profile) -> Array:
     low = lies_low(x)
     if low.all():
         return np.array([[x[0], x[-1]]])
-    # The samples are rotated to begin where the profile f is not at its minimum. So no stretch of
-    # the minimum crosses the border of the period.
+    # The samples are shifted around the period, so that the first one is not at the minimum of f.
+    # So no stretch of the minimum crosses the border of the period.
     first = int(np.argmin(low))
     at = np.concatenate((x[first:-1], x[: first + 1] + (x[-1] - x[0])))
     runs = runs_of(np.roll(low[:-1], -first))
@@ -92,7 +92,7 @@ def lowest_stretches(profile: Profile) -> Array:
 
 
 def _edge(holds, inside: float, outside: float) -> float:  # type: ignore[no-untyped-def]
-    """The place between `inside` and `outside` up to which a property holds, by bisection."""
+    """The place between `inside` and `outside` up to which `holds` is true, by bisection."""
     while (middle := 0.5 * (inside + outside)) not in (inside, outside):
         if bool(holds(np.array([middle]))[0]):
             inside = middle
@@ -110,8 +110,8 @@ def _level_from(profile: Profile, half_width: float) -> float:
     def is_level(x: Array) -> Mask:
         return np.asarray(np.asarray(profile.slope(x)) == 0)
 
-    # At the edge of the flat part, the profile's slope may be that on the outer side. The last
-    # sample therefore lies just inside `half_width`.
+    # At the edge of the flat part, `profile.slope` may give the slope outside the flat part. The
+    # largest sampled x therefore lies just inside `half_width`.
     if not is_level(half_width * np.append(np.arange(1, 32) / 32, 1 - TOLERANCES.rounding)).all():
         return 0.0
     reach = half_width
@@ -150,8 +150,9 @@ def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
     """Raise OutOfRange if the body, turned by its tilt, falls or stays flat on one side."""
     for side, slope in (("right", right - tilt), ("left", left + tilt)):
         turned = f", turned by {tilt:.6g}," if tilt else ""
-        # The body is taken to fall without bound if each decade of distance has at least twice the
-        # fall of the decade before. On a straight line, each decade has ten times that fall.
+        # The body is taken to fall without bound if its height falls at least twice as much over
+        # each decade of distance as over the decade before. Each decade is ten times as wide as the
+        # one before, hence the factor 10.
         if np.all(slope < 0) and np.all(10 * slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(f"the profile{turned} falls without bound on the {side}: {_REMEDY}")
         if tilt and np.all(np.abs(slope) <= TOLERANCES.rounding * abs(tilt)):

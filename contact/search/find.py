@@ -53,15 +53,15 @@ def found(context: SolveContext) -> Outcome:
         ):
             refused = outcome
         if strategy is _from_previous_zones:
-            # The failed search started from zones extrapolated from the last solutions. Newton's
-            # method from the last solution's own zones would fail in the same way.
+            # Newton's method failed from the zones extrapolated from the last solutions. It would
+            # also fail from the last solution's own zones, so the warm start is dropped.
             context = context.with_warm_start(None)
     assert refused is not None and refused.refusal is not None
     raise refused.refusal
 
 
 def _says_more(later: Exception, first: Exception | None) -> bool:
-    """Whether a later error, that no contact exists, replaces the first error of the search.
+    """Whether a later error replaces the first one: it must state that no contact exists.
 
     It does not replace the error of a grid that the approach is that of full contact.
     """
@@ -77,7 +77,7 @@ def _full_contact(context: SolveContext, refused: Failure | None) -> Outcome | F
 
 
 def _from_previous_zones(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """Newton's method from the zones extrapolated from solutions at other values of the control."""
+    """The contact from zones extrapolated from solutions at other values of the control."""
     return NOT_APPLICABLE if _tilt_and_load_unknown(context) else from_previous(context)
 
 
@@ -121,7 +121,7 @@ def _as_given(context: SolveContext, refused: Failure | None) -> Outcome | Failu
 
 
 def _by_loads(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """The contact under an approach, from a contact under a load that has nearly this approach."""
+    """The contact under an approach, from the contact under a load with nearly this approach."""
     if _tilt_and_load_unknown(context):
         context.plan.decide("control", "loads", "neither tilt nor load is known")
         return _under_loads(context)
@@ -179,8 +179,8 @@ def _under_loads(context: SolveContext) -> Outcome:
     """The contact under the scene's approach, from contacts under given loads."""
     if not context.scene.interaction.needs_period:
         return at_level(context)
-    # For a periodic scene, grids are solved under given loads. The zones at the load that has
-    # nearly the wanted approach are the first guess.
+    # A periodic scene is solved under trial loads. The solution that has nearly the wanted approach
+    # is the warm start for the approach itself.
     scaled = scaled_scene(context.scene, context.single)
     context = context.with_warm_start(at_approach(context, SEARCH.rough))
     outcome = attempted(lambda: _of_scaled(context, scaled))

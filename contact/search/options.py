@@ -11,15 +11,16 @@ class SearchOptions:
     # first rounds for very many zones. Zones or gaps narrower than this fraction of their
     # neighbours are lost in rough solutions.
     rough: float = 1e-3
-    # Relative error of the solution on the last grid, and of solutions under the trial loads of a
-    # search for another control, such as an approach.
+    # Relative error of the solution on the finest grid, and of solutions under trial loads. Trial
+    # loads are used to find the load that gives a wanted approach or contact fraction.
     intermediate: float = 1e-6
-    # Factor on a tolerance where the error is magnified, as for gaps next to wide zones and for
-    # differences of solutions.
+    # A tolerance is multiplied by this factor where later steps magnify the error: for gaps next to
+    # wide zones, and for differences of two solutions.
     tight_factor: float = 1e-2
-    # Error of a contact width, or of the centre of a load, on grids that just resolve the contact.
+    # Allowed error on grids that just resolve the contact. For a contact width it is relative to
+    # the smaller of contact and gap, for the centre of a load to the extent of the contact.
     grid_error: float = 0.02
-    # Error of the contact width on the last grid, in units of the mean zone width.
+    # Allowed error of the contact width on a fine grid, in units of the mean zone width.
     missing_zones: float = 0.3
     least_error: float = 1e-13  # the smallest stated error that may be asked for
     # Starting width of an interval that may not exist. It is relative to the interval's former

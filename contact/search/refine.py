@@ -35,8 +35,8 @@ def refined(context: SolveContext, found: Outcome, search: Search | None = None)
         return outcome
     if not (context.previous or context.warm_start):
         return outcome
-    # A solution that started from a similar solution may suffer more from rounding than one found
-    # by a search from nothing.
+    # A solution found from a warm start may have larger rounding errors than one that is found
+    # without a warm start. So the search is repeated without it.
     afresh, decisions = replace(context, previous=(), warm_start=None), context.plan.decisions
     context.plan.decisions = dict(decisions)
     other: Outcome | Failure = attempted(lambda: _refined_once(afresh, search(afresh), search))
@@ -160,13 +160,13 @@ def _from_same_zones(context: SolveContext, found: SolvedZones) -> SolvedZones |
 
 
 def _holds_corner(context: SolveContext, found: SolvedZones) -> bool:
-    """Whether a zone holds an undeclared corner of the profile, which no tolerance resolves."""
+    """Whether a zone contains a corner that the profile does not declare; no tolerance helps."""
     table = found.fields.problem.units.x(found.free.density.zones.table)
     return bool(undeclared_corner(context.scene, np.asarray(table)))
 
 
 def _is_rounding(context: SolveContext, found: SolvedZones) -> bool:
-    """Whether rounding alone exceeds the wanted error, and no iterative solve added an error."""
+    """Whether rounding exceeds the wanted error, so that a smaller tolerance does not help."""
     problem = found.fields.problem
     if found.rounded or body_limit(problem, found.free.density.zones.table, context.tol):
         return True

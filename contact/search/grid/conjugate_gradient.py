@@ -55,13 +55,14 @@ class GridOptions:
     # A linear solve ends after this many iterations in which the error has not decreased by a
     # tenth. The error has then reached the rounding of the heights f.
     max_stalled: int = 60
-    # Tolerance of the first linear solve. It is also the factor by which the tolerance decreases to
-    # a more precise solve. An error well below the change of the contact set is small enough.
+    # Tolerance of the first linear solve. The tolerance of each more precise solve is this number
+    # times the one before, but not below the wanted tolerance. While many points still join or
+    # leave the contact, a precise pressure would be wasted.
     first_tolerance: float = 1e-2
 
     @property
     def rate_tolerance(self) -> float:
-        """Tolerance of the derivatives of level by load and of moment by tilt.
+        """Tolerance of the linear solves for two derivatives: level by load, moment by tilt.
 
         The level is displacement plus height in the contact.
         """
@@ -116,7 +117,7 @@ class Influence:
 
     @property
     def yields(self) -> float:
-        """Displacement under a uniform pressure of one on a period; 0 for a single body."""
+        """Displacement under the uniform pressure 1 on a period; 0 for a single body."""
         return float(self._compliance[0]) if self.is_periodic else 0.0
 
     @classmethod
@@ -136,7 +137,7 @@ class Influence:
 
     @property
     def size(self) -> int:
-        """Number of grid points, which includes the padding with zeros for a single body."""
+        """Length of the FFT: n on a period; 2 n for a single body, padded with zeros."""
         return self.n if self.is_periodic else 2 * self.n
 
     def apply(self, p: ArrayLike) -> Array:
@@ -329,7 +330,7 @@ class _Run:
         self.allowed: Mask = np.isfinite(f)
         self.lowest = float(np.min(f[self.allowed]))
         # A constant in the heights f only shifts the level (displacement plus height in contact).
-        # The constant is subtracted first, so that no digits are lost later.
+        # So the smallest height is subtracted first, and no digits are lost later.
         self.shape = np.where(self.allowed, f - self.lowest, 0.0)
         self.iterations = 0
 
@@ -413,14 +414,14 @@ class _Run:
 
     def at_load(self, load: float, guess: Array | None) -> GridState:
         """The contact under a given load. guess: a pressure to begin with."""
-        # The first contact set is the whole grid, or the points with positive pressure in the
-        # guess.
+        # Without a guess, the first contact set is all points that may touch. With a guess, it is
+        # the points where the pressure of the guess is positive.
         mask = self.allowed.copy() if guess is None else guess > 0.0
         p, tol = guess, max(self.tol, OPTIONS.first_tolerance)
         converged = False
         fewest = self.influence.n
-        # A wrong end moves by a fixed fraction of its error in each solve. For n points, about
-        # log2(n) solves therefore suffice.
+        # Each solve reduces the error of a zone end by a fixed factor. For n points, about log2(n)
+        # solves therefore suffice.
         for _ in range(OPTIONS.max_stalled + int(4 * np.log2(self.influence.n))):
             before = self.iterations
             p, u, level, error, solved = self.conjugate_gradient(load, mask, p, tol)
@@ -431,10 +432,9 @@ class _Run:
                 tol = finer
                 continue
             gap = u + self.shape - level
-            # The largest error of the pressure, `error`, occurs at the steepest peaks. In a flat
-            # region next to these peaks, wrong pressures are smaller. If only points with pressure
-            # below -error were dropped, the end of the flat region would move by only one cell in
-            # each solve.
+            # Every point with negative pressure is dropped, even if the pressure is above -error.
+            # `error` is the largest error, which occurs at the steepest peaks. If only pressures
+            # below -error were dropped, an end in a flat region would move by one cell in a solve.
             drop = mask & (p < 0.0)
             add = self.allowed & ~mask & (gap < -error * self.influence.h / self.influence.E)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))
@@ -501,8 +501,8 @@ class _Run:
                 return state
             if slope > 0.0 and step > 0.0:
                 low = load
-            # The load is too large. Or, for an isolated contact, the load is above that of the
-            # largest approach.
+            # Either the load is too large for the level, or it is beyond the load at which the
+            # level is largest. The second case occurs in isolated contacts only.
             else:
                 high = load
             if high < np.inf and high - low <= TOLERANCES.balance * high:

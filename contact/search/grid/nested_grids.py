@@ -34,12 +34,12 @@ class NestedGridOptions:
     """Options for the numbers of points of the nested grids."""
 
     coarsest: int = 64  # points of the first grid
-    # Number of cells for each smallest length of a shape. The pressure has up to some 6 zeros in
-    # such a length.
+    # Number of grid cells in the smallest length over which a shape varies. The pressure has up to
+    # about 6 zeros in such a length.
     per_feature: int = 16
-    # If a shape contains more smallest lengths than this, the solution on the grid takes most of
-    # the time. Half as many cells for each length are then used. About one zone in a hundred is
-    # then missed; the first check of signs adds these zones.
+    # If the period or window is longer than this many smallest lengths, each length gets only
+    # half as many cells, to save time. About one zone in a hundred is then missed; the first check
+    # of signs adds these zones.
     many_features: int = 2**15
 
     @property
@@ -50,7 +50,7 @@ class NestedGridOptions:
 
 @dataclass(frozen=True)
 class WindowOptions:
-    """The search for an interval of the line (window) that an isolated contact fills well."""
+    """Option of the search for a window, an interval that an isolated contact fills well."""
 
     # Width of the contact divided by the width of the next window. A window is accepted if the
     # contact fills at least half and at most twice this fraction of the window.
@@ -164,8 +164,8 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
             a, b = x0 + h * centre - half, x0 + h * centre + half
         else:
             a, b = left - h * float(_to_end(p[0], p[1])), right + h * float(_to_end(p[-1], p[-2]))
-        # A zone ends before the first points out of contact on its left and right, so that zones
-        # neither overlap nor invert.
+        # The left and the right neighbour of the run of points in contact lie outside the zone. So
+        # zones do not overlap.
         zones[k] = max(a, left - 0.999 * h), min(b, right + 0.999 * h)
     if between_points:
         gaps = _gaps_between(points, state)
@@ -174,7 +174,7 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
 
 
 def _gaps_between(x: Array, state: GridState) -> Array:
-    """Gaps (k, 2) between two grid points, where a parabola through the pressure is negative.
+    """Gaps (k, 2) between neighbouring grid points, where a parabola through p is negative.
 
     Their width is that of a single gap under a full-contact pressure of this parabola.
     """
@@ -194,7 +194,7 @@ def _gaps_between(x: Array, state: GridState) -> Array:
 
 
 def _to_end(p_end: Array, p_next: Array) -> Array:
-    """Distance in cells from the last point in contact to the extrapolated zero of p^2.
+    """Distance in cells from a zone's outermost point to the extrapolated zero of p^2.
 
     It is half a cell where p does not decrease towards the end.
     """
@@ -256,7 +256,7 @@ def propose(
     else:
         target, limit = points_for(width, asked.resolution, asked.max_points)
         if _features(width, asked.resolution) > OPTIONS.many_features:
-            # This tolerance is larger than the wanted one. The first check of signs corrects the
+            # A tolerance above the wanted one saves time. The first check of signs corrects the
             # errors that it causes.
             tol = max(tol, SEARCH.rough)
     n, start = target, None
@@ -295,7 +295,8 @@ def points_for(width: float, resolution: float | None, most: int) -> tuple[int, 
     if features > OPTIONS.many_features:
         per_feature //= 2
     target = 2 ** int(np.ceil(np.log2(max(4 * OPTIONS.coarsest, per_feature * features))))
-    # A shape whose smallest length is known gets as many points as it needs, even more than `most`.
+    # A shape whose smallest length is known gets as many points as it needs: even more than `most`,
+    # but at most `MOST_POINTS`.
     limit = most if resolution is None else max(most, min(target, MOST_POINTS))
     return min(target, limit), limit
 
@@ -311,9 +312,8 @@ def _refine(p: Array, periodic: bool) -> Array:
     out = np.stack((0.75 * p + 0.25 * left, 0.75 * p + 0.25 * right), axis=1)
     for side, outer, inner in ((-1, left, right), (1, right, left)):
         ends = np.flatnonzero((p > 0) & (outer == 0))
-        # If the extrapolated end of a zone is less than 0.75 cells from the last point in contact,
-        # the midpoint of the next cell's nearer half lies outside the zone. The pressure there is
-        # zero.
+        # The new point next to a zone lies 0.75 (old) cells from the zone's outermost old point. If
+        # the extrapolated end of the zone is nearer than that, the pressure there is zero.
         beyond = (ends[_to_end(p[ends], inner[ends]) < 0.75] + side) % len(p)
         out[beyond, 0 if side > 0 else 1] = 0.0
     return np.asarray(out.ravel(), dtype=np.float64)
@@ -327,7 +327,7 @@ def find_window(
     limits: tuple[float, float] | None = None,
     start: tuple[float, float] | None = None,
 ) -> tuple[float, float]:
-    """A window of the line of which an isolated contact fills between 19 % and 75 %.
+    """An interval of the line (window) that an isolated contact fills to between 19 % and 75 %.
 
     The search begins with the window `start`, else with `limits`, which it never leaves, and grows
     or shrinks with the contact. Contact touches the border of the returned window only if it is
@@ -417,8 +417,8 @@ class _Window:
                 wanted_width = (8.0 if extent > 0.9 * width else 3.0) * width
                 centre = 0.5 * (window[0] + window[1])
             else:
-                # The window stays at least twelve of the present cells wide, as a contact of a few
-                # cells may be narrower than the cells.
+                # The next window is at least twelve of the present cells wide: the place of a
+                # contact is only known to about a cell.
                 wanted_width = max(extent / WINDOW.filled, 12.0 * h, least_width)
                 centre = 0.5 * (left + right)
                 fits = extent <= 2 * WINDOW.filled * width
@@ -441,7 +441,7 @@ class _Window:
     def at_level(
         self, level: float, window: tuple[float, float], load: float
     ) -> tuple[float, float]:
-        """A window in which the contact has a level (displacement plus height), by Newton's method.
+        """A window with the contact at a level (displacement plus height), by Newton's method.
 
         The level is concave in the load up to its maximum. A tenth of the load is close enough.
         """
@@ -449,8 +449,8 @@ class _Window:
         for _ in range(SEARCH.max_steps):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
-            # A load as small as this changes no digit of the level (displacement plus height in
-            # contact).
+            # So small a load changes no digit of the level (displacement plus height in contact).
+            # A smaller load would not bring the level closer.
             if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
                     raise OutOfRange(

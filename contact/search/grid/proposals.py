@@ -37,8 +37,8 @@ def proposed(
     units, profile, by_load = problem.units, problem.profile, control.load is not None
     detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
     if detail is not None:
-        # A step of Newton's method may move an end by about the length of the kernel. Cells of up
-        # to twice this length are therefore fine enough.
+        # A Newton step may move an end by about the length of the kernel. Grid cells may therefore
+        # be up to twice this length. `detail` is divided into `per_feature` cells.
         cells = 2 * nested_grids.OPTIONS.per_feature
         detail = min(detail, cells * problem.kernel.length * units.length)
     return propose(
@@ -96,13 +96,12 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
             break
         before, start = (load, error), found
         load *= math.exp(min(max(-error / rate, -0.5), 0.5))
-    # If the width jumps with the load, the width on the last grid need not be the closest to the
-    # wanted one.
+    # The width may jump with the load. Then the last trial is not always the closest one.
     return min(fine, key=lambda tried: tried[0])[1]
 
 
 def _width_error(found: float, width: float, period: float) -> float:
-    """Error of a contact width, measured in the logarithm of contact width over gap width.
+    """Error of a contact width: the difference of ln(contact width / gap width).
 
     As a function of the logarithm of the load it is about a straight line.
     """
@@ -146,7 +145,7 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
             high, at_high, at_low = load, error, weight * at_low
         last = error
         if low == 0.0:
-            # The contact width grows at most in proportion to the square root of the load.
+            # The contact width grows at most as the square root of the load. Hence the square.
             factor = min(max((width / contact) ** 2, 1e-3), 0.3) if contact < period else 0.3
             load = high * factor
         elif high == math.inf:
@@ -181,7 +180,7 @@ def placed(problem: Problem, zones: Array) -> Array:
         scaled = ascending(centred_on(scaled, middle, period))
     if problem.interaction.strip and len(scaled) and not bounded:
         gaps = np.diff(gaps_between(scaled, period))[:, 0]
-        # The border of the period now lies in a gap. It is moved if another gap is wider.
+        # The border of the period now lies in the last gap. It is moved to the widest gap.
         if gaps[-1] < (1 - 1e-6) * gaps.max():
             first = int(np.argmax(gaps)) + 1
             scaled = np.concatenate((scaled[first:], scaled[:first] + period))

@@ -48,7 +48,7 @@ class ScaledScene:
 
 
 def scaled_scene(scene: Scene, single: bool, tilt: float = 0.0) -> ScaledScene:
-    """The scaled problem and control of a scene. tilt: a first guess of an unknown tilt.
+    """The scaled problem and control of a scene, and the interval that contains all contact.
 
     single: whether the first guess is one zone about x = 0. tilt: a first guess of an unknown tilt.
     """
@@ -184,7 +184,7 @@ def _window_about_lowest(
 
 
 def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
-    """Origin, length and search interval [m] of a profile without a period."""
+    """Origin, unit of length, and search interval [m] of a profile without a period."""
     profile = scene.profile
     half_width, load = scene.held(Quantity.HALF_WIDTH), scene.given_load
     if half_width is not None:

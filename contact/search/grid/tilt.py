@@ -185,7 +185,7 @@ class _Tilting:
         return AtTilt.of(tilt, window, found.state, max(1.0, SEARCH.grid_error * extent))
 
     def _about(self, tilt: float) -> Window | None:
-        """An interval that contains the contacts at the next smaller and the next larger tilt."""
+        """An interval with the contacts at the two known tilts next below and above `tilt`."""
         below = [t for t in self.windows if t <= tilt]
         above = [t for t in self.windows if t >= tilt]
         near = [
@@ -205,7 +205,7 @@ def _hull(windows: Iterable[Window]) -> Window:
 def _resting(
     profile: Profile, centre: float, known: Window | None, about: Window
 ) -> tuple[float, Window | None]:
-    """Slope and ends of the edge of f's lower convex hull that spans the load's `centre`.
+    """Slope and ends of the edge of the profile's lower convex hull that spans x = `centre`.
 
     The ends are None if one of them is the first or the last sample.
     """

@@ -87,7 +87,7 @@ def balanced(
         low, high = (max(low, tilt), high) if lean.centre < centre else (low, min(high, tilt))
         if miss <= before:
             # Newton's step is tried next if the error was halved, or if the bracket is still
-            # infinite. It is also tried if the rate has doubled because more places came into
+            # infinite. It is also tried if `rate` has more than doubled, as more places are then in
             # contact.
             newton = (
                 miss <= 0.5 * before

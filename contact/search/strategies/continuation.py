@@ -89,7 +89,7 @@ def _decide(context: SolveContext, way: str, changes: int) -> None:
 
 
 def _is_followed(context: SolveContext) -> bool:
-    """Whether one scaled problem serves all values of the control, and signs fix the zones.
+    """Whether one scaled problem serves all values of the control, and equilibrium is unique.
 
     The scaled problem of a localized model's strip, or of an unknown tilt, changes with the value.
     """

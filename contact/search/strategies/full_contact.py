@@ -79,8 +79,8 @@ def closed_pressure(context: SolveContext) -> float | None:
         return None
     if scene.given_load is not None:
         return scene.given_load / period if scene.mean_pressure is None else scene.mean_pressure
-    # In full contact, the approach minus the profile's mean height compresses the substrate against
-    # its base, and the spring.
+    # In full contact, the substrate on its base and the spring are compressed together. The
+    # compression is the approach minus the profile's mean height.
     base = 2 * (context.operator.compression or 0.0) / scene.E_star
     compliance = base + (context.spring_compliance or 0.0) * period
     if approach is None or compliance == 0.0:
@@ -111,9 +111,8 @@ def refuse_full_approach(context: SolveContext, problem: Problem, control: Contr
         or context.operator.compression
     ):
         return
-    # Without a base the mean displacement is zero. The mean gap is therefore the mean of the
-    # profile minus the approach. Both are measured from the lowest point, with the rounding of the
-    # heights.
+    # Without a base the mean displacement is zero. The mean gap is therefore the profile's mean
+    # height minus the approach, both above the lowest point. `rounding` is that of the heights.
     highest = mean_shape(problem)
     rounding = 8 * EPS * (highest + abs(problem.lowest) / units.height)
     if control.approach >= highest - rounding:

@@ -35,7 +35,7 @@ class GapOptions:
 
 OPTIONS = GapOptions()
 
-# Prefix of the reason for the unknowns that another solution had already.
+# The plan's reason begins with these words if a similar solution had the same unknowns.
 _AS_BEFORE = "they served under a similar load: "
 
 
@@ -125,7 +125,7 @@ def by_gaps_if_better(
     strategy: str = "gaps",
     **newton: bool,
 ) -> SolvedGaps | None:
-    """The contact by its gaps if they are better unknowns; None if not, or if they lead to none.
+    """The contact solved for its gaps; None if zones are better unknowns or the gaps fail.
 
     A failure of the gaps is recorded in the plan, where `strategy` names the attempt. width, zones,
     newton: see `by_gaps`.
@@ -189,8 +189,8 @@ def _from_guesses(
         if zones is not None and len(zones) > 0:
             table = united(gaps_between(zones, period), period, True, form.what)
             found = refine_topology(form, control, table, NewtonSettings(tolerance, mean, **newton))
-            # The zones of a grid may leave out narrow gaps, unlike the zones of a solution. For a
-            # grid, the gaps are therefore guessed again.
+            # `abandon_if_far` is set for the zones of a solution, but not for those of a grid. A
+            # grid may miss narrow gaps, so that the gaps are guessed again below.
             if newton.get("abandon_if_far") or isinstance(found, SolvedGaps):
                 return found
         return refine_topology(form, control, guesses.gaps(mean), NewtonSettings(tolerance, mean))

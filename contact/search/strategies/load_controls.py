@@ -128,12 +128,13 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
     def solve(load: float, nearest: Solution | None) -> Solution:
         return _under_load(context, load, nearest)
 
-    # A bracket of this relative width is closed: round-off keeps it from narrowing further.
+    # The search ends when the bracket, divided by the load, is this narrow. Because of round-off
+    # it cannot become narrower.
     limits = KnownLoads(closed=64 * EPS)
     for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
         last, fraction = here, contact_fraction(here)[0]
-        # If the contact fraction grows fast with the load, the relative error of the fraction is
-        # larger than that of the load.
+        # The larger of two relative errors counts. If the contact fraction grows fast with the
+        # load, its error is larger than that of the load.
         error = max(load_error, abs(goal - fraction) / smaller_part)
         if error > near_enough:
             continue
@@ -185,8 +186,8 @@ def _from_grid(
     )
     if found_by_gaps is not None:
         return found_by_gaps
-    # All zones are scaled by one factor, so that their total width is the wanted one. Without this,
-    # the ends would move farther in one step than the kernel of a thin layer allows.
+    # All widths are multiplied by one factor, so that their sum is the wanted width. Without this,
+    # Newton's first step would be too long for the short kernel of a thin layer.
     half = np.diff(table) / 2
     table = table + half * [-1.0, 1.0] * (control.value / (2 * half.sum()) - 1.0)
     return _refined(context, problem, control, table, proposal.load / problem.units.load)

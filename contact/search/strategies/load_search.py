@@ -27,9 +27,8 @@ from contact.model.scene import Scene
 from contact.search.options import SEARCH
 from contact.solution.solution import Solution
 
-# Relative step of the load for difference quotients: the fourth root of the round-off. For this
-# step, both the error of the difference and the errors of the solutions, divided by the step, are
-# small.
+# Relative step of the load for difference quotients: the fourth root of the round-off. A smaller
+# step would magnify the errors of the solutions. A larger step would make the quotient inexact.
 RATE_STEP = math.sqrt(math.sqrt(EPS))
 
 
@@ -173,10 +172,10 @@ class _Bracket:
 
 
 def _newton(load: float, rate: float, miss: float, before: tuple[float, float] | None) -> float:
-    """Newton's next load, if the quantity is a constant plus B load^q; nan if there is none.
+    """Newton's next load for a quantity A + B load^`power`; nan if there is none.
 
-    rate: the rate at this load. before: another load and its rate; both rates give the exponent q,
-    limited to -4 to 1.
+    rate: the rate at this load. before: another load and its rate; both rates give `power`, limited
+    to -4 to 1.
     """
     power = 1.0
     if before is not None and before[0] != load and before[1] * rate > 0.0:
@@ -220,8 +219,8 @@ def by_quantity(
         SEARCH.light_load * scene.E_star * _length(scene) if warm_start is None else warm_start.load
     )
     best: Solution | None = None
-    # The set contains True if some load gave a quantity above the goal. It contains False if some
-    # load gave a quantity not above the goal.
+    # For the loads so far, whether the quantity exceeded the goal. If the set contains both True
+    # and False, some load between them has the goal.
     sides: set[bool] = set()
     goal, limits = sign * control.value, KnownLoads(bounded=True)
     for here, load_error in nearer(under, quantity, goal, first, limits):
@@ -248,7 +247,7 @@ def _length(scene: Scene) -> float:
 
 
 def _rate_of_error(here: Solution, other: Solution) -> float:
-    """Relative change of ends and pressures for each unit of ln(load), with a margin.
+    """Relative change of zone ends and pressures per unit of ln(load), times 2 as a margin.
 
     Changes of ends are relative to the width of their zone, those of pressures to the peak.
 

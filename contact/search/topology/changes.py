@@ -33,10 +33,10 @@ class Change:
 
     @property
     def ahead(self) -> bool:
-        """Whether the exact place is found from the zones before the change, not those after it.
+        """Whether the change is located with the zones before it (birth, split), not after it.
 
-        It is so for a birth and a split. The condition of the change is smooth with the zones
-        without the one that begins or vanishes, or with two zones as one.
+        The condition of the change is smooth with the zones without the one that begins or
+        vanishes, or with two zones as one.
         """
         return self.kind in ("birth", "split")
 

@@ -147,7 +147,7 @@ def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
 
 
 def _extrapolate(known: list[Motion], away: list[float], period: float | None) -> Array:
-    """Extrapolated middles and squared half widths (2, n) of the intervals of the nearest point.
+    """Extrapolated middles and squared half widths (2, n) of the intervals of `known[0]`.
 
     away: distance of each point from the wanted value, in the logarithm. Each interval is
     extrapolated from all successive points that have it.
@@ -249,8 +249,8 @@ def _half_widths(square: Array, before: Array) -> tuple[Array, Mask]:
 
     An interval that may have vanished keeps a small half width.
     """
-    # An interval counts as vanished only if it also vanishes after half of the step. Newton's
-    # method removes an interval that vanishes later in the step.
+    # An interval counts as vanished only if it has vanished at half of the step. If it vanishes
+    # later in the step, Newton's method removes it.
     gone = square <= -0.5 * (before - square)
     return np.sqrt(np.maximum(square, SEARCH.doubtful_part**2 * before)), gone
 

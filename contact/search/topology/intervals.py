@@ -17,7 +17,7 @@ NARROW = 3
 
 def without(table: Array, parts: Array) -> Array:
     """The intervals `table` (n, 2) after `parts` (m, 2) are cut out; both arrays are ascending."""
-    # Few intervals overlap a part. Only these are cut, one by one.
+    # Few intervals overlap one of the `parts`. Only these intervals are cut, one by one.
     first = np.searchsorted(parts[:, 1], table[:, 0], side="right")
     after = np.searchsorted(parts[:, 0], table[:, 1], side="left")
     rows = []

@@ -195,7 +195,7 @@ def refine_topology(
 
 
 class _Loop(Generic[Kind]):
-    """The rounds of one search, with what one round hands over to the next."""
+    """The rounds of one search, with the settings and intervals that rounds pass on."""
 
     def __init__(
         self,
@@ -220,7 +220,7 @@ class _Loop(Generic[Kind]):
             done += 1
             if self.observer.progress is not None:
                 self.observer.progress(f"{self.form.what}s", done, None)
-            # The result of the last round may take much memory if there are many intervals. The
+            # The result of the previous round may take much memory if there are many intervals. Its
             # memory is freed before the next solve.
             before = None if free is None or free.state.iterated else free
             free = None
@@ -338,9 +338,9 @@ class _Loop(Generic[Kind]):
             return self.form.corrected(zones, here.certificate) if is_missing else zones.table
         if here.certificate.holds:
             return here
-        # After an iterative solve, the next solve starts as precisely as the present one: its
-        # initial error is this tolerance. With the initial error 1 it would begin roughly and lose
-        # intervals whose pressure is small.
+        # After an iterative solve, the initial error of the next one is the present tolerance. With
+        # the initial error 1, an iterative solve would begin roughly and lose intervals whose
+        # pressure is small.
         known = self.newton.tolerance if here.free.state.iterated else 1.0
         self.newton = replace(self.newton, initial_error=known)
         return self._after_failed_signs(here)
@@ -387,8 +387,9 @@ class _Loop(Generic[Kind]):
         self.tried.append((newton.tolerance, table))
         if not repeats:
             return corrected
-        # The same intervals come back, so the number of intervals alternates between two values.
-        # For one of these, the signs fail only by an error of the ends.
+        # The same intervals were tried before, so the number of intervals alternates between two
+        # values. One number is right, but an error of the ends gives a wrong sign. So the same
+        # intervals are solved with the smallest tolerance.
         if is_tight:
             raise WrongTopology(f"the number of {form.what}s did not settle", free)
         self.tried[-1] = (tighter.tolerance, table)
@@ -408,7 +409,7 @@ def end_errors(free: sie.Free, state: sie.AnyState) -> Array:
 
 
 def _is_error(here: Round[Any]) -> bool:
-    """Whether errors of nearby ends may explain every interval of a wrong sign."""
+    """Whether errors of nearby ends may explain all intervals with a wrong sign."""
     bad = np.concatenate((here.certificate.negative, here.certificate.overlaps))
     return len(bad) > 0 and bool(_are_next_to_ends(here.free, here.fields.state, bad).all())
 
