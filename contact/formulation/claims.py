@@ -29,7 +29,9 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class ClaimOptions:
-    """Options for the check of a profile; twice or half of each value finds the same errors.
+    """Options for the check of a profile.
+
+    With any value doubled or halved, the check finds the same errors.
 
     panels: number of panels. nodes: number of nodes of Gauss's rule, which is applied to one, two
     and three parts of a panel. A panel that disagrees is divided into as many parts. margin: factor
@@ -62,7 +64,10 @@ _TRUE = Claims()
 
 
 def of(profile: Profile, zones: Array | None = None) -> Claims:
-    """Check a profile over its cell or extent; if it is unbounded, around zones [m] (n, 2).
+    """Check a profile's slope, kinks, symmetry, period and summits against its heights.
+
+    The profile is checked over its cell or extent. An unbounded profile is checked around the
+    `zones` (n, 2) [m].
 
     The result is kept with the profile. Raises SceneError where a claim is false.
     """
@@ -107,7 +112,7 @@ def _checked(profile: Profile, lo: float, hi: float) -> Claims:
 
 
 def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
-    """Left and right ends of panels (n,) without a declared breakpoint inside.
+    """Left ends and right ends (n,) of panels that contain no declared breakpoint.
 
     They cover the interval, or are spread evenly over it where that takes too many.
     """
@@ -128,9 +133,10 @@ def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=4)
 def _rules(count: int) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss's rule, applied to 1, 2 and 3 equal parts of (0, 2).
+    """Three Gauss rules on (0, 2): for the whole, for 2 equal parts and for 3 equal parts.
 
-    Each number of parts has its column of weights, which is 0 at the nodes of the other numbers.
+    Returns the nodes of all three rules, and one column of weights for each rule. A column is 0 at
+    the nodes of the other two rules.
     """
     nodes, weights = np.polynomial.legendre.leggauss(count)
     at = [(2 * k + 1 + nodes) / parts for parts in (1, 2, 3) for k in range(parts)]
@@ -142,7 +148,7 @@ def _rules(count: int) -> tuple[Array, Array]:
 
 @record
 class _Panels:
-    """Panels from a to b (n,), with the rise of the height and integral of the slope on each.
+    """Panels from `a` to `b` (n,): rise of the height and integral of the slope on each panel.
 
     size: integral of |f'|. doubt: possible error of rise and integral. x, slope: all nodes and the
     slope there. heights: at both ends (2, n). noise: rounding of a height.
@@ -209,16 +215,16 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     cuts = np.linspace(panels.a[which], panels.b[which], count + 1)
     parts = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel())
     difference, size = (of.reshape(count, -1) for of in (parts.difference, parts.size))
-    # The two parts of a panel with the largest difference are left out, as an undeclared corner
-    # makes the quadrature fail on one or two parts. If the slope is false, the rise of the height
-    # and the integral of the slope differ on the other parts too. Leaving out two parts adds the
-    # noise of four heights.
+    # Leave out the two parts of each panel with the largest difference: near an undeclared corner,
+    # the quadrature fails on one or two parts. If the slope is false, the other parts differ too.
+    # Leaving out two parts adds the noise of up to four heights.
     rest = np.argsort(np.abs(difference), axis=0)[:-2]
     difference, size = (
         np.take_along_axis(of, rest, axis=0).sum(axis=0) for of in (difference, size)
     )
     seen = np.abs(difference) > panels.doubt[which] + 4 * OPTIONS.margin * parts.noise
-    # Errors of slopes that are far below the largest slope do not matter.
+    # An error is relative to at least `CHECKS.same` times the largest slope. Without this limit,
+    # errors of tiny slopes would count.
     size = np.maximum(size, CHECKS.same * panels.largest * (panels.b - panels.a)[which])
     relative = np.where(seen, np.abs(difference) / size, 0.0)
     worst = int(np.argmax(relative))
@@ -234,7 +240,7 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
 
 
 def _kink_fault(profile: Profile, panels: _Panels) -> str:
-    """Message on a declared kink whose jump the slope does not have; "" if there is none."""
+    """Message on a kink whose declared jump is not that of the slope; "" if there is none."""
     kinks = np.asarray(profile.kinks, dtype=np.float64)
     if profile.slope_is_derived or len(kinks) == 0:
         return ""
@@ -301,7 +307,7 @@ def _differ(x: Array, here: Array, there: Array, panels: _Panels, message: str, 
     """Message on the pair of heights, at x and y, that differs most; "" if all pairs agree."""
     places = 8 * EPS * (np.abs(x) + np.abs(y)) * panels.largest
     error = np.abs(here - there) - OPTIONS.margin * (panels.noise + places)
-    # Heights are infinite outside sharp corners, where no comparison is made.
+    # Heights are infinite beyond a sharp corner of the profile. Such places are not compared.
     error = np.where(np.isfinite(error), error, -np.inf)
     heights = panels.heights[np.isfinite(panels.heights)]
     worst = int(np.argmax(error))
@@ -311,7 +317,7 @@ def _differ(x: Array, here: Array, there: Array, panels: _Panels, message: str, 
 
 
 def _summit_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
-    """Message on a height below the lowest declared summit; "" if there is none."""
+    """Message on a place lower than all declared summits; "" if there is none."""
     if profile.summits is None:
         return ""
     tips = np.asarray(profile.summits, dtype=np.float64)

@@ -47,32 +47,32 @@ class ConjugateOptions:
     """Options for the Hilbert transform H f' of a sampled slope f', and for its error estimate."""
 
     max_samples: int = 2**18
-    # Number of pairs of a point and a jump that are computed at once; it bounds the memory.
+    # Largest number of pairs (point, jump) that are evaluated at once. It limits the memory.
     block: int = 1 << 20
-    # The stated error of the Hilbert transform H f' is this multiple of the sampled residual of f',
-    # or of the residual's conjugate if that is larger. The factor 2 allows for peaks of noise
-    # between the samples.
+    # Stated error of H f', divided by the largest sample of the residual or of its transform. The
+    # residual is the sum of the Fourier terms of f' that are left out. The factor 2 allows for
+    # larger values between the samples.
     residual_margin: float = 2.0
-    # The same multiple, for a residual whose Fourier terms fall like those of a jump or more
-    # slowly. At 1e-5 of the period from a corner, the conjugate is 4 times the jump. The residual
-    # at the samples may be a quarter of the jump, as the terms in use follow the rest of it.
+    # The same ratio if the Fourier terms fall as slowly as those of a jump, by half per octave. At
+    # 1e-5 periods from a corner the transform is 4 times the jump, but the samples of the residual
+    # may show only a quarter of the jump.
     jump_margin: float = 16.0
-    # Fourier terms that do not decay are noise if they are below this fraction of the largest term.
-    # Larger terms may come from a kink that is not declared.
+    # Fourier terms that do not decay are noise if they are below this fraction of the largest slope
+    # or term. Larger terms may come from an undeclared kink.
     max_noise: float = 1e-9
     no_decay: float = 0.6  # ratio of terms one octave apart, above which they do not decay
 
 
 OPTIONS = ConjugateOptions()
-# Nearer to a kink than this distance, in periods, a closed form of H f' is replaced by a linear
-# interpolation. The error of the interpolation is about the square of the distance. The closed form
-# itself would have a round-off of EPS over the distance.
+# Distance from a kink, in periods, within which a closed form of H f' is interpolated linearly. The
+# interpolation has an error of about the square of this distance. The closed form itself has a
+# round-off of EPS divided by the distance from the kink.
 _KINK_REACH = np.cbrt(EPS)
 
 
 @record
 class Conjugate(sie.Kept):
-    """The transform H f' of the slope of a periodic profile, as a function of x [m].
+    """The Hilbert transform H f' of the slope of a periodic profile, as a function of x [m].
 
     `kinks` (k, 2) are those of the profile, `breakpoints` its other breakpoints.
     """
@@ -136,7 +136,9 @@ class Conjugate(sie.Kept):
         )
 
     def _of_bodies(self) -> "Transform":
-        """The sum of the transforms of both bodies of a pair, each with its own period.
+        """The transform for a pair of bodies: the sum of the transforms of both bodies.
+
+        Each body has its own period.
 
         Logarithms that repeat within the common period become those of the shorter period.
         """
@@ -152,7 +154,7 @@ class Conjugate(sie.Kept):
         return Transform(smooth, sum(part.error for part in parts.values()), worst.limit)
 
     def _difference(self, closed: Callable[[Array], Array], series: "Transform") -> float:
-        """Largest difference between a user's closed form of the transform and the Fourier series.
+        """Error of a user's closed form of the transform: twice its difference from the series.
 
         Raises SceneError if the difference is so large that the closed form must be wrong.
         """
@@ -206,11 +208,11 @@ class Transform:
 
 
 def _series(profile: Profile, length: float) -> Transform:
-    """The transform, by the Fourier series of the slope without its declared jumps."""
+    """The transform H f', by the Fourier series of the slope f' without its declared jumps."""
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
-    # If the jumps of f''' do not add up to 0, a cubic polynomial is needed. The jump of this
-    # polynomial is the sum of the jumps of f''', and lies at the place of the first jump.
+    # `Pieces` needs jumps of f''' with the sum 0. So the sum `over` is subtracted from the first of
+    # these jumps. A cubic Bernoulli polynomial has the jump `over` instead.
     first, over = jumps[:1, 0], np.full(len(jumps[:1]), jumps[orders == 2, 2].sum())
     at, heights = np.append(jumps[:, 0], first), jumps[:, 2, None] * (orders[:, None] == [0, 1, 2])
     of_jumps = Pieces.of(
@@ -228,7 +230,8 @@ def _series(profile: Profile, length: float) -> Transform:
             + points(x, False)
         )
 
-    # Round-off is estimated from the subtracted parts, as these may be much larger than their sum.
+    # The subtracted polynomials may be much larger than their sum. So the round-off is estimated
+    # from the absolute values of their jumps.
     rounding = (
         EPS * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum()) / 12
     )
@@ -238,8 +241,8 @@ def _series(profile: Profile, length: float) -> Transform:
     used = np.flatnonzero(size > max(1e-17 * scale, series.noise))
     k = np.arange(int(used[-1]) + 1 if len(used) else 1)
     c = (2 * coefficients[: len(k)] * np.exp(-1j * pi * k / len(series.x)))[1:]
-    # The transform H takes cos to sin and sin to -cos. So the result is the imaginary part of the
-    # complex sum, written as the real part of -i times the sum.
+    # H multiplies the complex Fourier terms by -i: cos becomes sin, and sin becomes -cos. `Sum`
+    # takes the real part of its terms.
     left = Sum.of(-1j * c) if len(c) else None
 
     def smooth(x: Array) -> Array:
@@ -302,13 +305,15 @@ def _sampled_series(
 
 
 def _series_error(coefficients: Array, used: int, rounding: float) -> float:
-    """Estimate of the largest error of the sum of the Fourier terms in use.
+    """Estimate of the largest error of f' and of H f' by the Fourier terms in use.
 
-    coefficients: of the slope at even places; used: number of terms in use. The terms that are
-    left out, at least the last octave, make up a residual: the noise of the slope, an undeclared
-    jump, or the truncation. The error of H f' is the conjugate of the residual; both are evaluated
-    at the samples. Near a jump the conjugate grows like a logarithm between the samples: the
-    margin is larger the less the terms fall faster than those of a jump, by half in an octave.
+    coefficients: of the slope at evenly spaced places. used: number of terms in use. The terms left
+    out, at least the last octave, are the residual: noise of the slope, an undeclared jump, or
+    truncation. The error of H f' is the transform of the residual. Both are evaluated at the
+    samples.
+
+    Between the samples, the transform grows logarithmically towards a jump. So the margin is larger
+    if the terms fall as slowly as those of a jump, by half per octave.
     """
     n = len(coefficients) - 1
     left_out = np.where(np.arange(n + 1) < min(used, n // 2), 0.0, coefficients)
@@ -323,7 +328,7 @@ def _series_error(coefficients: Array, used: int, rounding: float) -> float:
 
 
 def _last_octaves(size: Array) -> tuple[float, float]:
-    """Root mean square of the last half of a series' terms, and of the quarter before it."""
+    """Root mean squares of a series' terms: over the last octave, and over the octave before."""
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
     return last, before
@@ -382,11 +387,11 @@ class _PeriodicPoles:
 
     @property
     def size(self) -> float:
-        """An upper bound of the sum of the poles."""
+        """Upper bound of the absolute value of the sum of the poles."""
         return float(sum((np.abs(size) / tanh).sum() for tanh, size in self.poles))
 
     def __call__(self, x: Array, conjugate: bool) -> Array:
-        """The sum of the poles at x of any shape; with `conjugate`, the sum of their transforms."""
+        """The sum of the poles at the places x; with `conjugate`, the sum of their transforms."""
         out, flat = np.zeros(np.size(x)), np.ravel(x)
         for place, (at, (tanh, size)) in enumerate(
             zip(self.points.places.tolist(), self.poles, strict=True)
@@ -404,9 +409,9 @@ class _PeriodicPoles:
                 odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
-                # The poles closest to an algebraic point are not in `poles`. Exactly at this point
-                # they still contribute: a pole with coefficient c at distance eta adds
-                # i c / (-i eta).
+                # The poles closest to an algebraic point are not in `poles`. At the point itself
+                # their transforms count: coefficient c and distance eta add i c / (-i eta) = -c /
+                # eta.
                 out[turns == 0.0] -= self.points.left_out(place, 0.5 * self.length).real
         return out.reshape(np.shape(x))
 
@@ -422,9 +427,9 @@ def _noise(size: Array, scale: float) -> float:
 
 
 def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[[Array], Array]:
-    """The profile's closed form of the transform H f', without the logarithms of the kinks.
+    """The profile's closed form of the transform H f', minus the logarithms of the kinks.
 
-    Next to a kink, it is extrapolated linearly.
+    Across each kink, it is interpolated linearly.
     """
 
     def plain(x: Array) -> Array:
@@ -456,7 +461,7 @@ def log_sine(u: Array) -> Array:
 def over_jumps(
     x: Array, at: Array, weights: Array, length: float, function: Callable[[Array], Array]
 ) -> Array:
-    """Sum of weights_k function(u_k) over all jumps k, in blocks that bound the memory.
+    """Sum over all jumps k of weights_k function(u_k), in blocks that limit the memory.
 
     Here u_k = (x - s_k)/L lies between -1/2 and 1/2, with the places s_k of the jumps and the
     period L.
@@ -481,7 +486,7 @@ def _bernoulli3(u: Array) -> Array:
 
 @cache
 def _clausen_series(terms: int = 26) -> tuple[Array, Array]:
-    """Coefficients in the power series of Clausen's functions.
+    """Coefficients of the power series in `clausen2` and in `clausen3`.
 
     They are |B_2k| / (2k (2k+1)!) and |B_2k| / (2k (2k+2)!), with the Bernoulli numbers B_2k. Here
     |B_2k| = 2 (2k)! zeta(2k) / (2 pi)^2k (DLMF 25.6.2). For arguments within half a period, each

@@ -82,7 +82,7 @@ class Control:
         raise NotImplementedError
 
     def unit(self, units: Units) -> float:
-        """The unit in which the control's value is counted, in SI units."""
+        """SI value of the unit in which the control's scaled value is counted."""
         return float(getattr(units, self.counted_in))
 
     def described(self, units: Units) -> str:
@@ -195,7 +195,7 @@ class _SpringLevel(sie.Condition):
 
 @dataclass(frozen=True)
 class _MeanGap(sie.Condition):
-    """The condition that the integral of all gaps plus `depth` * mean pressure is given."""
+    """Prescribes the value of `depth` times the mean pressure, minus the integral of all gaps."""
 
     opened: sie.ZoneMoments
     depth: float

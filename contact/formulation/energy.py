@@ -66,7 +66,7 @@ def _shape_moment_of_zones(fields: ZoneFields | GapFields) -> float:
 
 
 def _shape_moment_of_period(fields: FullFields) -> float:
-    """Integral of pressure times scaled profile F over the period in full contact, scaled."""
+    """Integral of pressure times scaled profile F over a period in full contact, both scaled."""
     problem = fields.problem
     units, period = problem.units, problem.repeat_length
     start = float(units.scaled(np.array(problem.profile.x0)))
@@ -83,7 +83,7 @@ def _shape_moment_of_period(fields: FullFields) -> float:
 def _integral(
     function: Callable[[Array], Array], cuts: Array, smooth: bool, max_nodes: int = 2**17
 ) -> float:
-    """Integral from the first to the last cut, with nodes doubled until it converges.
+    """Integral from the first to the last cut; the number of nodes is doubled until it converges.
 
     smooth: the function is smooth and periodic, so that evenly spaced nodes are best.
     """

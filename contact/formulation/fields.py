@@ -24,12 +24,11 @@ from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 @dataclass(frozen=True)
 class FieldOptions:
-    """Sampling of the fields of a contact, and tolerances of further solutions on its zones."""
+    """Options for sampling a contact's fields, and the tolerance of their rates."""
 
     peak_zones: int = 16  # zones in which the highest pressure is located between samples
-    # The gap outside the zones is sampled closely up to this multiple of the total span of the
-    # zones. Farther out, the places are spaced logarithmically, until the span is round-off of the
-    # distance.
+    # Distance from the zones, divided by their total span, up to which the gap is sampled closely.
+    # Farther out, the samples are spaced logarithmically, up to the span divided by round-off.
     far_from: float = 1e3
     guess_tolerance: float = 1e-4  # of rates that only start a search
 
@@ -59,7 +58,7 @@ def moved_ends(
     response: sie.AnyDensity | None = None,
     tolerance: float = 0.0,
 ) -> Array:
-    """Derivative of each end's outward motion (2, Z) by a side condition's value; 0 if fixed.
+    """Derivatives of the ends' outward motions (2, Z) by a side condition's value; 0 if fixed.
 
     It is 2 K / A, with the intensity K of the response and the edge slope A, as in a Newton step.
     For ends of prescribed intensity it follows from the rates of the intensities. response: the
@@ -76,10 +75,9 @@ def moved_ends(
 def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
     """Outward motions (2, Z) of the ends as `density` is added to `on`; 0 for fixed ends.
 
-    The motion of an end is 2 K / A.
-
-    K are the intensities of `density`, A the edge slopes of `on`, both on the same zones. The ends
-    have no prescribed intensities. They move at this rate as multiples of `density` are added.
+    The motion of an end is 2 K / A, with the intensity K of `density` and the edge slope A of `on`.
+    Both densities are on the same zones. The ends have no prescribed intensities. The motions are
+    first derivatives by the multiple of `density` that is added.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(
@@ -127,12 +125,12 @@ class ZoneFields(sie.Kept):
 
     @property
     def solved_zones(self) -> sie.Zones:
-        """The scaled intervals of the unknown pressure, which are the zones."""
+        """The scaled zones, on which the pressure is the unknown."""
         return self.density.zones
 
     @cached_property
     def levels(self) -> Array:
-        """Scaled level (minus the approach) of each solved zone; all are equal in a solution."""
+        """Scaled level (minus the approach) of each zone; in a solution all levels are equal."""
         zones = self.density.zones
         if len(zones) == 1:
             end = zones.b
@@ -145,7 +143,7 @@ class ZoneFields(sie.Kept):
 
     @property
     def approach(self) -> float | None:
-        """Approach [m]; None for an isolated punch without a datum."""
+        """Approach [m]; None if the displacement of the body has no datum."""
         if not self.problem.operator.has_approach:
             return None
         return -self.level * self.problem.units.height
@@ -187,9 +185,9 @@ class ZoneFields(sie.Kept):
 
     @property
     def bending(self) -> float:
-        """Largest end intensity that one coefficient has alone, over the prescribed intensity.
+        """Largest intensity that a single coefficient of the pressure causes at an end, relative.
 
-        The coefficients are those of the density, the scaled pressure.
+        It is divided by the prescribed intensity of the ends.
         """
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
@@ -280,17 +278,17 @@ class ZoneFields(sie.Kept):
         return np.where(self.inside(x), 0.0, self.formal_gap(x))
 
     def formal_gap(self, x: Array) -> Array:
-        """The scaled gap by the formula of `scaled_gap` for the gaps, also on the zones.
+        """The formula of `scaled_gap` for the gaps, evaluated on the zones as well.
 
         On the zones, where the gap is zero, the values of this formula show its error.
         """
         gap = np.asarray(self.standing_shape(x) + self.level + self._relative_displacement(x))
-        # In narrow gaps, this difference loses digits. There `opening` replaces the difference.
+        # In narrow gaps, `gap` loses digits by cancellation. There it is replaced by `opening`.
         narrow, opening = self.density.opening(x)
         return np.where(narrow, opening, gap) if narrow.any() else gap
 
     def formal_pressure(self, x: Array) -> Array:
-        """Scaled pressure at scaled places, positive or negative."""
+        """Scaled pressure at scaled places x; where the solution is wrong, it may be negative."""
         return np.asarray(self.density(x))
 
     def standing_shape(self, x: Array) -> Array:
@@ -326,7 +324,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def spacing(self) -> float:
-        """Scaled length on which the gap may vary."""
+        """Smallest scaled length over which the profile varies, and thus the gap."""
         units, profile, ends = (
             self.problem.units,
             self.problem.profile,
@@ -338,7 +336,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def tips(self) -> Array:
-        """Scaled places of convex kinks, ascending, with their images next to the zones.
+        """Scaled places of convex kinks, ascending; with a period, also their images nearby.
 
         At these places a gap may have a minimum where its slope is not zero.
         """
@@ -368,7 +366,7 @@ class ZoneFields(sie.Kept):
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
         """Yield scaled intervals without contact: (from, to, starts at a zone, ends at a zone).
 
-        Half-lines end `far_from` spans of the zones away.
+        A half-line is cut off at the distance `far_from` times the span of the zones.
         """
         zones, problem = self.density.zones, self.problem
         for right, left in zip(zones.b[:-1], zones.a[1:], strict=True):
@@ -409,7 +407,7 @@ class ZoneFields(sie.Kept):
         return self.problem.period is not None or bool(np.all(np.isfinite(self._limits)))
 
     def far_stretches(self) -> Iterator[Array]:
-        """Yield scaled places on half-lines outside `open_intervals`, logarithmically spaced."""
+        """Yield scaled, logarithmically spaced places on half-lines, beyond `open_intervals`."""
         if self.is_bounded:
             return
         zones, (lo, hi) = self.density.zones, self._limits
@@ -421,8 +419,8 @@ class ZoneFields(sie.Kept):
             yield last + away
 
     def _scaled(self, x: ArrayLike) -> Array:
-        # Move x by whole periods to the period around the zones, where density and kinks are given.
-        # The period is that of the problem: the density in a localized model's strip has none.
+        # Move x by whole periods of the problem to the period around the zones. The density in a
+        # localized model's strip has no period itself.
         zones = self.density.zones
         middle = 0.5 * float(zones.a[0] + zones.b[-1])
         return nearest_image(
@@ -521,7 +519,10 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Highest pressure [Pa], from samples and, on the highest zones, maxima between them."""
+        """Highest pressure [Pa], of samples on all zones and maxima between samples.
+
+        Maxima between samples are sought on the zones that may have the highest pressure.
+        """
         density = self.density
         if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
             left, right = density.intensities
@@ -540,7 +541,7 @@ class ZoneFields(sie.Kept):
             self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak]
         )
         if self.problem.algebraic is not None:
-            # The samples may miss the cusp that the pressure has at the tip of a power law.
+            # At the tip of a power law, the pressure has a cusp. Samples may miss it.
             highest = max(highest, float(self.density(np.asarray(self.problem.algebraic.at)).max()))
         return highest * self.problem.units.pressure
 
@@ -572,8 +573,8 @@ class ZoneFields(sie.Kept):
         zero = self.level if self.approach is None else 0.0
         u = np.where(inside, -self.level - shape, self._relative_displacement(scaled)) + zero
         if self.problem.amplitude:
-            # A given nominal pressure is part of the profile F in the equation. It causes a
-            # displacement, which is added here.
+            # The profile F of the equation contains the displacement that a given nominal pressure
+            # causes (`Problem.raised`). This displacement is part of u, so it is added here.
             u = u + self.problem.raised(scaled)
         return np.asarray(u * self.problem.units.height)
 

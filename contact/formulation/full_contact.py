@@ -28,7 +28,7 @@ from sie import Array, record
 
 
 class FullLimit(sie.Kept):
-    """The onset of full contact at the mean pressure `pressure` [Pa]; inf if it never occurs.
+    """Onset of full contact: `pressure` is the mean pressure [Pa] there, inf if there is no onset.
 
     approached: whether contact under growing loads tends to full contact; it does over concave
     kinks, but not between sharp corners. is_known: whether the model gives the pressure of full
@@ -48,7 +48,7 @@ class FullLimit(sie.Kept):
 
     @property
     def error(self) -> float:
-        """Error of the pressure [Pa] that noise in heights and slopes causes."""
+        """Error of the mean pressure [Pa] at the onset, due to the error of the relief."""
         return 0.5 * self.E_star * self.relief.error
 
     @cached_property
@@ -57,9 +57,10 @@ class FullLimit(sie.Kept):
 
     @cached_property
     def onset_pressure(self) -> float:
-        """Mean pressure [Pa] at which the least pressure of full contact is zero.
+        """Mean pressure [Pa] at which the lowest local pressure in full contact is zero.
 
-        Over concave kinks it is the pressure at which a single gap is as narrow as allowed.
+        With concave kinks, it is the mean pressure at which a single gap at a kink is as narrow as
+        `narrowest_gap` allows.
         """
         relief, samples, kinks = self.relief, period_samples(self.profile), self.profile.kinks
         valleys = np.sort(self.profile.wrap(kinks[kinks[:, 1] < 0, 0]))
@@ -68,8 +69,8 @@ class FullLimit(sie.Kept):
         around = np.concatenate(
             (valleys[-1:] - relief.period, valleys, valleys[:1] + relief.period)
         )
-        # `least` is half the width of the interval in which the pressure of full contact is
-        # negative. A single gap is twice as wide as this interval.
+        # In full contact, the pressure is negative within the distance `least` from a concave kink.
+        # The gap of the solution is twice as wide as this interval.
         least = TOLERANCES.narrowest_gap * relief.period / 2
 
         def beside_valleys(x: Array) -> Array:
@@ -77,7 +78,7 @@ class FullLimit(sie.Kept):
             nearest = around[np.searchsorted(0.5 * (around[1:] + around[:-1]), x)]
             return relief(np.where(np.abs(x - nearest) < least, nearest + least, x))
 
-        # The logarithm at a kink has an infinitely narrow peak, which samples may miss.
+        # The relief has an infinitely narrow peak at a concave kink, which the samples may miss.
         return (
             0.5
             * self.E_star
@@ -86,7 +87,11 @@ class FullLimit(sie.Kept):
 
 
 def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
-    """Least height of the profile; without a period, `cell` is an interval with the minimum."""
+    """Lowest height of the profile.
+
+    cell: an interval that contains the lowest place. It is needed if the profile has neither
+    summits nor a period.
+    """
     if profile.summits is not None:
         return float(np.min(profile.height(np.asarray(profile.summits))))
     if profile.period is not None:
@@ -119,7 +124,7 @@ class FullFields(NoZones):
 
     @property
     def approach(self) -> float:
-        """Mean height above the lowest place, plus the mean displacement [m].
+        """Approach [m]: mean height above the lowest place, plus the mean displacement.
 
         The mean displacement is 0 for a body without a base.
         """

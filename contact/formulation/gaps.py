@@ -71,7 +71,7 @@ class GapFields(sie.Kept):
 
     @property
     def solved_zones(self) -> sie.Zones:
-        """The scaled intervals of the unknown slope, which are the gaps."""
+        """The scaled gaps, on which the slope of the gap is the unknown."""
         return self.gap_slope.zones
 
     @property
@@ -80,16 +80,16 @@ class GapFields(sie.Kept):
 
     @cached_property
     def zones(self) -> Array:
-        """Zones between the gaps, scaled (n, 2)."""
+        """Ends of the zones between the gaps, scaled (n, 2)."""
         gaps = self.gap_slope.zones
         return gaps_between(gaps.table, self.period)
 
     def formal_gap(self, x: Array) -> Array:
-        """Scaled gap, positive or negative: the integral of the gap's slope."""
+        """Scaled gap by its formula, the integral of the gap's slope; it may be negative."""
         return np.asarray(self.gap_slope.integral(x))
 
     def formal_pressure(self, x: Array) -> Array:
-        """Scaled pressure: positive or negative in contact, zero in the gaps."""
+        """Scaled pressure: zero in the gaps; in contact by its formula, which may be negative."""
         inside = self.gap_slope.locate(x)[2]
         with np.errstate(invalid="ignore"):
             return np.where(inside, 0.0, self.bearing(x))
@@ -110,8 +110,9 @@ class GapFields(sie.Kept):
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)
         x = np.where(left <= right, a + half * left, b - half * right)
-        # Next to an end, the pressure is proportional to the square root of the distance from that
-        # end. The factor corrects for the digits of this distance that are lost in x.
+        # Near an end, the pressure is proportional to the square root of the distance from the end.
+        # The factor replaces the distance `kept`, computed from the rounded x, by the exact
+        # `nearer`.
         nearer, kept = half * np.minimum(left, right), np.where(left <= right, x - a, b - x)
         return np.asarray(self.bearing(x) * np.sqrt(nearer / np.where(kept > 0, kept, np.inf)))
 
@@ -188,7 +189,7 @@ class GapFields(sie.Kept):
         x, value = self.samples
         highest = maximum(self.formal_pressure, x, value=value)[1]
         if self.problem.algebraic is not None:
-            # The samples may miss the cusp that the pressure has at the tip of a power law.
+            # At the tip of a power law, the pressure has a cusp. Samples may miss it.
             highest = max(
                 highest, float(self.formal_pressure(np.asarray(self.problem.algebraic.at)).max())
             )
@@ -196,7 +197,7 @@ class GapFields(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """Evenly spaced places over the period, from the first gap on, with the pressure there.
+        """Evenly spaced places over a period that starts at the first gap, and the pressure.
 
         Their spacing is smaller than the length on which the profile varies.
         """
@@ -216,8 +217,9 @@ class GapFields(sie.Kept):
     def steepest(self) -> float:
         """Largest slope of the scaled pressure between samples inside zones.
 
-        Samples next to ends are left out, as the pressure is there a square root that moves with
-        the end. Samples next to tips are left out as well, as the slope is infinite there.
+        Samples next to ends are left out: there the pressure goes like the square root of the
+        distance from the end, and moves with the end. Next to tips the slope is infinite, so these
+        samples are left out as well.
         """
         x, value = self.samples
         bears = value > 0
@@ -238,14 +240,14 @@ class GapFields(sie.Kept):
 
     @cached_property
     def approach(self) -> float:
-        """Mean height above the lowest place, minus mean gap, plus mean compression [m]."""
+        """Approach [m]: mean height above the lowest place, minus mean gap, plus compression."""
         return (
             mean_shape(self.problem) + self.problem.compression * self.mean
         ) * self.problem.units.height - self.mean_gap
 
     @property
     def levels(self) -> Array:
-        """Minus the scaled approach, for each zone; all values are equal by construction."""
+        """Scaled level (minus the approach) of each zone; all are equal by construction."""
         return np.full(len(self.zones), -self.approach / self.problem.units.height)
 
     @property
@@ -255,7 +257,7 @@ class GapFields(sie.Kept):
 
     @property
     def gap_sizes(self) -> Array:
-        """Scaled bound of each gap: half its width times a bound of the slope of the gap."""
+        """Upper bound of each scaled gap: half its width times a bound of the slope of the gap."""
         slope, gaps = self.gap_slope, self.gap_slope.zones
         jumps = np.bincount(slope.jumps.zone, np.abs(slope.jumps.height), len(gaps))
         return np.asarray(gaps.half * (np.abs(slope.coefficients).sum(axis=1) + jumps))
@@ -264,7 +266,7 @@ class GapFields(sie.Kept):
     def mean_gap(self) -> float:
         """Mean gap [m]: minus the moment of the gap's slope, divided by the period.
 
-        This formula is integration by parts.
+        This follows by integration by parts.
         """
         return -self.gap_slope.moment() / self.period * self.problem.units.height
 

@@ -30,8 +30,8 @@ class InputCheckOptions:
 
 
 _OPTIONS = InputCheckOptions()
-# The widest zone is divided into this number of parts. In each part, the rise of the height is
-# compared with the integral of the slope, which takes as many nodes as there are parts.
+# Number of parts of the widest zone. On each part, the rise of the height is compared with the
+# integral of the slope. The integral has `_PARTS` Gauss nodes on each part.
 _PARTS = CLAIMS.panels
 
 
@@ -46,14 +46,14 @@ def height_rounding(problem: Problem, table: Array) -> str:
     here, rise, largest = _differences(problem, middle, half)
     if not here > _OPTIONS.counts * rise:
         return ""
-    # If heights have enough digits to contradict the slope, the difference is not round-off: the
-    # height or the slope is wrong.
+    # If the heights have enough digits to contradict the slope, the difference is not round-off.
+    # Then the height or the slope is wrong.
     at = middle + half * np.linspace(-1, 1, _PARTS)
     scale = np.full(at.shape, half / _PARTS)
     if verdicts(problem.shape, problem.slope, at, scale).contradicted.any():
         return ""
-    # Wider intervals are compared, up to 1/sqrt(EPS) times the zone's width. If height and slope
-    # agree on one of them, the difference on the zone is round-off.
+    # Compare height and slope on wider intervals, up to 1/sqrt(EPS) times the zone's width. If they
+    # agree on one of these, the difference on the zone is round-off.
     for power in range(2, int(0.5 * -np.log(EPS) / np.log(VERDICTS.ratio)) + 1):
         wider = VERDICTS.ratio**power
         there, risen, _ = _differences(problem, middle, wider * half)
@@ -91,5 +91,5 @@ def _differences(problem: Problem, middle: float, half: float) -> tuple[float, f
         )
     if not (np.isfinite(difference).all() and math.isfinite(rise)):
         return 0.0, 0.0, 0.0
-    # The median ignores the few parts in which a shape bends too sharply for the quadrature.
+    # The median ignores the few parts on which the profile bends too sharply for the quadrature.
     return float(np.median(np.abs(difference))), rise, largest

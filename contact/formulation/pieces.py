@@ -32,7 +32,7 @@ class Pieces(sie.Kept):
 
     @classmethod
     def of(cls, start: float, period: float, at: Array, jumps: Array) -> "Pieces":
-        """The function whose value, slope and second derivative have given jumps (n, 3) at places.
+        """The function whose value, slope and second derivative jump by `jumps` (n, 3) at `at`.
 
         The jumps of the second derivative add up to 0. Jumps at one place are added.
         """
@@ -63,7 +63,8 @@ class Pieces(sie.Kept):
         if len(self.places) == 0:
             return np.zeros(t.shape)
         piece = np.searchsorted(self.places, t, side="right") - 1
-        # A point before the first place lies in the last interval of the previous period.
+        # A point before the first place (`piece` is -1) lies in the last interval, one period
+        # earlier.
         away = t - self.places[piece] + np.where(piece < 0, self.period, 0.0)
         p = self.coefficients[piece].T
         return np.asarray(p[0] + away * (p[1] + away * p[2]))

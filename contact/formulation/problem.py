@@ -32,7 +32,7 @@ from sie import Array, Index, nearest_image, record
 
 
 def minus_one(x: Array) -> Array:
-    """The slope -1, at all places, of a term whose unknown amplitude corrects the tilt."""
+    """The slope -1 at all places x: the column whose unknown amplitude corrects the tilt."""
     return np.full(np.shape(x), -1.0)
 
 
@@ -96,7 +96,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def corners(self) -> tuple[float, float]:
-        """Scaled ends of the profile, or of the strip of a localized model; infinite if none."""
+        """Scaled ends of the profile or of a localized model's strip; infinite if it has none."""
         lo, hi = -np.inf, np.inf
         if self.profile.support is not None:
             lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
@@ -104,18 +104,18 @@ class Problem(sie.Kept):
 
     @property
     def cut(self) -> tuple[float, float]:
-        """Scaled borders of the cell, whose middle is the centre."""
+        """Scaled borders of the cell around `centre`."""
         assert self.cell is not None
         return self.centre - 0.5 * self.cell, self.centre + 0.5 * self.cell
 
     @property
     def round(self) -> float | None:
-        """Scaled period; None if there is none, or if no zone may lie across its border."""
+        """Scaled period; None without a period, or if no zone may cross the border of the cell."""
         return self.period if self.corners == (-np.inf, np.inf) else None
 
     @cached_property
     def borders(self) -> tuple[float, float]:
-        """Scaled ends of the interval in which the profile is known; infinite without such ends.
+        """Scaled ends of the interval in which the profile is known; infinite if there are no ends.
 
         No zone may touch these ends. The interval is a trace without a period, or the one cell of a
         periodic profile that is solved without its images.
@@ -128,7 +128,7 @@ class Problem(sie.Kept):
 
     @property
     def detail(self) -> float:
-        """Scaled length on which the profile may vary; infinite if the profile states none."""
+        """Smallest scaled length over which the profile varies; infinite if none is stated."""
         resolution = self.profile.resolution
         return np.inf if resolution is None else resolution / self.units.length
 
@@ -157,9 +157,9 @@ class Problem(sie.Kept):
                 rounding=profile.slope_rounding / units.slope,
             ),
         )
-        # The given pressure outside the strip of a localized model is part of the right side. Near
-        # the border of the strip, this part varies on arbitrarily short lengths. Therefore no
-        # shortest length is stated for the right side.
+        # With a given amplitude, the displacement by the pressure outside the strip is part of the
+        # right side. Near the border of the strip it varies over arbitrarily short lengths. So no
+        # shortest length is stated.
         if not self.amplitude:
             return whole
         return replace(
@@ -180,9 +180,8 @@ class Problem(sie.Kept):
         )
         factor = exponents * units.length ** (exponents - 1.0) / units.slope
         if self.cell is not None and self.kernel.period is None:
-            # A point on the border of a single cell belongs to both sides of the cell. Without the
-            # images of the point, the equation of symmetric zones would contain it on one side
-            # only.
+            # An algebraic point on the border of the cell lies at both ends of the cell. With its
+            # images, the equation contains it at both ends, as symmetric zones require.
             at, exponents, left, right, factor = (
                 np.tile(part, 3) for part in (at, exponents, left, right, factor)
             )
@@ -190,7 +189,7 @@ class Problem(sie.Kept):
         return sie.AlgebraicPoints(at, exponents - 1.0, -factor * left, factor * right)
 
     def slope(self, x: Array) -> Array:
-        """Scaled slope of the profile, plus the slope of an additional term of given amplitude.
+        """Scaled slope of the profile, plus the additional column if its amplitude is given.
 
         A given column belongs to the right side, which may take as many modes as it needs near the
         border of a strip. Unknown columns are coupled to all zones and are truncated earlier.
@@ -202,12 +201,12 @@ class Problem(sie.Kept):
         return np.asarray(self.profile.slope(self.units.x(x))) / self.units.slope
 
     def shape(self, x: Array) -> Array:
-        """Scaled profile F = (f - min f) / unit of height, plus a term of given amplitude."""
+        """Scaled profile F = (f - min f) / unit of height, plus `raised` for a given amplitude."""
         shape = self._profile_shape(x)
         return shape + self.raised(x) if self.amplitude else shape
 
     def raised(self, x: Array) -> Array:
-        """Scaled displacement by a given nominal pressure outside the localized model's strip."""
+        """Scaled displacement that a given pressure outside the localized model's strip causes."""
         primitive = self.columns[0].primitive
         assert primitive is not None and self.amplitude is not None
         return np.asarray(self.amplitude * primitive(x))
@@ -224,7 +223,10 @@ class Problem(sie.Kept):
             )
 
     def shape_rounding(self, x: Array) -> float:
-        """Scaled error of the profile F at scaled places due to round-off.
+        """Round-off of the scaled profile F, the largest at scaled places x.
+
+        It is the largest deviation of F from a straight line over a few units in the last digit of
+        x, at least EPS times F.
 
         It is the deviation of F from a straight line over a few units in the last digit of x.
         """
@@ -242,7 +244,7 @@ class Problem(sie.Kept):
 
     @property
     def unknown_columns(self) -> tuple[sie.Forcing, ...]:
-        """Additional terms of the equation whose amplitudes are unknown."""
+        """Additional columns of the equation whose amplitudes are unknown."""
         return self.columns if self.amplitude is None else ()
 
     @cached_property
@@ -253,24 +255,24 @@ class Problem(sie.Kept):
     def bearing(
         self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array
     ) -> Array:
-        """The pressure that must be positive, at places given by distances from the ends of zones.
+        """The pressure that must be positive in contact, at distances from both ends of a zone.
 
         The distances are divided by the half width of the zone.
         """
         return np.asarray(density.at(zone, left, right))
 
     def borne(self, density: sie.AnyDensity) -> float:
-        """Integral, over all zones, of the pressure that must be positive."""
+        """Integral, over all zones, of the pressure that must be positive in contact."""
         return density.total
 
     @cached_property
     def end(self) -> sie.End:
-        """Kind of the ends that are free to move, as prescribed by the law."""
+        """Kind of a free end: it moves, and the law prescribes its intensity."""
         return sie.free_with_intensity(self._intensity)
 
     @cached_property
     def held_end(self) -> sie.End:
-        """Kind of the ends whose places are given."""
+        """Kind of a fixed end: its place is given."""
         return sie.End(moves=False, intensity=self._intensity)
 
     @property
@@ -290,7 +292,8 @@ class Problem(sie.Kept):
             )
         conditions, ends = control.conditions()
         if self.moment is not None:
-            # The additional unknown is the correction of the tilt, in units of the slope.
+            # The unknown amplitude of this column is the correction of the tilt, in units of the
+            # slope.
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
             columns = (
                 *columns,

@@ -39,10 +39,10 @@ class Fields(Protocol):
     # The next members are functions of the place x [m], an array of any shape.
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure [Pa]; 0 outside contact and outside any tension of the law."""
+        """Pressure [Pa]; 0 where the surfaces neither touch nor attract each other."""
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
-        """Pressure [Pa] at normalised positions t of a zone, accurate up to its ends."""
+        """Pressure [Pa] in a zone at positions t from -1 to 1, accurate up to the zone's ends."""
 
     def gap(self, x: ArrayLike) -> Array:
         """Gap [m]: 0 in contact, inf where no profile is given."""
@@ -82,7 +82,7 @@ class Fields(Protocol):
 
     @property
     def approach(self) -> float | None:
-        """Approach [m]; None without a datum."""
+        """Approach [m]; None if the displacement of the body has no datum."""
 
     @property
     def stiffness(self) -> float | None:
@@ -119,7 +119,7 @@ class Fields(Protocol):
         The elastic energy contains this integral.
         """
 
-    # The next members are for a body that may turn; they are None for a body that repeats.
+    # The next members concern the rotation of the body. They are None if the scene is periodic.
 
     @property
     def tilt(self) -> float | None:

@@ -14,9 +14,9 @@ from sie import Array
 
 IN_PANEL = 32  # nodes of a panel with crowded nodes
 _PERIOD_NODES = 12  # nodes of a panel in a rule over a period
-# Number of halvings of the panels next to a point where the profile is like |y|^n, with n > 1 and
-# the distance y from this point. The integral of |y|^n over the last panel is below the square of
-# the panel's width, which is round-off.
+# Number of halvings of the panels next to an algebraic point, where the profile goes like |y|^n, n
+# > 1, at the distance y. The integral over the last panel is below the square of its width. After
+# these halvings, the square is round-off.
 _HALVINGS = int(-np.log2(np.sqrt(EPS)))
 
 
@@ -38,7 +38,7 @@ def chebyshev_nodes(count: int) -> Array:
 
 
 def sides(angle: Array) -> tuple[Array, Array]:
-    """Distances of x = middle + half cos(angle) from both interval ends, over the half width."""
+    """Distances of x = middle + half cos(angle) from both interval ends, divided by `half`."""
     return 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
 
 
@@ -65,8 +65,8 @@ def panels(cuts: Array, count: int = 1) -> tuple[Array, Array]:
     at = np.arange(parts + 1) / parts
     cuts = np.append((cuts[:-1, None] + np.diff(cuts)[:, None] * at[:-1]).ravel(), cuts[-1])
     width = np.diff(cuts)[:, None]
-    # Each node is measured from the nearer cut. So nodes next to a cut keep the digits of their
-    # distance from that cut.
+    # Each node is computed from the nearer cut, so that its distance from this cut keeps all
+    # digits.
     nodes = np.where(u <= 0.5, cuts[:-1, None] + width * u, cuts[1:, None] - width * (1 - u))
     return nodes.ravel(), (width * weight).ravel()
 

@@ -39,7 +39,7 @@ class Relief(Conjugate):
 
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:
-        """The relief R without the logarithms of the kinks."""
+        """The relief R minus the logarithms of the kinks."""
         conjugate, waves = self._plain.smooth, self._sum
         return (
             conjugate if waves is None else lambda x: np.asarray(conjugate(x) + self._at(x, waves))
@@ -51,7 +51,7 @@ class Relief(Conjugate):
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
-        """The kinks' contribution to the relief R from all waves n whose symbol L_n is not 1.
+        """Part of R that the kinks cause through the corrections 1/L_n - 1 of all waves n.
 
         It is the sum over all kinks of (J/pi) times the smooth part of the inverse kernel's
         potential.
@@ -73,7 +73,7 @@ class Relief(Conjugate):
 
     @cached_property
     def inverse(self) -> Array:
-        """Factor 1 / L_n - 1 for each harmonic n of the period, with the operator's symbol L_n."""
+        """Factors 1 / L_n - 1 of all harmonics n of the period, with the operator's symbol L_n."""
         inverse = self.operator.inverse_excess
         assert inverse is not None
         return inverse
@@ -144,7 +144,7 @@ class ScaledRelief(sie.Kept):
         return self.relief.error / self.units.slope
 
     def without_own(self, kinks: Index) -> Array:
-        """The scaled relief R at each given kink, without the logarithm of this kink."""
+        """The scaled relief R at each given kink, without the logarithm of that kink itself."""
         at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
         logs = log_sine(turns - np.round(turns))
         logs[np.arange(len(kinks)), kinks] = 0.0
@@ -152,7 +152,7 @@ class ScaledRelief(sie.Kept):
 
     @property
     def spacing(self) -> float:
-        """Scaled length on which the profile varies."""
+        """Smallest scaled length over which the profile varies."""
         return (self.relief.profile.resolution or self.relief.period / 16) / self.units.length
 
     @cached_property
@@ -176,7 +176,7 @@ class ScaledRelief(sie.Kept):
         return x, self(x)
 
     def smooth(self, x: Array) -> Array:
-        """The scaled relief R without the logarithms of the kinks."""
+        """The scaled relief R minus the logarithms of the kinks."""
         return np.asarray(self.relief.smooth(self.units.x(x)) / self.units.slope)
 
     def forcing(self, x: Array) -> Array:
@@ -213,7 +213,7 @@ def height_noise(profile: Profile) -> float:
 
 
 def period_samples(profile: Profile) -> Array:
-    """Evenly spaced places of a period that resolve the profile, plus algebraic points."""
+    """Evenly spaced places over a period, dense enough for the profile, and algebraic points."""
     length = profile.period
     assert length is not None
     n = int(

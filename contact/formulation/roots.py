@@ -66,7 +66,7 @@ def smooth_root(
 
 
 def _inverse(points: dict[float, float]) -> float:
-    """The root of the inverse polynomial through the values of least modulus (Neville's scheme)."""
+    """Estimate of the root by inverse interpolation of the values closest to 0 (Neville)."""
     chosen = sorted(points, key=lambda x: abs(points[x]))[: _OPTIONS.points]
     at, values = list(chosen), [points[x] for x in chosen]
     if len(set(values)) < len(values):
@@ -82,8 +82,9 @@ def _inverse(points: dict[float, float]) -> float:
 def reaches(value: Array) -> Array:
     """Upper bound of a function near samples that are local maxima; -inf at all other samples.
 
-    Samples are along the last axis. The bound lies above the sample twice as far as the top of the
-    parabola through it and its neighbours.
+    Samples are along the last axis. The bound exceeds the sample by a quarter of the second
+    difference. This is twice the most that the parabola through the sample and its neighbours can
+    reach.
     """
     padded = np.concatenate((value[..., :1], value, value[..., -1:]), axis=-1)
     before, after = padded[..., :-2], padded[..., 2:]
@@ -121,7 +122,7 @@ def maximum(
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
         here = np.asarray(function(fine.ravel())).reshape(fine.shape)
         here = np.where(np.isnan(here), -np.inf, here)
-        # Only the brackets that may contain the highest value are kept.
+        # Keep only the brackets that may contain the highest value.
         may = reaches(here).max(axis=1) >= here.max()
         lo, hi, fine, here = lo[may], hi[may], fine[may], here[may]
         best, rows = np.argmax(here, axis=1), np.arange(len(here))

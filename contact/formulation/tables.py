@@ -34,12 +34,12 @@ def centred_on(table: Array, centre: float, period: float | None) -> Array:
 
 
 def outward(before: Array, after: Array) -> Array:
-    """Outward motion of the ends from one table to another: left ends, then right ends (2n,)."""
+    """Outward motion of the ends from `before` to `after`: left ends, then right ends (2n,)."""
     return np.concatenate((before[:, 0] - after[:, 0], after[:, 1] - before[:, 1]))
 
 
 def located(table: Array, x: Array) -> tuple[Index, Mask]:
-    """Last interval that begins at or before each place, and whether it contains the place.
+    """Index of the last interval that begins at or before x, and whether it contains x.
 
     Places before all rows get row 0.
     """
@@ -58,7 +58,7 @@ def gaps_between(table: Array, period: float | None) -> Array:
 
 
 def room_beside(table: Array, period: float | None) -> Array:
-    """For each end (n, 2), the width of its interval, or of the adjacent gap if it is narrower."""
+    """For each end (n, 2), the smaller width: that of its interval or of its adjacent gap."""
     right = np.diff(gaps_between(table, period))
     return np.minimum(np.diff(table), np.column_stack((np.roll(right, 1), right)))
 
@@ -66,8 +66,8 @@ def room_beside(table: Array, period: float | None) -> Array:
 def parted_at_wide(table: Array, period: float, wide_fraction: float = 0.1) -> Array:
     """Intervals moved by whole periods so that a wide gap lies over the period's border.
 
-    Of the gaps above `wide_fraction` of the widest, the nearest to the border is taken, which moves
-    few rows.
+    A gap is wide if it exceeds `wide_fraction` of the widest gap. The wide gap nearest to the
+    border is taken, so that few rows move.
     """
     gaps = gaps_between(table, period)
     width = gaps[:, 1] - gaps[:, 0]
@@ -93,7 +93,8 @@ def joined_where(table: Array, meets: Mask) -> Array:
 def united(table: Array) -> Array:
     """The union of the intervals, in which overlapping intervals are joined."""
     table = table[np.argsort(table[:, 0], kind="stable")]
-    # An interval that overlaps no earlier interval begins to the right of the ends of all of them.
+    # A part of the union begins where an interval starts to the right of all earlier intervals.
+    # `reach`: the right end of these earlier intervals.
     reach = np.maximum.accumulate(table[:, 1])
     return joined_where(np.column_stack((table[:, 0], reach)), ~(table[1:, 0] > reach[:-1]))
 

@@ -16,50 +16,55 @@ class Tolerances:
     # Round-off of a sum of some hundred terms, relative to the largest term. It is the smallest
     # error that is stated, and the smallest pressure or gap whose sign is known.
     rounding: float = 4e-14
-    # Largest noise of the data. Larger contradictions in the data are faults. The noise bounds how
-    # negative a pressure may be, and how much the slope and the height of a profile may differ.
+    # Largest relative noise that the data may have; a larger contradiction is a fault. It limits
+    # how negative a pressure may be, and how far slope and heights of a profile may disagree.
     noise: float = 1e-6
 
-    # The terms of the allowed overlap, see `allowed_overlap`. A gap that is the integral of a
-    # series has the term `rounding` in place of the first two.
-    # Round-off of a gap that is a sum of heights, relative to the largest height.
+    # The next four fields are factors in `allowed_overlap`. The first one is the round-off of a gap
+    # that is a sum of heights, relative to the largest height.
     height_rounding: float = 64 * EPS
-    # Bound of the noise of a gap, over a sample of the noise of the heights.
+    # Bound of the noise of a gap, divided by a sample of the noise of the heights.
     noise_multiple: float = 8.0
-    # The gap computed on the zones, where the exact gap is zero, is a sample of the error of all
-    # gaps. The error elsewhere may be this many times larger.
+    # Bound of the error of all gaps, divided by the gap that is computed on the zones. The exact
+    # gap there is zero, so that the computed one is a sample of the error.
     on_zones_multiple: float = 2.0
-    # Overlap of surfaces that a tension pulls but that do not touch, relative to the reach of the
-    # tension: round-off times a condition number of 1e3.
+    # Allowed overlap of surfaces that attract each other without contact, divided by the reach of
+    # the tension. It is round-off times a condition number of 1e3.
     apart_rounding: float = 1e-12
-    # The stated error uses the likely error of a gap. The bound of this error is larger by this
-    # factor.
+    # Bound of a gap's round-off, divided by its likely size. The stated error contains the likely
+    # size.
     rounding_margin: float = 16.0
-    # Round-off of the slope of the gap in closed form, relative to its terms. A gap that falls at a
-    # smaller rate counts as rising.
+    # On the closed-form route: round-off of the gap's slope, relative to the terms of the slope. A
+    # negative slope within this round-off counts as zero.
     slope_rounding: float = 16 * EPS
 
-    # Bound of the error of the pressure's samples, over the noise of the zone's right side.
+    # Bound of the error of sampled pressures, divided by the noise of the zone's right side.
     pressure_noise_multiple: float = 2.0
-    # A gap over a concave kink is left out if its half width is below this fraction of the period,
-    # or of the zone next to it. The certificate says so. The round-off of the gap's ends is about
-    # as large.
+    # Smallest half width of a gap over a concave kink, relative to the period or to the zone next
+    # to it. Narrower gaps are left out, since the round-off of their ends is as large. The
+    # certificate says so.
     narrowest_gap: float = 1e-13
 
-    # Largest allowed error of load and moment. It is far above rounding, and far below the error of
-    # a wrong solution.
+    # Largest allowed relative error of load and moment. It is far above rounding, and far below the
+    # error of a wrong solution.
     balance: float = 1e-9
-    # Largest allowed error of the intensity at an end, or of the gap where a cohesive tension ends,
-    # relative to the reach of the tension.
+    # Largest allowed relative error of the intensity at an end. With a cohesive law: largest error
+    # of the gap at the end of the tension, relative to the reach of the tension.
     edge_condition: float = 1e-7
-    # Bound of the round-off of the gap at an end of a tension, over the round-off of other gaps.
+    # Bound of the gap's round-off at an end of a tension, relative to the gap's round-off
+    # elsewhere.
     reach_multiple: float = 4.0
-    # Nearer to an end of a tension than this, relative to the width of the interval of tension, the
-    # certificate does not compare the gap with the reach.
+    # The next four fields are factors in `allowed_overlap`. The first one is the round-off of a gap
+    # that is a sum of heights, relative to the largest height.
+    height_rounding: float = 64 * EPS
+    # Bound of the noise of a gap, divided by a sample of the noise of the heights.
+    noise_multiple: float = 8.0
+    # Bound of the error of all gaps, divided by the gap that is computed on the zones. The exact
+    # gap there is zero, so that the computed one is a sample of the error.
     reach_distance: float = 1e-9
     gap_margin: float = 100.0  # factor on the gap that the density's error causes on the zones
 
-    # Factor on error estimates that neglect terms of the same order, as for a truncated series.
+    # Factor on an error estimate that neglects terms of its own order, as for a truncated series.
     margin: float = 10.0
     closed_form_rounding: float = 1e-13  # of full contact, and of surfaces that do not touch
     singular_end: float = 8.0  # pressure at a singular end, divided by the mean pressure
@@ -67,19 +72,20 @@ class Tolerances:
     tip_distance: float = 0.01  # of the half width: no statement about pressures nearer to a tip
     max_kernel_lengths: float = 3000.0  # width of a zone: 20,000 unknowns, more than 5 s
 
-    # Bound of the pressure's relative error divided by the relative error of the ends of a tension.
-    # Pressures are compared at equal normalised positions in a zone. The bound holds as strips of
-    # tension move with their zones, and as the pressure's normalised slope next to an end is below
-    # it.
+    # Bound of the pressure's relative error, divided by the relative error of a tension's ends.
+    # Pressures are compared at equal normalised positions in a zone. The ratio is bounded for two
+    # reasons: strips of tension move with their zones, and next to an end the pressure's normalised
+    # slope is below this number.
     tension_factor: float = 16.0
-    # Least angle [rad] from the ends of a zone at which the slope of the zone's pressure is
-    # sampled. The cosine of the angle is the normalised position.
+    # The slope of a zone's pressure is sampled at least at this angle [rad] from the zone's ends.
+    # The cosine of the angle is the normalised position.
     least_angle: float = 0.3
 
     @property
     def kernel_rounding(self) -> float:
-        """Rounding of the half-plane's kernel, whose sums have a tenth as many terms as the other
-        sums.
+        """Round-off of a sum over the half-plane's kernel, a tenth of `rounding`.
+
+        These sums have a tenth as many terms as the other sums.
         """
         return self.rounding / 10
 
@@ -94,7 +100,7 @@ def allowed_overlap(
     on_zones: float = 0.0,
     reach: float = 0.0,
 ) -> float:
-    """Largest negative gap that counts as round-off of a gap; all lengths in the same unit.
+    """Largest overlap (negative gap) that counts as round-off; all lengths in the same unit.
 
     Every route passes the sizes that its gap has. heights: largest term of a gap that is a sum of
     heights. noise: of these heights. series: largest term of a gap that is the integral of a

@@ -9,7 +9,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class Units:
-    """Origin and length [m], slope [1] and E* [Pa], and the units that follow from these.
+    """Units of scaled variables, which follow from an origin, a length [m], a slope and E* [Pa].
 
     The length is a power of two, so that scaling loses no digit of a place.
     """
@@ -33,7 +33,7 @@ class Units:
 
     @property
     def intensity(self) -> float:
-        """Unit of the intensity K of a pressure K / sqrt(d) at the distance d from an end."""
+        """Unit of the intensity K: the pressure is K / sqrt(d) at the distance d from an end."""
         return self.pressure * self.length**0.5
 
     @property
@@ -56,5 +56,5 @@ class Units:
         return self.scaled(self.x(scaled))
 
     def minus_place(self, scaled: Array) -> Array:
-        """The height that a rotation adds: minus the position x [m] over the unit of length."""
+        """Scaled height that a unit tilt adds: minus the position x [m] over the unit of length."""
         return np.asarray(-(scaled + self.lever))

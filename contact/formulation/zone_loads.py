@@ -27,14 +27,14 @@ from sie import Array, wrapped
 
 
 def loads(mean: float, relief: ScaledRelief, zones: Array, rise: Array) -> Array:
-    """Scaled loads of zones (n, 2) that follow one another in a period.
+    """Scaled loads (n,) of the `zones` (n, 2), which follow one another within one period.
 
     rise: V(b) - V(a) of each zone.
     """
     start, period = float(zones[0, 0]), relief.period
     breaks = np.unique(np.concatenate((wrapped(relief.breakpoints, start, period), zones.ravel())))
-    # An interval whose length is exactly the spacing must not be cut in two because of round-off.
-    # Therefore the factor is just below 1.
+    # The factor just below 1 prevents a cut by round-off: an interval exactly as long as the
+    # spacing must remain one part.
     parts = np.ceil((1 - EPS**0.5) * np.diff(breaks) / relief.spacing).astype(int)
     part = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
     cuts = np.append(
