@@ -54,13 +54,8 @@ class Tolerances:
     # Bound of the gap's round-off at an end of a tension, relative to the gap's round-off
     # elsewhere.
     reach_multiple: float = 4.0
-    # The next four fields are factors in `allowed_overlap`. The first one is the round-off of a gap
-    # that is a sum of heights, relative to the largest height.
-    height_rounding: float = 64 * EPS
-    # Bound of the noise of a gap, divided by a sample of the noise of the heights.
-    noise_multiple: float = 8.0
-    # Bound of the error of all gaps, divided by the gap that is computed on the zones. The exact
-    # gap there is zero, so that the computed one is a sample of the error.
+    # Distance from an end of a tension, relative to the width of the interval with tension. The
+    # certificate compares the gap with the reach only at places farther away than this.
     reach_distance: float = 1e-9
     gap_margin: float = 100.0  # factor on the gap that the density's error causes on the zones
 
