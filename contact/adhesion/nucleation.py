@@ -22,10 +22,10 @@ from sie import Array
 
 
 def grown(curve: Curve, table: Array, value: float, rest: float = ACCURACY.resting_step) -> State:
-    """The smallest equilibrium around given zones in which the surfaces do not overlap.
+    """The smallest equilibrium that contains given zones and has no overlap of the surfaces.
 
-    Their ends are all driven outward. Raises `Closed` if there is none. rest: largest Newton step,
-    relative to the widths, of ends at rest.
+    The ends of the given zones are all driven outward. Raises `Closed` if there is no such
+    equilibrium. rest: largest Newton step, relative to the widths, of ends at rest.
     """
     for _ in range(LIMITS.max_iterations):
         here = advanced(curve, table, value, rest)
@@ -134,7 +134,7 @@ def changes_between(
 
 
 def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float, float]:
-    """An interval about the place (a, b) of a future zone, which excludes the other zones."""
+    """An interval around the place (a, b) of a future zone, without any of the other zones."""
     lo, hi = 1.5 * a - 0.5 * b, 1.5 * b - 0.5 * a
     for shift in (0.0,) if period is None else (-period, 0.0, period):
         for left, right in zones + shift:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 class SearchLimits:
     """Limits of loops that usually end much earlier; larger limits only delay a failure."""
 
-    # Largest number of Newton steps, and of halvings or doublings of a number; a double has fewer
-    # bits than this.
+    # Largest number of Newton steps, and of halvings or doublings of a number. A double has 64
+    # bits, so that more halvings would change nothing.
     max_iterations: int = 80
     # Largest number of steps of a gradient flow, along a curve, or in the growth of intervals on a
     # grid. It is also the largest number of events in a row.
@@ -30,11 +30,11 @@ class MoveOptions:
 
     # Longest step of an end. If both ends of a gap move by this length, a fifth of the gap is left.
     max_move: float = 0.4
-    # Length of a short step of an end. Ends make short steps against the direction of the flow, at
-    # a small residual, and away from an unstable equilibrium.
+    # Length of a short step of an end. Ends make short steps against the direction of the flow,
+    # where their residual is small, and away from an unstable equilibrium.
     short_move: float = 0.02
     # Factor by which a failed step is shortened. It is also the smallest factor by which a
-    # safeguarded length or residual may fall at once.
+    # safeguarded length or residual may fall in one step.
     least_part: float = 0.3
     # A length or growth rate is small if it is below this fraction of the one with which the code
     # compares it.

@@ -156,7 +156,8 @@ class _CohesivePath:
         if self.curve.control.yields:
             if known and len(known[-1].zones) and value < self._full[0] - self._full[1]:
                 return known[-1].zones
-            # Near full contact, the load on the spring is about the load of full contact.
+            # With a spring, the load follows only from the zones. So the first guess is the zones
+            # under a load just below that of full contact.
             scene = context.scene
             assert scene.period is not None and scene.law.bare is not None
             full = FullLimit(scene.profile, scene.E_star, context.operator, scene.law.bare).pressure
@@ -207,8 +208,8 @@ class _CohesivePath:
         else:
             zones = here.contact[np.diff(here.contact, axis=1)[:, 0] > 0.0]
             start = self.curve.from_zones(here.table, value, zones)
-        # `far` is so low an approach that the present approach and the reach, divided by it, are
-        # below the tolerance `resting_step`.
+        # `far` is an approach far below zero: the reach and the present approach, divided by `far`,
+        # are below `resting_step` in modulus.
         far = value - (self.curve.reach + abs(value)) / ACCURACY.resting_step
         try:
             for found in LoadingPath(self.events).to(PathState(value, start), far):

@@ -30,8 +30,8 @@ from sie import Array, Kept, Mask, record
 class PredictorOptions:
     """Options of the prediction of the residuals of moving ends."""
 
-    # Number of places on the path of an end, evenly spaced in the square root of the distance. The
-    # second number is the least number of places for each feature of the profile.
+    # `places`: number of places on the path of an end, evenly spaced in the square root of the
+    # distance. `places_per_feature`: least number of places for each feature of the profile.
     places: int = 64
     places_per_feature: int = 4
 
@@ -108,7 +108,7 @@ class Predictor(Kept):
 
     @property
     def size(self) -> Array:
-        """Unit (2n,) of the error of each residual: the residual at the start, or 1 if larger."""
+        """Unit (2n,) of each residual's error: the larger of 1 and the residual at the start."""
         return np.maximum(1.0, self.first)
 
     def step(self, limit: Array) -> Array:
@@ -125,8 +125,8 @@ class Predictor(Kept):
         rests, row = left <= 0.0, np.arange(len(left))
         k = np.where(rests.any(axis=1), np.argmax(rests, axis=1), _OPTIONS.places)
         high, low = left[row, np.maximum(k - 1, 0)], left[row, k]
-        # The zero lies before the first place at which the residual is not positive, by linear
-        # interpolation. If the residual is not positive at the start, the zero is the start.
+        # Linear interpolation puts the zero between the first place at which the residual is not
+        # positive and the place before it. If that first place is the start, the zero is the start.
         part = np.where(
             low > 0.0,
             1.0,

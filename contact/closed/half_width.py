@@ -122,7 +122,7 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
 
 
 def carried_by(problem: Problem, control: Control, a: float) -> float:
-    """The exact load or approach of one zone of half width a with bounded ends."""
+    """The exact load or approach of one zone of half width a, with bounded pressure at its ends."""
     zones = sie.Zones.of([[-a, a]], problem.held_end, problem.held_end, symmetric=True)
     state = sie.solve_fixed(problem.equation(HalfWidth(a)), zones, 1e-13)
     if control.load is not None:

@@ -27,7 +27,10 @@ Value = Any
 
 
 def column(value: Value) -> Value:
-    """The value reshaped so that it broadcasts against an array of positions along each row."""
+    """The values for several loads as a column, to be combined with arrays (loads, positions).
+
+    A single number is returned as it is.
+    """
     return value if isinstance(value, float) else value[:, None]
 
 

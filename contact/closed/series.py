@@ -16,8 +16,8 @@ from scipy import fft
 
 from sie import Array, Index, record
 
-# Number of samples of the polynomial q = sum g_k U_{k-1} for each degree. With so many samples,
-# second differences bound q between the samples.
+# Number of samples of the polynomial q = sum g_k U_{k-1}, divided by its degree. So many samples
+# suffice to bound q between them by second differences.
 SAMPLES_PER_DEGREE = 8
 
 
@@ -94,7 +94,7 @@ def off(g: Array, t: Array) -> Array:
 
 
 def off_integral(g: Array, t: Array) -> Array:
-    """The integral of the Hilbert transform `off` from 1 to t, for one load.
+    """The integral of `off` from 1 to t, for one load: g has a single row (orders,).
 
     int rho^k dt = [(1 - rho^(k-1))/(k-1) - (1 - rho^(k+1))/(k+1)]/2.
     """

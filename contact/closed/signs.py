@@ -118,7 +118,7 @@ def _opens(zone: ClosedZone) -> tuple[Value, Value]:
     opens = least(rises) > 0.0
     if everywhere(opens):
         return opens, math.inf
-    # Heights far away may overflow, but no contact is possible there.
+    # Slopes far away may overflow to inf. There the gap rises, so that no contact is possible.
     rises[np.isposinf(slope)] = math.inf
     if rises.ndim == 1:
         return _stays_open(zone, t, own, rises)
@@ -166,8 +166,8 @@ def stated(zone: ClosedZone) -> Value:
     # geometric series, from 1 to round-off.
     left = 4.0 * (1.0 - zone.nodes / math.log(EPS)) * zone.tail
     weight = way.weight(zone.half_width)
-    # A relative error e of the half length h changes the weight w by at most e h tan A. Here A is
-    # pi times the half width over the period. The change is below e/w.
+    # The weight is w = cos A and the half length sin A, with A = pi (half width)/period. So a
+    # relative error e of the half length changes w by less than e/w.
     turns = 0.0 if way.period is None else 1.0 / weight
     pressure = zone.end_error * (follows + scale * turns) + left + SUM_ROUND_OFF * scale
     rise = way.load_factor / weight

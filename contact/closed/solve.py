@@ -79,7 +79,7 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
 
 
 def why_not_closed(law: Law, E_star: float) -> str:
-    """The reason why a scene under this law that has no closed solution has none."""
+    """The reason why a scene under this law was not solved in closed form."""
     return _refusal(law, E_star) or "the closed form is for one symmetric interval of a half-plane"
 
 
@@ -95,7 +95,7 @@ def _refusal(law: Law, E_star: float) -> str:
 
 
 def _is_half_plane(scene: Scene) -> bool:
-    """Whether the body is a half-plane, alone or repeated periodically, without other terms."""
+    """Whether the equation is that of a plain half-plane, alone or with all periods."""
     kind, operator = type(scene.interaction), scene.operator
     conditions = (
         kind.side_conditions is Interaction.side_conditions

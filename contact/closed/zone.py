@@ -202,7 +202,8 @@ def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | No
         )
         return np.log(approach / present), give * half * rate / present, lost
 
-    # The approach of a lone zone grows up to about twice the datum, and falls beyond.
+    # The approach of a lone zone grows with its half width up to about twice the datum, and falls
+    # beyond.
     longest = min(problem.top, math.inf if datum is None else datum)
     return _newton(problem, 0.25 * longest, residual)
 

@@ -23,8 +23,8 @@ from sie import Array, Mask, record
 class DerivativeOptions:
     """Options of the derivatives, which are used in Newton's method and in small stated errors."""
 
-    # Tolerance of the densities, for which the error of a difference over 2 * shift stays below
-    # shift^2.
+    # Tolerance of the densities. Divided by 2 * shift, it is still far below shift^2, the relative
+    # error of a central difference.
     tolerance: float = 1e-11
     shift: float = 1e-3  # of the centre in a central difference, relative to the gap at the border
 
@@ -208,7 +208,7 @@ def middle_motion(moved: Array) -> float:
 
 
 def spread(table: Array, moved: Array) -> Array:
-    """The zones after outward motions (2, Z) of the ends, each at most half of a zone or gap."""
+    """The zones after outward motions (2, Z) of their ends, each at most half a zone or gap."""
     outward = np.clip(moved.T, -0.5 * np.diff(table), 0.5 * room_beside(table, None))
     return np.asarray(table + outward * [-1, 1])
 

@@ -74,7 +74,7 @@ class _AtWidth:
 
     @property
     def step(self) -> float:
-        """Newton's step of the width; inf where the controlled quantity does not grow with it."""
+        """Newton's step of the width; inf unless the controlled quantity grows with the width."""
         return -self.miss / self.slope if self.slope > 0.0 else math.inf
 
 
@@ -121,7 +121,7 @@ class OneZoneClosure:
         return self.problem.period
 
     def _at_width(self, control: Control, width: float) -> _AtWidth:
-        """The strip and the profile alone at one width; the isolated load gives the pressure."""
+        """The strip and the profile alone at one width; the load of the latter sets the pressure."""
         of_width = HalfWidth(0.5 * width) if self.first is None else Width(width)
         start = _widened(self.first if self.last is None else table_of(self.last), width)
         alone = self.alone(self.isolated, of_width, start)

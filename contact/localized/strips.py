@@ -29,7 +29,7 @@ from sie import Array
 class CentringOptions:
     """Options of the secant method for the position of the centre of a strip."""
 
-    # Largest secant step, relative to the larger of the last step and the residual.
+    # Largest secant step, relative to the larger of the previous step and the residual.
     longest_step: float = 4.0
 
 
@@ -40,9 +40,9 @@ def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> 
     """The contact zones of a strip whose centre is the middle of these zones."""
     problem, load = scaled.problem, scaled.control.load
     if load is not None and not context.single and not problem.interaction.follows_isolated:
-        # A known nominal pressure is part of the right side. Near the border of the strip, the
-        # right side is resolved by as many modes as needed. A term with an unknown amplitude would
-        # be resolved by the number of modes of the zones only.
+        # Under a given load the nominal pressure is known and becomes part of the right side. There
+        # it gets as many modes as it needs near the border of the strip. As a term of unknown
+        # amplitude, it would get only the modes of the zones.
         problem = problem.with_amplitude(load / problem.repeat_length)
     if start is not None:
         problem = about(problem, start)
@@ -76,7 +76,7 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
         if abs(miss) * follows <= close or stalled < abs(miss) < TOLERANCES.noise * width:
             left = abs(miss) * follows / width
             return replace(found, control_error=found.control_error + left)
-        # After a secant step, only round-off keeps the residual from decreasing.
+        # After a secant step, a small residual that has not fallen to a quarter is round-off.
         stalled = 0.25 * abs(miss) if is_secant else math.inf
         misses.append(abs(miss))
         # The search ends if the residual has not halved within a few steps: then the middle of the

@@ -102,7 +102,7 @@ NOT_CHECKED = Certificate(
 
 
 def _allowed_gap(fields: ZoneFields) -> float:
-    """Bound of the scaled gap on the zones that the density's error causes, with a margin."""
+    """Bound of the scaled gap that the error of the density causes on the zones, with a margin."""
     state, zones = fields.state, fields.density.zones
     moved = state.density_error * state.size * float((zones.b - zones.a).sum())
     return (
@@ -112,7 +112,7 @@ def _allowed_gap(fields: ZoneFields) -> float:
 
 
 class Openings(NamedTuple):
-    """The samples of the scaled gap between the zones.
+    """The results of sampling the scaled gap outside the zones.
 
     least: smallest gap. overlaps: intervals where it is negative (n, 2). rounding: effect of
     rounding on it. points: number of samples. lowest: its minima. on_zones: size of the computed
@@ -128,7 +128,7 @@ class Openings(NamedTuple):
 
 
 def openings(fields: ZoneFields, unresolved_fraction: float = 0.0) -> Openings:
-    """The gap between the zones, sampled on the whole line outside the zones.
+    """The results of sampling the scaled gap on the whole line outside the zones.
 
     unresolved_fraction: fraction of the zones whose ends are not converged; they do not count for
     `on_zones`.
@@ -211,7 +211,7 @@ def _load_balance(fields: ZoneFields, load: float) -> float:
 
 
 class _Equilibrium(NamedTuple):
-    """Check of an equilibrium: its error of the intensity at the ends, and its stability.
+    """Result of the check of an equilibrium: its error of the edge intensity, its stability.
 
     fault: the checks that fail, in words. note: those that hold.
     """
@@ -223,7 +223,7 @@ class _Equilibrium(NamedTuple):
 
 
 def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
-    """Check of the intensity at the ends and of stability, where several equilibria exist."""
+    """Check of the edge intensities and the stability, for laws with several equilibria."""
     error, stability = _intensity_error(fields), None
     name = "load" if control is None else control.name
     if control is None or control.half_width is None:
@@ -389,7 +389,7 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
 
 
 def _closing(gap: Array, place: Index, rounding: float) -> Mask:
-    """Mask of the samples between the end of a zone and the first sample with an open gap.
+    """Mask of the samples next to a zone whose gap is round-off, up to the first open gap.
 
     Samples are sorted by interval and place. The gap closes as d^(3/2) there, and has the sign of
     the pressure's slope.

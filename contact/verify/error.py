@@ -73,12 +73,12 @@ class SolvedZones(Solved):
 
     @property
     def main_cause(self) -> str:
-        """Main cause of the error as a message, if the law is this cause; empty by default."""
+        """Message about the main cause of the error, if this is the law; empty by default."""
         return ""
 
 
 def _error_of_body(found: SolvedZones) -> float:
-    """Additional error of a body that is not a half-plane, such as a thin layer.
+    """Additional relative error if the body is not a half-plane but, for example, a thin layer.
 
     The smooth part of a thin layer's kernel nearly cancels that of the half-plane. The sum is so
     small that rounding and neglected modes are large relative to it.
@@ -259,7 +259,7 @@ class SolvedGaps(Solved):
 
     @property
     def main_cause(self) -> str:
-        """Message about the cause of the error of the relief R, if this prevails; empty if not.
+        """Message about the error of the relief R, if it is the main part of the error; else empty.
 
         R = G f' is defined in contact.formulation.gaps.
         """
@@ -295,8 +295,8 @@ class SolvedGaps(Solved):
         if not unit > 0.0:
             return np.inf  # zones so narrow have no sample
         slope = min(fields.steepest / unit, 1 / varies)
-        # The effect on the pressure decreases with the distance from a gap, as (width /
-        # distance)^2.
+        # The effect of moved ends on the pressure decreases with the distance from their gap, as
+        # (width / distance)^2.
         seen = (
             np.minimum((gaps.b - gaps.a) / (TOLERANCES.unresolved_distance * fields.period), 1.0)
             ** 2

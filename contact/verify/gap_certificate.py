@@ -61,7 +61,7 @@ def _openings(fields: GapFields) -> tuple[Signs, Array]:
 
 
 def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:
-    """Signs of p / sin(angle) in the zones, where p is the pressure; positive up to the ends.
+    """Signs of p / sin(angle) in the zones, with the pressure p, which vanishes at their ends.
 
     Returns the least value, the intervals where it is negative, the least minimum between samples,
     and the number of points. The minimum is relative to the largest value in its zone.
@@ -132,8 +132,8 @@ def _sampled(fields: GapFields) -> _Samples:
     half = 0.5 * (zones[:, 1] - zones[:, 0])
     x, known = fields.samples
     step = x[1] - x[0]
-    # In the middle of a zone, samples at equidistant angles are as dense as the evenly spaced
-    # positions.
+    # With `counts` samples at equidistant angles, the middle of a zone is sampled as densely as by
+    # the evenly spaced positions x.
     counts = np.clip(np.pi * half / step, 2 * SAMPLING.min_points, SAMPLING.max_points).astype(int)
     # Evenly spaced positions are used only farther from the ends of a zone than `near_end`. Closer
     # to a gap, the pressure varies more than the profile does.

@@ -23,9 +23,8 @@ class SamplingOptions:
     min_points: int = 48  # in an interval: three of them in the first hundredth of a gap
     max_points: int = 2**17  # largest number if the profile states its resolution
     max_guessed_points: int = 4000  # largest number if the resolution is a guess
-    # Largest number of zooms. Around a minimum that touches zero, or at a kink, they would not end.
-    # Each zoom narrows the bracket to a quarter or less, and this many zooms narrow it to 1/16384
-    # or less.
+    # Largest number of zooms, each of which narrows the bracket to a quarter or less. Without this
+    # limit they would not end around a minimum that touches zero, or at a kink.
     max_zooms: int = 7
 
 
