@@ -14,8 +14,7 @@ from sie import Array
 
 
 def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:
-    """Return a finite number if it has the property `holds`; bool, str, None, complex and arrays
-    are refused.
+    """Return `value` as a float if it is a finite real number and `holds` is true for it.
 
     holds: the property; allowed: the same in words.
     """
@@ -38,7 +37,7 @@ def finite(field: str, value: Any, allowed: str = "a finite real number") -> flo
 
 
 def as_array(value: Any) -> NDArray[Any]:
-    """Return the value as an array; a ragged list becomes an array of objects."""
+    """Return the value as an array; for a ragged list, return `np.asarray(None)`."""
     try:
         return np.asarray(value)
     except (TypeError, ValueError):
@@ -47,7 +46,7 @@ def as_array(value: Any) -> NDArray[Any]:
 
 @contextmanager
 def of_author(what: str, field: str, given: str = "", hint: str = "") -> Iterator[None]:
-    """Turn any exception of a user's code into a SceneError that names the method."""
+    """In the `with` block, turn any exception of a user's code into a SceneError."""
     try:
         with np.errstate(all="ignore"):
             yield
@@ -117,7 +116,7 @@ def text(field: str, value: Any) -> str:
 
 
 def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
-    """Return one of the given strings; otherwise the message names the nearest of them."""
+    """Return the value if it is one of `choices`; otherwise SceneError names the nearest choice."""
     known = tuple(choices)
     if not isinstance(value, str) or value not in known:
         raise SceneError.unknown(field, value, known)
@@ -157,7 +156,7 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
 
 
 def real(field: str, value: Any) -> Array:
-    """Return real numbers of any shape as floats; infinite ones become NaN."""
+    """Return an array of real numbers as floats; infinite numbers become NaN."""
     raw = as_array(value)
     if raw.dtype.kind not in "iuf" and raw.size:
         raise SceneError.of(field, value, f"real numbers, of any shape (got type {raw.dtype})")
@@ -166,8 +165,8 @@ def real(field: str, value: Any) -> Array:
 
 
 def increasing(field: str, value: Any, least: int = 1) -> Array:
-    """Return a strictly increasing, finite, one-dimensional array; a SceneError names the first
-    place that violates this.
+    """Return a strictly increasing array of finite numbers; SceneError names the first
+    violation.
     """
     array = finite_array(field, value, 1, least)
     wrong = np.flatnonzero(np.diff(array) <= 0)

@@ -30,7 +30,7 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class LineLoadOptions:
-    """Options for the smooth part of a kernel: Chebyshev series on panels, accurate to rounding.
+    """Options for the smooth part of a kernel: Chebyshev series on panels, exact to round-off.
 
     nodes: terms of the Chebyshev series in a panel of r, and nodes of Gauss's rule in a panel of q.
         They resolve a phase q r of half their number.
@@ -42,8 +42,8 @@ class LineLoadOptions:
 
 
 OPTIONS = LineLoadOptions()
-# Number of halvings from the largest wavenumber to the smallest. The panels of the wavenumber q
-# halve this often; those of the distance r double at most twice as often.
+# Number of halvings from the largest wavenumber in WAVES to the smallest. The panels in the
+# wavenumber q halve this many times. Those in the distance r double at most twice as many times.
 _HALVINGS = int(np.log2(WAVES.max() / WAVES.min()))
 
 
@@ -77,8 +77,9 @@ class SmoothPart:
             return cls(1.0, zero, zero, zero, 0.0, None, np.inf)
         first = 0.5 * OPTIONS.nodes / top
         integral = _integral(symbol, top)
-        # The product r m(r) of distance and smooth part is constant once r is well above 1/q, where
-        # q is the wavenumber [1/m] below which the symbol L(q) has its long-wave limit.
+        # Far away, at r well above 1 / `slow`, the product r m(r) of distance and smooth part is
+        # constant. `slow` is the wavenumber [1/m] below which the symbol L(q) has its long-wave
+        # limit.
         slow = _longest(symbol)
         panels: list[Array] = []
         lo, hi, limit = 0.0, first, 0.0
@@ -100,8 +101,8 @@ class SmoothPart:
         M = _integrated(m, half)
         M[:, 0] += start - _at_end(M) if grounded else 0.0
         N = _integrated(M, half)
-        # The last argument, `length`: L(q) - 1 decreases about as exp(-q length), with L the symbol
-        # and q the wavenumber.
+        # The last argument is `length`: the symbol minus 1, L(q) - 1, decreases about as
+        # exp(-q length) with the wavenumber q.
         return cls(first, m, M, N, limit, first if grounded else None, -np.log(EPS) / top)
 
     @property
@@ -165,8 +166,8 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
     """A function that computes the smooth part m(r) of the kernel at distances r [m], by
     quadrature.
     """
-    # The long-wave limit of the symbol L is subtracted. If L grows without bound for long waves and
-    # has no limit, 1 is subtracted.
+    # `base` is subtracted from the symbol L. It is the long-wave limit of L, or 1 if L grows
+    # without bound for long waves.
     first, next_ = np.asarray(symbol(WAVES[:2]))
     base = float(first) if abs(next_ - first) <= 1e-3 * abs(first) or first < 1 else 1.0
     edges = np.concatenate(([0.0], top * 2.0 ** np.arange(-_HALVINGS, 1.0)))
@@ -192,9 +193,9 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
             out[near] = np.sin(r[near, None] * q) @ weighted
         if not near.all():
             far = r[~near, None]
-            # With x = q r, r m(r) is the integral of (L(x / r) - 1) sin x. The long-wave limit
-            # `base` of L contributes base - 1, as the integral of sin x is 1 (Abel sum). The
-            # integral of (L - base) sin x vanishes for large r.
+            # r m(r) is the integral of (L(x / r) - 1) sin x over all x > 0, where x = q r. The part
+            # base - 1 of the first factor is integrated exactly: the integral of sin x is 1 (Abel
+            # sum). The rest, L - base, tends to 0 for large r.
             out[~near] = (
                 base - 1 + (np.asarray(symbol(_OOURA / far)) - base) @ _OOURA_WEIGHTS
             ) / far[:, 0]
@@ -254,7 +255,7 @@ _POINTS, _TO_SERIES = _chebyshev_transform(OPTIONS.nodes)
 
 
 def _integrated(series: Array, half: Array) -> Array:
-    """Chebyshev series, on each panel, of the integral from 0 of a function given by its series."""
+    """The integral of a function from 0. Both are Chebyshev series, one on each panel."""
     out, before = np.empty((len(series), series.shape[1] + 1)), 0.0
     for k, (row, width) in enumerate(zip(series, half, strict=True)):
         out[k] = width * np.polynomial.chebyshev.chebint(row, lbnd=-1)

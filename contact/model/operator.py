@@ -50,7 +50,8 @@ from sie import Array, record
 
 Potential = Callable[[Array, Array], Array]
 Symbol = Callable[[Array], Array]
-# A smooth potential as a function of the distances x - xi [m] and of the width of a grid cell [m].
+# Type of a function: mean of a smooth potential over grid cells, from the distances x - xi [m] and
+# the width of a cell [m].
 Rest = Callable[[Array, float], Array]
 
 
@@ -78,9 +79,7 @@ class Operator(sie.Kept):
 
     @property
     def is_periodic(self) -> bool:
-        """Whether the pressure of all periods acts. If so, a harmonic pressure gives a harmonic
-        displacement.
-        """
+        """Whether the contact is periodic: the pressure of all periods acts."""
         return self.period is not None and not self.interaction.strip
 
     @property
@@ -168,8 +167,8 @@ class Operator(sie.Kept):
 
     @property
     def datum(self) -> float | None:
-        """Distance [m] from a line load at which the load causes no displacement; None if the
-        approach of a contact without a period is undefined.
+        """Distance [m] from a line load at which its displacement is zero. None if no such distance
+        is given; the approach of a contact without a period is then undefined.
 
         It is for bodies that do not repeat.
         """
@@ -225,7 +224,7 @@ class Operator(sie.Kept):
         return plain + sie.Smooth(value, potential, of_lag=True, length=smooth.length / unit)
 
     def _datum_constant(self, datum: float | None) -> float:
-        """Constant that makes the potential of a line load zero at the distance of the datum [m].
+        """Constant that makes the potential of a line load zero at the distance `datum` [m].
 
         It is 0 on a body with a base, whose potential vanishes far away.
         """
@@ -310,8 +309,8 @@ class Operator(sie.Kept):
 
     @cached_property
     def rest(self) -> Rest | None:
-        """The potential at x - xi [m] minus the potential of half-plane sources, averaged over
-        cells of a grid.
+        """The function for the smooth part of the potential: the potential at x - xi [m] minus that
+        of line loads on a half-plane, averaged over grid cells.
 
         None if there is nothing else, and for a strip.
         """
@@ -336,8 +335,8 @@ class Operator(sie.Kept):
 
     @cached_property
     def strip_rest(self) -> Rest | None:
-        """Smooth part of the potential of a strip and its images, up to a constant; None on a
-        half-plane.
+        """The function for the smooth part of a strip's potential, summed over the strip's images
+        and up to a constant; None on a half-plane.
         """
         if self.is_own or self.smooth_part.is_zero:
             return None
@@ -352,9 +351,7 @@ def _lines(
     x: Array,
     xi: Array,
 ) -> Array:
-    """Sum over all poles s of a function `of` at the lengths x - xi - s [m], multiplied by a
-    factor.
-    """
+    """`factor` times the sum of `of` at the distances x - xi - s [m], over all poles s."""
     lag = x - xi
     total = sum((of((lag - pole) * unit) for pole in poles), np.zeros(np.shape(lag)))
     return np.asarray(factor * total)
@@ -390,8 +387,8 @@ def _less_constant(potential: Potential, by: float, x: Array, xi: Array) -> Arra
 
 
 def _rest(kernel: sie.Kernel, period: float | None, lag: Array, width: float = 0.0) -> Array:
-    """The potential of a kernel minus that of half-plane sources, at distances `lag` or averaged
-    over cells of width `width` around them.
+    """The potential of a kernel minus that of line loads on a half-plane, at the distances
+    `lag`. If `width` is given, it is averaged near the source over cells of this width.
     """
     found = _smooth_rest(kernel, period, lag)
     near = np.flatnonzero(np.abs(lag) < _OPTIONS.near_cells * width)
@@ -427,9 +424,7 @@ def _crowded_nodes() -> tuple[Array, Array]:
 
 
 def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
-    """Lambda(lag) - ln|lag|, with Lambda the kernel's potential. Without a period, it is
-    Lambda(lag) - ln|lag / datum|.
-    """
+    """The kernel's potential Lambda(lag) minus ln|lag|; minus ln|lag / datum| without a period."""
     out = np.zeros(np.shape(lag))
     if kernel.period is not None:
         out -= np.log(kernel.datum)
@@ -442,7 +437,7 @@ def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
 
 @record
 class BeyondStrip:
-    """The term of the right side due to a unit nominal pressure outside a strip, in scaled lengths.
+    """Term of the right side for a unit nominal pressure outside a strip, in scaled lengths.
 
     half: half width of the strip. unit: of lengths [m], for the smooth part and the compression.
     """

@@ -116,7 +116,7 @@ class Registry:
 
 
 def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> Any:
-    """Return `cls(**params)`; refuse unknown and missing parameters by their names."""
+    """Return `cls(**params)`; SceneError names the unknown or missing parameters."""
     accepted = inspect.signature(cls).parameters.values()
     known = [p.name for p in accepted if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     anything = any(p.kind is p.VAR_KEYWORD for p in accepted)
@@ -133,7 +133,7 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
 
 
 def parameters(part: Any) -> dict[str, Any]:
-    """Arguments by name from which the class of a part can make an equal part."""
+    """The arguments, by name, from which the class of a part can make an equal part."""
     return (
         {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init}
         if dataclasses.is_dataclass(part)

@@ -202,7 +202,7 @@ def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
 
 
 def _placed(error: SceneError, tables: Table) -> SceneError:
-    """The error with the table and the key under which the wrong value was written."""
+    """A copy of the error that also names the table and the key of the wrong value."""
     table = next(
         (name for name in tables if error.field == name or error.field in tables[name]), None
     )

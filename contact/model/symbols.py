@@ -104,8 +104,8 @@ def _waves(sums: Sum, period: float, x: Array, xi: Array) -> Array:
 
 
 def kernel_of(excess: Array, period: float) -> sie.Kernel:
-    """The kernel for a scaled period, computed from `excess` = L_n - 1 with L_n the symbol at the
-    harmonic n.
+    """The kernel for a scaled period; `excess` is the symbol minus 1 at the harmonics of the
+    period.
     """
     plain = sie.hilbert(period)
     if len(excess) == 0:
@@ -115,7 +115,8 @@ def kernel_of(excess: Array, period: float) -> sie.Kernel:
         Sum.of(np.asarray(c, dtype=np.complex128))
         for c in (-2j * np.pi / period * excess, -excess / n)
     )
-    # The harmonics n of the smooth part decrease about as exp(-2 pi n length / period).
+    # The coefficients of the smooth part decrease about as exp(-2 pi n length / period) with the
+    # harmonic n.
     length = -np.log(EPS) * period / (2 * np.pi * len(excess))
     return plain + sie.Smooth(
         partial(_waves, value, period),

@@ -40,7 +40,7 @@ from contact.studies.trace_kinds import self_affine_heights
 
 @dataclass(frozen=True)
 class Switch:
-    """One replacement that switches off a mechanism: a new object in the place of `target`.
+    """One replacement that switches off a mechanism: the object `target` gets a new value.
 
     `target` is "module:attribute" or "module:Class.attribute". `off` takes the present value of the
     target and returns the new one.
@@ -120,7 +120,7 @@ def _no_context(old: Any) -> Any:
     return lambda *args, **kwargs: contextlib.nullcontext()
 
 
-# The keys describe mechanisms; the values are the replacements that switch each mechanism off.
+# Each key describes a mechanism. Its value has the replacements that switch the mechanism off.
 MECHANISMS: dict[str, tuple[Switch, ...]] = {
     "Newton steps of ends across a narrow gap": (
         Switch("sie.ends.step_models:gap_steps", _no_gap_steps),
@@ -263,7 +263,7 @@ def row(name: str, on: dict[str, Any], off: dict[str, Any]) -> tuple[str, ...]:
 
 
 def main(names: list[str], options: list[str], out: Path | None) -> None:
-    """Measure mechanisms; publish the table after each mechanism, because a run takes long."""
+    """Measure mechanisms. As a run takes long, the table is published after each mechanism."""
 
     def run(name: str) -> dict[str, Any]:
         return measured("contact.studies.ablation", "--one", name, *options)

@@ -61,7 +61,7 @@ class Parts(sie.Condition):
 
 
 class Steps(Parts):
-    """Condition that prescribes steps of the constant potential (level) between zones."""
+    """Condition that prescribes steps of the constant potential (level) from a zone to the next."""
 
     levels = True
 
@@ -135,7 +135,7 @@ class Design:
         step: float = 0.4,
         nodes: int = 230,
     ) -> float:
-        """Integral of the product P |Y| (module head) times a weight, from an end a to the next, b.
+        """Integral of a weight times the product P |Y| (module head), from the end a to the end b.
 
         The trapezoidal rule in s has an error of about exp(-2 pi^2/step) = 1e-21 by its step, and
         of about exp(-step nodes/2) = 1e-20 by its last node.
@@ -236,7 +236,7 @@ def _end(design: Design, zone: int, side: int, moves: bool) -> sie.End:
 
 
 def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equation:
-    """Return the equation of a designed density, with `index` side conditions."""
+    """Return the equation of a designed density; the number of its side conditions is `index`."""
     g = np.polynomial.Polynomial(design.polynomial())
     rise, zones = g.integ(), range(len(design.ends))
     kernel = sie.cauchy() if design.period is None else sie.hilbert(design.period)

@@ -194,7 +194,7 @@ def fault(scene: contact.Scene, solution: contact.Solution, cells: int = 4) -> s
 
 
 def wrongly_refused(scene: contact.Scene, error: contact.ContactError, cells: int = 4) -> str:
-    """Return a message if a scene was wrongly refused as full contact; else ''."""
+    """Return a message if a scene was refused as full contact although a grid has gaps; else ''."""
     load = scene.given_load
     if load is None or scene.period is None or "gives a kernel and no symbol" not in str(error):
         return ""

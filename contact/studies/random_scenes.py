@@ -114,7 +114,9 @@ def _interaction(
 def _value(
     rng: np.random.Generator, profile: contact.Profile, modulus: float, length: float, kind: str
 ) -> float:
-    """A random value of a control, from eight decades below full contact to above full contact."""
+    """A random value of a control, from far below full contact to about full contact or above.
+    Loads and mean pressures begin eight decades below full contact.
+    """
     if kind == "contact_fraction":
         return float(rng.choice([10 ** rng.uniform(-4, 0), 1 - 10 ** rng.uniform(-4, 0), 1.0]))
     if kind == "half_width":
@@ -251,7 +253,7 @@ def unsound(scene: contact.Scene, solution: contact.Solution, tol: float) -> str
 
 
 def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
-    """Return a message if a solution contradicts a solution of smaller tolerance; else ''."""
+    """Return a message if a solution contradicts one with a smaller tolerance; else ''."""
     try:
         tight = contact.solve(scene, tol=max(1e-3 * tol, 1e-13))
     except contact.NotConverged as error:

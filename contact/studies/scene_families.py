@@ -277,7 +277,7 @@ def with_counter_body(
 
 @dataclass(frozen=True)
 class Waves(contact.Interaction):
-    """A substrate whose symbol is 1 + excess[n - 1] for n waves in the period, 1 for large n."""
+    """A substrate of symbol 1 + excess[n - 1] for n waves in the period, and 1 for large n."""
 
     excess: tuple[float, ...]
     name = "waves"
@@ -349,7 +349,7 @@ class Coated(Bed):
 
 @dataclass(frozen=True)
 class Buried(contact.Interaction):
-    """A substrate of an isolated body with kernel 1/r + eps r/(r^2 + depth^2) of the lag r."""
+    """A substrate of an isolated body: the kernel is 1/r + eps r/(r^2 + depth^2) with the lag r."""
 
     eps: float
     depth: float

@@ -20,7 +20,7 @@ Rng = np.random.Generator
 def self_affine_heights(
     rng: Rng, n: int, hurst: float, longest: int = 1, shortest: float = 0.25
 ) -> Array:
-    """Heights of rms 1 whose k-th harmonic has an amplitude proportional to k^-(1/2 + hurst).
+    """Heights of rms 1. The amplitude of the k-th harmonic is proportional to k^-(1/2 + hurst).
 
     The phases are random. The harmonics go from `longest` to the fraction `shortest` of the number
     of points.

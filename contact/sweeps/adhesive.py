@@ -169,7 +169,7 @@ class AdhesivePath(Path):
 
     @property
     def work(self) -> float | None:
-        """Work that the load does between the first value of the control and the last [J/m].
+        """Work of the load [J/m] from the first value of the control to the last.
 
         It is the difference of their energies plus the dissipated energy. On a closed loop it
         equals the dissipated energy.
@@ -374,7 +374,9 @@ class _PathRun:
         self.rises = 1.0
 
     def note(self, point: State | None, value: float = 0.0) -> None:
-        """Record an equilibrium; if it is None, the separate surfaces at a value of the control."""
+        """Record the equilibrium `point`; if it is None, record separate surfaces at the given
+        value.
+        """
         units = self.problem.units
         if point is not None:
             approach = -point.level * units.height if self.problem.operator.has_approach else np.nan
@@ -426,15 +428,17 @@ class _PathRun:
             return PathState(scaled)
         if self.context.spring_compliance is not None or value < 0.0:
             # With a spring, the contact without adhesion may be wider than the adhesive contact at
-            # the same approach of the spring's far end. The path then starts from separate
-            # surfaces.
+            # the same approach of the spring's far end. So it is no start for the path, which
+            # begins with separate surfaces.
             *_, found = self.history.to(PathState(min(-1.0, 2.0 * first)), scaled)
             assert isinstance(found, PathState)
             return found
         return self.by.started(self.scene.under(self.control, value), scaled)
 
     def solved(self, here: PathState, value: float, before: float) -> Solution:
-        """The solution for the state `here` at a value of the control; `before`: the last value."""
+        """The solution for the state `here` at a value of the control; `before` is the previous
+        value.
+        """
         scene = self.scene.under(self.control, value)
         way = "advancing" if self.rises else "receding"
         described = (

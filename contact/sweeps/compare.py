@@ -37,7 +37,8 @@ _NUMBERS = ("load", "max_pressure", "total_width")
 class TableLimits:
     """Limit on the columns of a table, for a terminal 80 characters wide."""
 
-    # Largest number of zones whose ends are printed, and of columns of ends in one table.
+    # Largest number of zones whose ends are printed. It is also the largest number of columns of
+    # ends in one table.
     zone_ends: int = 4
 
 
@@ -88,7 +89,9 @@ def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
 
 
 def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
-    """Largest error of an end, relative to its zone's width; None if the zones differ in number."""
+    """Largest difference of ends, relative to the zone's width; None for different numbers of
+    zones.
+    """
     if attempt.solution is None or exact.solution is None:
         return None
     ours, zones = attempt.solution.zones, exact.solution.zones
@@ -98,7 +101,7 @@ def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
 
 
 def pressure_apart(attempt: Attempt, exact: Attempt, samples: int = 41) -> float | None:
-    """Largest difference of pressure at equal normalised positions, relative to the exact peak.
+    """Largest difference of pressures at equal normalised positions, relative to the exact peak.
 
     Where the peak is infinite, the mean pressure on the zones takes its place. None if the zones
     differ in number. samples: number of Chebyshev points of a zone.

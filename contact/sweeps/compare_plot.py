@@ -152,7 +152,7 @@ def _draw_errors(axes: Any, attempts: list[Attempt]) -> None:
         "pressure": [pressure_apart(a, exact) for a in attempts[:-1]],
     }
     for (label, values), marker in zip(lines.items(), "osd^", strict=True):
-        # A zero cannot be drawn on a logarithmic axis.
+        # Zeros are left out, because the axis is logarithmic.
         shown = [np.nan if not v else abs(v) for v in values]
         if np.isfinite(shown).any():
             axes.plot(

@@ -19,7 +19,7 @@ from sie import Array
 
 
 def may_hide(low: Solution, high: Solution, rate_error: float, max_rate_ratio: float) -> bool:
-    """Whether some end of a zone moved further between two loads than the end's rates explain.
+    """Whether an end of a zone moved further between two loads than predicted by its rates.
 
     rate_error: relative error of a motion predicted by its rates. max_rate_ratio: ratio of the
     two rates of an end above which their mean is no prediction.
@@ -56,7 +56,7 @@ def may_hide(low: Solution, high: Solution, rate_error: float, max_rate_ratio: f
 
 
 def ends_and_rates(solution: Solution) -> tuple[Array, Array] | None:
-    """Zones [m], and outward derivatives of their ends by ln(load) [m], two tables (n, 2).
+    """Zones [m], and outward derivatives of their ends by ln(load) [m], as arrays (n, 2).
 
     None in full contact.
     """

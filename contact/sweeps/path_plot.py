@@ -103,7 +103,7 @@ def _is_geometric(loads: Array) -> bool:
 def _vertices(
     loads: Array, values: Array, passed: Passed, known: dict[str, float]
 ) -> tuple[Array, Array]:
-    """Loads and ordinates of the curve's points, including events whose ordinate is known."""
+    """Loads and ordinates of the curve's points: solutions, and events with a known ordinate."""
     points: list[tuple[float, float]] = []
     for load, value, since in zip(loads, values, passed, strict=True):
         points += [(event.load, known[event.kind]) for event in since if event.kind in known]
@@ -113,7 +113,7 @@ def _vertices(
 
 
 def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
-    """The ordinate at a load on the polyline through points, drawn on the axes' scales."""
+    """The ordinate at a load, on the line that joins points straight in the scales of the axes."""
     order = np.argsort(x, kind="stable")
     to_x: Any = np.log if axes.get_xscale() == "log" else np.asarray
     to_y, back = (np.log, np.exp) if axes.get_yscale() == "log" else (np.asarray, np.asarray)
@@ -218,8 +218,8 @@ def draw_surfaces(
         linewidth=2.6,
         label="contact",
     )
-    # The view is limited to the deformed surface, with as much space again below and above it,
-    # since the body may be much higher.
+    # The body may be much higher than the deformed surface. The view is therefore three times as
+    # high as the deformed surface, which is in its middle.
     low, high, span = float(surface.min()), float(surface.max()), float(np.ptp(surface))
     if span > 0.0:
         axes.set_ylim((low - span) * up, (high + span) * up)

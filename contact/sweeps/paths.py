@@ -48,27 +48,26 @@ from sie import Array, nearest_image
 class PathOptions:
     """Tolerances of the search for events between two loads; differences of loads are relative."""
 
-    # Two loads are equal if their relative difference is below this. This number is also the
-    # tolerance of ends, relative to the width of their zone, while an event is located. An error of
-    # an end changes pressure and gap away from the end only by the square of that error.
+    # Loads whose relative difference is below this count as equal. While an event is located, this
+    # is also the tolerance of ends, relative to the width of their zone.
     same: float = 1e-7
-    # An overlap of two zones or an error of an end is assumed not to change the number of zones if
-    # it is below this fraction of a zone's width. A step of the load below this fraction of the
-    # load is assumed not to hide a zone that is born and merges within the step.
+    # Zones at two loads count as the same zone if they overlap by this fraction of the narrower
+    # width. No zone is born and merges within a relative step of the load below this. A solution
+    # that has not converged still shows the true number of zones if its error is below this.
     negligible: float = 1e-3
-    # If the ratio of two loads exceeds this, the rates of the ends at these loads (derivatives by
-    # ln(load)) do not predict the motion of the ends.
+    # If the ratio of two loads exceeds this, the motion of ends between the loads is not predicted
+    # from the ends' rates (derivatives by ln(load)) at the two loads.
     max_load_ratio: float = 1.3
-    # If the ratio of an end's rates at the two loads exceeds this, the rates do not predict the
-    # end's motion.
+    # The motion of an end is not predicted, either, if the ratio of its rates at the two loads
+    # exceeds this.
     max_rate_ratio: float = 1.5
-    # Largest relative error of a motion that is predicted by rates. For smooth ends, and loads that
-    # differ by less than a third, the error is several times smaller.
+    # Largest relative error of a motion that is predicted by rates. The actual error is several
+    # times smaller for smooth ends and loads that differ by less than a third.
     rate_error: float = 0.1
 
     @property
     def retries_beyond(self) -> tuple[float, ...]:
-        """Relative distances beyond two equal loads at which an event between them is also sought.
+        """Relative distances outside two equal loads, at which the event is also searched for.
 
         The two loads are equal except for round-off. Round-off can give a certified sign the wrong
         value, so that the event between the loads seems to lie beyond them.
@@ -77,7 +76,7 @@ class PathOptions:
 
     @property
     def rate_step(self) -> float:
-        """Relative load step over which ends are extrapolated by their rates.
+        """Relative step of the load for a second set of ends, extrapolated by their rates.
 
         The error of such a step is about its square.
         """
@@ -181,8 +180,8 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
                 raise OutOfRange(f"at the load {load:.6g} N/m: {error}") from error
             passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
-    # A single warning is given, for the highest load, where slopes and pressures are largest. It is
-    # attributed to the caller of `contact.path`.
+    # A single warning is given, for the highest load: there slopes and pressures are largest. The
+    # warning points to the caller of `contact.path`.
     warn(curve_warnings(solutions), stacklevel=4)
     return Path(tuple(solutions), tuple(passed))
 
@@ -265,10 +264,10 @@ class _Path:
         return events
 
     def _to_full(self, low: Solution, full: Solution) -> list[Event]:
-        """The events between a solution and full contact; the last one closes the last gap."""
+        """The events between a solution and full contact; the last event closes the last gap."""
         assert low.scene.period is not None
         load = self.curve.cache.full.onset_pressure * low.scene.period
-        # All gaps but the last are closed just below the load of full contact.
+        # `last` is a solution just below the load of full contact: only one gap is still open.
         last = self.intermediate(max(low.load, load * (1 - _OPTIONS.same)), low)
         return [*self._events(low, last), *_full_event(load, full, last)]
 
@@ -307,7 +306,7 @@ class _Path:
 
 
 def _just_beyond(change: Change, side: Solution, other: Solution) -> float | None:
-    """A load just beyond the event, predicted by the ends' rates; None if not between the loads.
+    """A load just beyond the event, predicted by the ends' rates; None if it is outside the two.
 
     The load is predicted from the solution `other`. The square of the width of a zone (a gap) is
     linear in the logarithm of the load as the zone appears (the gap closes). Its rate gives the
@@ -359,8 +358,8 @@ class _Condition:
             if not isinstance(fields, GapFields)
             else GapForm(self.problem, fields.relief)
         )
-        # Zones (or gaps) for each load at which they were computed. For a second load, close to
-        # that of `fields`, they are extrapolated by the rates of the ends.
+        # Zones (or gaps) by the load at which they were computed. A second load close to that of
+        # `fields` is added. Its zones are extrapolated by the rates of the ends.
         load, table = fields.load / fields.problem.units.load, fields.solved_zones.table
         self.tables: dict[float, Array] = {
             load: table,
@@ -408,7 +407,7 @@ def _scaled(fields: Any, places: tuple[float, float]) -> tuple[float, float]:
 
 
 def _full_event(load: float, full: Solution, low: Solution) -> list[Event]:
-    """List of the event that closes the last gap; empty if that gap lies over a concave kink.
+    """The event that closes the last gap, in a list; empty if a concave kink lies in that gap.
 
     The pressure at such a kink is minus infinity in full contact, so the gap never closes.
     """

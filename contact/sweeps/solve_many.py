@@ -94,14 +94,15 @@ def solve_many(
                 found[place] = solution
                 if progress is not None:
                     progress(name, len(found), len(given))
-        # The values that no other process has solved are solved here, in ascending order.
+        # Values with a solution in `found` came from other processes. The rest are solved here, in
+        # ascending order.
         for place in np.argsort(given, kind="stable"):
             if int(place) not in found:
                 if progress is not None:
                     progress(name, len(found), len(given))
                 found[int(place)] = curve.at(float(given[place]))
-    # A single warning is given for the whole curve, at the highest load, where slopes and pressures
-    # are largest.
+    # A single warning is given for the whole curve. It is for the highest load, where slopes and
+    # pressures are largest.
     warn(curve_warnings(found.values()))
     return [found[k] for k in range(len(given))]
 
@@ -117,8 +118,8 @@ def _in_processes(
     ]
     solvers = min(workers or processors(), len(left) // 2)
     if solvers > 1:
-        # Each of n processes gets every n-th value, in ascending order. It starts each value from
-        # its previous one. All processes take about the same time.
+        # Each of n processes solves every n-th value in ascending order, each started from the
+        # value before it. So all processes take about the same time.
         chunks = [
             Chunk.of_curve(curve.control, left[first::solvers], values) for first in range(solvers)
         ]

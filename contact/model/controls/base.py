@@ -14,7 +14,7 @@ from contact.model.registry import Named, construct, remade
 
 # Names of the controls that are fields of a scene.
 CONTROLS = ("load", "mean_pressure", "approach", "half_width", "contact_fraction")
-# Quantities that tilt a body, with their units.
+# Scene fields that tilt a body, with their units.
 TURNING = {"tilt": "rad", "moment": "N"}
 
 
@@ -87,8 +87,8 @@ class Control(Named):
         """Raise SceneError if the control and the rest of the scene do not go together."""
 
     def held(self, scene: Any) -> Held | None:
-        """The quantity that the solver prescribes directly; None if there is none. The solver then
-        searches for a load at which the method `of` gives the prescribed value.
+        """The quantity that the solver prescribes directly, and its value. If it is None, the
+        solver searches for a load at which the method `of` gives the prescribed value.
         """
         return None if self.quantity is None else Held(self.quantity, self.value)
 
@@ -105,7 +105,7 @@ def known_controls(given: Control | None) -> dict[str, type[Control]]:
 
 
 def fields_under(name: str, value: float, given: Control | None = None) -> dict[str, Any]:
-    """The values of all control fields of a scene in which this one control is given.
+    """The values of all control fields of a scene whose only control is `name`; None for others.
 
     given: the present `given` of the scene, if any.
     """

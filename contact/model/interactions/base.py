@@ -93,7 +93,7 @@ class Interaction(Named):
 
     def symbol(self, q: Array) -> Array:
         """The symbol L(q), q in 1/m, of the interaction's own kernel. With a symbol, the operator
-        can be inverted. If all periods act, a symbol may be given instead of a kernel.
+        can be inverted. A periodic model may give a symbol instead of a kernel.
         """
         raise NotImplementedError(
             f"{type(self).__name__} has no symbol of its own: that of the substrate acts"
@@ -117,15 +117,15 @@ class Interaction(Named):
     def placed_columns(
         self, period: float | None, centre: float, scaled: Scaled
     ) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with unknown amplitudes, if they depend on places of the profile.
-        The function `scaled` converts a place [m] to scaled lengths. If a model does not define
-        this method, the terms are those of `columns`.
+        """Terms of the right side with unknown amplitudes, for terms that depend on positions x [m]
+        in the profile. The function `scaled` converts such a position to scaled lengths. A model
+        without this method uses `columns`.
         """
         return self.columns(period, centre)
 
     def placed_conditions(self, period: float | None, scaled: Scaled) -> tuple[sie.Condition, ...]:
-        """Conditions for the amplitudes, if they depend on places of the profile. The function
-        `scaled` converts a place [m] to scaled lengths. If a model does not define this method, the
-        conditions are those of `side_conditions`.
+        """Conditions for the amplitudes, for conditions that depend on positions x [m] in the
+        profile. The function `scaled` converts such a position to scaled lengths. A model without
+        this method uses `side_conditions`.
         """
         return self.side_conditions(period)

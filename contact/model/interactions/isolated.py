@@ -10,8 +10,8 @@ from contact.model.registry import register_interaction
 @register_interaction("isolated")
 @dataclass(frozen=True)
 class Isolated(Interaction):
-    """The line load of the substrate, without images; on a half-plane its kernel is 1/(x - xi)
-    (Muskhelishvili 1953). If the profile is periodic, one cell alone is used.
+    """A contact without periodic images. Its kernel is that of one line load: 1/(x - xi) on a
+    half-plane (Muskhelishvili 1953). Of a periodic profile only one cell is used.
 
     Parameters
     ----------

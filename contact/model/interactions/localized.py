@@ -26,9 +26,9 @@ CLOSURES = ("first-order", "self-consistent")
 @register_interaction("localized")
 @dataclass(frozen=True)
 class Localized(Interaction):
-    """One strip (a period of the profile) solved exactly; elsewhere only the nominal pressure acts.
-    This pressure is a load divided by the period: the strip's own load (self-consistent), or that
-    of the isolated contact of the same width (first order).
+    """One period of the profile (the strip) is solved exactly; outside it a nominal pressure
+    acts. The nominal pressure is a load divided by the period: the strip's own load
+    (self-consistent), or the load of an isolated contact with the same width (first order).
 
     (I. G. Goryacheva & I. Y. Tsukanov, Front. Mech. Eng. 6:45, 2020, doi 10.3389/fmech.2020.00045,
     eq. (13).)

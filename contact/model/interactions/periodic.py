@@ -9,8 +9,8 @@ from contact.model.registry import register_interaction
 @register_interaction("periodic")
 @dataclass(frozen=True)
 class Periodic(Interaction):
-    """The line loads of all periods. On a half-plane their kernel is (pi/L) cot(pi (x - xi)/L),
-    with L the period (Shtaerman 1949).
+    """A periodic contact: the kernel sums the line loads of all periods. On a half-plane it is
+    (pi/L) cot(pi (x - xi)/L), with L the period (Shtaerman 1949).
 
     The approach counts from min f = 0 and mean u = 0, or from the base of a substrate that has one.
 

@@ -53,7 +53,7 @@ class Equilibria:
 
     @property
     def several(self) -> bool:
-        """Whether there are several equilibria, so that a branch of them has to be followed."""
+        """Whether there are several equilibria at one value of the control."""
         return self.start is not None
 
 
@@ -191,13 +191,11 @@ class Law(Named, sie.Kept):
         return None
 
     def work_of_adhesion(self, E_star: float) -> float:
-        """Work [J/m^2] of separating a unit of length against the edge intensity and the
-        tension.
-        """
+        """Work [J/m^2] that separates a unit of area against the edge intensity and the tension."""
         return pi / E_star * self.intensity(E_star) ** 2 + self.tension * self.reach
 
     def surface_energy(self, fields: Any, width: float) -> float:
-        """Energy of the interface [J/m] of a contact of this width [m].
+        """Energy of the interface [J/m] of a contact whose zones have this total width [m].
 
         It is minus the energy that closing the surfaces has released, (pi/E*) K^2 for each width.
         fields: `contact.formulation.protocol.Fields`.
@@ -213,8 +211,8 @@ class Law(Named, sie.Kept):
         return None
 
     def fault(self, fields: Any, load: float | None) -> str:
-        """Reason why a solution violates the law although the signs, the load balance and the gap
-        are right. The text is empty if the solution does not violate the law.
+        """Reason why a solution violates the law although the signs of pressure and gap and the
+        load balance are right; empty if there is no such reason.
 
         fields: `contact.formulation.protocol.Fields`. load: the given load in the units of
         `fields.problem.units`; None if the scene gives another control.

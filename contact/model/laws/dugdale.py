@@ -76,8 +76,8 @@ class Dugdale(Law):
         return JKR(share * self.work)
 
     def surface_energy(self, fields: Any, width: float) -> float:
-        """The surface energy [J/m]: minus the work of adhesion, for the whole width in which the
-        tension acts or the surfaces touch, plus the work of opening the gap against the tension.
+        """The surface energy [J/m]. It is minus the work of adhesion times the width in which the
+        tension acts or the surfaces touch, plus the work that opens the gap against the tension.
         """
         cohesive = fields.cohesive
         if len(cohesive) == 0:  # full contact, or surfaces apart

@@ -58,8 +58,8 @@ class JKR(Law):
         keep(self, positive, "work")
 
     def intensity(self, E_star: float) -> float:
-        """The edge intensity K = -sqrt(E* w/pi) [Pa m^(1/2)]: opening a unit of width then
-        releases the elastic energy (pi/E*) K^2, equal to the work of adhesion w.
+        """The edge intensity K = -sqrt(E* w/pi) [Pa m^(1/2)], with w the work of adhesion. For this
+        K, the elastic energy released by opening a unit of width, (pi/E*) K^2, equals w.
         """
         return -sqrt(E_star * self.work / pi)
 

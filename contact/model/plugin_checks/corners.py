@@ -24,13 +24,14 @@ from sie import Array
 
 
 def kinks(profile: Profile, x: Array) -> Iterator[str]:
-    """Messages about wrong kinks of a profile: jumps that the slope does not have, and corners
-    that are not declared.
+    """Messages about wrongly declared kinks: declared jumps that the slope does not have, and
+    corners that are not declared.
     """
     lo, hi = float(x[0]), float(x[-1])
     width = hi - lo
     if profile.period is not None:
-        # The cell starts where a kink is unlikely, so that a kink at its usual border lies inside.
+        # The searched cell starts where a kink is unlikely. A kink at the border of the profile's
+        # own cell then lies inside the searched cell.
         width = profile.period
         lo = unlikely_border(profile)
     scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
@@ -39,8 +40,8 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
     points = np.asarray(profile.algebraic_points, dtype=np.float64)
     for s, jump in declared:
         seen = float(np.diff(slope(np.array([s - 2 * reach, s + 2 * reach])))[0])
-        # An algebraic point with an exponent near 1 looks like a kink from any distance. The jump
-        # that such a point seems to have is subtracted.
+        # The slopes at s - 2 `reach` and s + 2 `reach` also differ because of an algebraic point at
+        # s, noticeably if its exponent is near 1. This difference is subtracted.
         seen -= sum(
             (left + right) * n * (2 * reach) ** (n - 1) for at, n, left, right in points if at == s
         )
@@ -97,9 +98,7 @@ def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float,
 def _sharp_slope(
     profile: Profile, width: float, x: Array
 ) -> tuple[Callable[[Array], Array], float, float]:
-    """The slope as a function, the distance at which the two sides of a corner can be
-    distinguished, and the slope's round-off.
-    """
+    """The slope as a function, its round-off, and a distance from corners at which it is right."""
     if not profile.slope_is_derived:
         return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width, 0.0
     # The derived slope is wrong near a corner. Differences of the height over a short step h show
@@ -125,10 +124,11 @@ def undeclared_corner(profile: Profile, intervals: Array) -> str:
 
 
 def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None:
-    """Place and jump of the clearest undeclared corner in an interval; None if there is none."""
+    """Place and jump of the most conspicuous undeclared corner in an interval; None without one."""
     function = profile.height if profile.slope_is_derived else profile.slope
-    # With this many samples in the smallest length, the smooth part of a sixth difference is about
-    # (2 pi / 256)^6. With more samples, a corner of the heights would be less visible.
+    # With `per_length` = 256 samples in the smallest length, sixth differences of the smooth part
+    # are about (2 pi / 256)^6 of its size. More samples would make a corner of the heights less
+    # visible.
     per_length = DETAIL.min_samples
     count = per_length * (hi - lo) / (profile.resolution or hi - lo)
     count = int(np.clip(count, DETAIL.samples, DETAIL.max_samples))
@@ -141,9 +141,9 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
     if not rough[i] > CHECKS.stands_out * float(np.median(rough)):
         return None
     a, b = float(x[i]), float(x[i + last])
-    # The interval around the corner shrinks until round-off hides the corner. The smallest width is
-    # relative to the places and to hi - lo, the searched length. Without hi - lo, an interval
-    # around a corner at 0 would be halved into underflow.
+    # The interval (a, b) around the corner shrinks until round-off hides the corner, or until its
+    # width is round-off of the places or of the searched length hi - lo. Without hi - lo, an
+    # interval around a corner at 0 would shrink to underflow.
     while b - a > 64 * EPS * max(abs(a), abs(b), hi - lo):
         x = np.linspace(a, b, 4 * last + 1)
         rough, last = _roughness(function, x)
@@ -160,8 +160,8 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
 
 
 def _roughness(function: Callable[[Array], Array], x: Array) -> tuple[Array, int]:
-    """For each seven successive values, their deviation from a smooth function; and the number of
-    steps between the first and the last of seven values.
+    """The deviation of every group of seven successive values from a smooth function, and the
+    number of steps in a group (six).
     """
     values = np.asarray(function(x), dtype=np.float64)
     groups = np.lib.stride_tricks.sliding_window_view(values, len(PLACES))
@@ -170,7 +170,7 @@ def _roughness(function: Callable[[Array], Array], x: Array) -> tuple[Array, int
 
 
 def _repeated(profile: Profile, places: Array) -> Array:
-    """Places in the cell and in the two cells next to it, in ascending order."""
+    """The places in the cell and their copies in the two adjacent cells, in ascending order."""
     if profile.period is not None:
         places = np.concatenate([places + turn * profile.period for turn in (-1, 0, 1)])
     return np.sort(places)

@@ -19,7 +19,7 @@ from contact.model.profiles.derive import DETAIL
 from contact.model.profiles.noise import ROUND_OFF
 from sie import Array
 
-# Names of the columns of the arrays that have one row for each place.
+# For each array of declarations with one row for each place, the names of its columns.
 _COLUMNS = {
     "kinks": ("position", "jump of the slope"),
     "jumps": ("position", "order", "jump of that derivative"),
@@ -67,7 +67,8 @@ def _require_heights(profile: Profile, x: Array) -> None:
     x = np.linspace(*ends, DETAIL.samples + 1) if ends is not None else x
     with of_author("profile.height(x)", "height"):
         heights = np.asarray(profile.height(x.copy()), dtype=np.float64)
-    # Without ends, heights far from 0 are not checked here, but where the contact is searched for.
+    # A profile whose `ends` are None is infinitely long. Its heights far from 0 are checked later,
+    # where the contact is searched for.
     if ends is not None:
         require_numbers(x, heights)
     central = heights if ends is not None else heights[np.abs(x) <= np.median(np.abs(x))]
@@ -152,8 +153,8 @@ def _places(profile: Profile) -> Array:
     spread = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 3))
     if ends is not None:
         return np.asarray(0.5 * (ends[0] + ends[1]) + (ends[1] - ends[0]) * spread)
-    # The size of the shape is unknown. The places are therefore at distances in the ratios 1, 1e-4
-    # and 1e-8.
+    # The size of the shape is unknown. Therefore the three columns have places at very different
+    # distances from 0, in the ratios 1, 1e-4 and 1e-8.
     return np.asarray((profile.resolution or 1.0) * spread * ROUND_OFF ** (np.arange(3) / 3))
 
 

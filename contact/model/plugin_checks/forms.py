@@ -95,7 +95,8 @@ _BARE = Form(_is_or_none(Law), "None, or a law, such as contact.Frictionless()")
 _START = Form(_is_position, f"a position [m] {_NO_METHOD}")
 _PLACES = Form(_are_places, f"a one-dimensional array of positions [m] {_NO_METHOD}")
 
-# For each kind of part of a scene, the forms of its attributes and the arguments of its methods.
+# The forms of the attributes (`_ATTRIBUTES`) and the arguments of the methods (`_METHODS`) of each
+# kind of part of a scene.
 _ATTRIBUTES: dict[type, dict[str, Form]] = {
     Profile: {
         "name": _TEXT,
@@ -235,7 +236,7 @@ class AuthorMethod(NamedTuple):
     def number(
         self, method: Callable[..., Any], *arguments: Any, allowed: str = "a finite real number"
     ) -> float:
-        """The finite number that the method returns."""
+        """The finite number that the method returns; SceneError if it returns anything else."""
         return such(self.what, self.value(method, *arguments), allowed, lambda number: True)
 
     def text(self, method: Callable[..., Any], *arguments: Any) -> str:

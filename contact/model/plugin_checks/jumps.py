@@ -45,10 +45,10 @@ class CheckOptions:
 
 
 CHECKS = CheckOptions()
-# Number of steps, each half of the one before, down to round-off.
+# Number of halvings of a step until it is round-off relative to the first step.
 _HALVINGS = int(-np.log2(ROUND_OFF))
-# Step of the differences that show the second derivative, relative to the checked interval. Also
-# the ratio of the smallest to the largest distance from which a corner is examined.
+# Step of the differences that show the second derivative, relative to the checked interval. A
+# corner is examined from distances that decrease to this fraction of the first one.
 BEND_STEP = np.sqrt(ROUND_OFF)
 
 
@@ -72,8 +72,8 @@ class JumpEstimates:
 
 
 def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0) -> JumpEstimates:
-    """Estimated jumps at places, from values at distances of at most `reach` (one number for each
-    place).
+    """Estimated jumps of the derivatives at `places`, from values of the profile beside each
+    place. Place number i uses values at distances up to `reach[i]`.
 
     nearest: the shortest step, for places that are not known to the last digit.
     """
@@ -116,7 +116,7 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
 def slope_jumps(
     slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float
 ) -> list[tuple[float, float]]:
-    """Places and jumps of a function `slope` in the interval from lo to hi.
+    """Places and sizes of the jumps of a function `slope` in the interval from lo to hi.
 
     Intervals of a fine grid are halved towards the larger change, down to `reach`; a change counts
     if it is not small over `scale`.
@@ -167,9 +167,8 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
         step = BEND_STEP * width
         room = room_around(found, np.concatenate((declared, found, ends)), width, periodic)
         seen = jumps_at(profile, found, room, nearest=100 * step)
-        # At a place found at the distance d from a true jump of f'', the slopes extrapolated from
-        # its two sides differ by about d times the jump. The quotient gives d, by which the place
-        # is corrected.
+        # A place found by differences lies at a distance d from the true jump of f''. The slopes
+        # extrapolated from its two sides therefore differ by about d times the jump, which gives d.
         distance = seen.height[:, 0] / np.where(seen.height[:, 1] == 0, np.inf, seen.height[:, 1])
         found = found - np.where(np.abs(distance) < 10 * step, distance, 0.0)
         seen = jumps_at(profile, found, room, nearest=step / 100)
@@ -177,9 +176,7 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _declared_places(profile: Profile, lo: float, width: float) -> Array:
-    """Places at which the profile's declarations allow a derivative to jump, and the border of the
-    cell.
-    """
+    """Declared places at which a derivative may jump, and the border of the cell."""
     tips = [] if profile.summits is None else [np.asarray(profile.summits, dtype=np.float64)]
     border = [lo] if profile.period is not None else []
     places = np.unique(
@@ -188,8 +185,8 @@ def _declared_places(profile: Profile, lo: float, width: float) -> Array:
         )
     )
     apart = np.diff(places, prepend=-np.inf) > _one_place(width)
-    # Algebraic points of a power up to 3 are left out, as the third derivative is not continuous
-    # there. `powers` checks these points.
+    # Algebraic points of a power up to 3 are left out: there the third derivative is not
+    # continuous. The function `powers` checks these points.
     places = np.setdiff1d(places[apart], _rough(profile))
     if ends := ends_of(profile):
         places = places[(places > ends[0]) & (places < ends[1])]
@@ -235,8 +232,8 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) -> float:
-    """The fraction of the declared powers that the differences do not show. It is the least of the
-    fractions found with steps that are halved again and again.
+    """The fraction of the declared powers that the differences do not show. Steps are halved
+    again and again, and the smallest of the fractions found is returned.
 
     It is 0 where round-off hides the powers, or hides them before smooth parts have vanished.
     """
@@ -252,12 +249,12 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
         y = abs(room) / (order + 1) * 0.5**j * np.arange(1, order + 2)
         values = np.asarray(function(s + np.sign(room) * y), dtype=np.float64)
         declared = float(weights @ (y[:, None] ** power @ size))
-        # The round-off of the places next to s also changes the values there.
+        # The round-off of the places, `EPS` times s, changes the values at the places next to s.
         rounding = EPS * float(np.abs(weights) @ np.abs(values)) * (1.0 + abs(s) / y[0])
         if abs(declared) > 10 * rounding / (2 * CHECKS.jump):
             found.append(abs(float(weights @ values) - declared) / abs(declared))
-    # If the fraction still decreases from step to step, the smooth part of the function has not
-    # vanished yet from the differences.
+    # If the last halving of the step still decreased the fraction, the differences still contain
+    # the smooth part of the function. Then there is no verdict.
     return 0.0 if len(found) < 3 or found[-1] < 0.7 * found[-2] else min(found)
 
 
@@ -317,8 +314,8 @@ def _bends(profile: Profile, lo: float, width: float, scale: float) -> Array:
     first, last = (lo, lo + width) if periodic else (lo + 2 * h, lo + width - 2 * h)
     size = float(np.max(np.abs(bend(np.linspace(first, last, DETAIL.samples)))))
     found = slope_jumps(bend, first, last, 2 * h, max(size, scale / width))
-    # A noisy shape seems to bend everywhere. It is enough to examine at most a tenth as many places
-    # as there are samples.
+    # A noisy shape seems to bend everywhere. Therefore only the first places are examined, at most
+    # a tenth of the number of samples.
     places = np.array([s for s, _ in found][: DETAIL.samples // 10])
     return np.asarray(profile.wrap(places), dtype=np.float64) if periodic else places
 

@@ -124,8 +124,8 @@ def _require_regular(kernel: sie.Kernel) -> None:
         "is not odd in x - xi: what a load does elsewhere, one elsewhere does here",
     )
     nodes, weights = np.polynomial.legendre.leggauss(5)
-    # Half the step of the differences. The error of the quadrature grows with the step, whereas
-    # round-off decreases with it.
+    # The differences have the step 2 `half`. With a longer step the quadrature would be less
+    # accurate, with a shorter one the differences would lose digits to round-off.
     half = 0.5 * np.sqrt(CHECKS.same)
     rise = potential(_LAGS + half, zero) - potential(_LAGS - half, zero)
     within = half * np.asarray(regular(_LAGS[:, None] + half * nodes, zero)) @ weights
@@ -234,7 +234,7 @@ def require_body(substrate: Substrate) -> None:
 def _require_fast(values: Array) -> None:
     """Raise SceneError unless the symbol L tends to 1 exponentially with q, not as a power of q."""
     rest = np.abs(values - 1)
-    # The largest wavenumber at which L - 1 has digits above round-off.
+    # `k` is the index of the largest wavenumber at which L - 1 is well above round-off.
     digits = np.flatnonzero(rest > 2**16 * EPS)
     k = int(digits[-1]) if len(digits) else 0
     if k == 0 or rest[-1] >= 0.9 * rest[k // 2]:  # another limit is another fault

@@ -50,7 +50,7 @@ def is_of_package(profile: "Profile") -> bool:
 
 
 def read_from(name: str) -> Any:
-    """A property that returns an attribute of the profile, or of another profile inside it.
+    """A property that returns the attribute `name`; "profile.x" is the attribute x of `profile`.
 
     An example is `read_from("profile.support")`.
     """
@@ -204,7 +204,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def feature(self) -> float | None:
-        """Length over which most of the shape varies. The grid of a first guess has about this
+        """Length over which most of the shape varies; the grid of a first guess has about this
         step.
         """
         return self.resolution
@@ -265,8 +265,7 @@ class Profile(Named, sie.Kept):
         if self.period is None:
             return given
         lo = self.x0
-        # The positions of the extremes (argmin, argmax) are found faster than the extreme values
-        # themselves.
+        # argmin and argmax are faster than min and max.
         if (
             given.dtype == np.float64
             and given.size
@@ -274,8 +273,8 @@ class Profile(Named, sie.Kept):
             and given.item(given.argmax()) < lo + self.period
         ):
             return given
-        # The number of periods follows from the real part of x, as the complex-step derivative
-        # passes complex x.
+        # Only the real part of x is used here, since x may be complex: x + ih in the complex-step
+        # derivative.
         turns = np.floor((given.real - lo) / self.period)
         moved = given - self.period * turns
         # Round-off can leave the result just outside the cell on either side.
@@ -365,7 +364,8 @@ class Profile(Named, sie.Kept):
         fields = dataclasses.fields(self)  # type: ignore[arg-type]
         return tuple(getattr(self, field.name) for field in fields if field.compare)
 
-    # Equality and hash are for dataclasses made with eq=False because a field is an array.
+    # `__eq__` and `__hash__` serve dataclasses made with eq=False because one of their fields is an
+    # array.
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self) or not dataclasses.is_dataclass(self):
             return self is other if type(other) is type(self) else NotImplemented

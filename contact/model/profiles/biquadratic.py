@@ -79,7 +79,7 @@ class Biquadratic(Profile):
     def kinks(self) -> Array:
         if self.period is None:
             return np.empty((0, 2))
-        # By symmetry the slope changes its sign at the border of the cell. The jump of the slope is
+        # By symmetry the slope left of the border is minus the slope right of it. The jump is
         # therefore twice the slope on the right.
         return np.array([[self.x0, 2 * self._slope_in_cell(self.x0)]])
 

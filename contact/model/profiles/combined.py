@@ -22,7 +22,7 @@ from contact.model.profiles.base import Array, Profile
 from contact.model.profiles.noise import EPS
 from contact.model.profiles.placement import Overlap, PlacedBody, common_period, same_place
 
-# Keys of a counter body's table that place the body and do not describe its shape.
+# Keys of the table of a counter body that say where the body is, not which shape it has.
 STANDS = ("shift", "mirrored")
 
 
@@ -85,8 +85,7 @@ class Combined(Profile):
         if not isinstance(self.mirrored, (bool, np.bool_)):
             raise SceneError.of("mirrored", self.mirrored, "True or False")
         object.__setattr__(self, "period", common_period(self.profile.period, self.counter.period))
-        # Bodies that do not face each other are refused, as computing the overlap raises
-        # SceneError.
+        # Computing `_overlap` raises SceneError if the bodies do not face each other.
         assert self._overlap is not None
 
     @cached_property
@@ -210,9 +209,7 @@ class Combined(Profile):
 
     @property
     def summits(self) -> Array | None:
-        """The common tip of the bodies, if each body has one tip and both tips are at one place;
-        None otherwise.
-        """
+        """The common tip if each body has one tip and both tips are at one place; None otherwise."""
         one, other = self.profile.summits, self.counter.summits
         unknown = one is None or other is None or len(one) != 1 or len(other) != 1
         if unknown or self.support is not None or self.profile.period != self.counter.period:
@@ -245,7 +242,7 @@ class Combined(Profile):
     def algebraic_points(self) -> Array:
         rows = self._in_cells(PlacedBody.algebraic_rows)
         rows = rows[np.argsort(rows[:, 0], kind="stable")]
-        # Algebraic points of the two bodies that agree to round-off get exactly the same position.
+        # Places of algebraic points that are equal but for round-off become exactly equal.
         apart = np.diff(rows[:, 0], prepend=-np.inf) > self._same(rows[:, 0])
         rows[:, 0] = rows[apart, 0][np.cumsum(apart) - 1]
         return rows
@@ -263,14 +260,14 @@ class Combined(Profile):
         return self._added(self._in_cells(PlacedBody.jump_rows))
 
     def _in_cells(self, rows_of: Callable[[PlacedBody], Array]) -> Array:
-        """Rows of both bodies, each beginning with a place. The rows of a body are repeated in each
-        cell of that body.
+        """Rows of both bodies, whose first column is a place. Each row of a body is repeated in all
+        cells of that body.
         """
         parts = [self._repeated(rows_of(one), one.body.period) for one in self._placed.values()]
         return np.concatenate(parts)
 
     def _repeated(self, rows: Array, period: float | None) -> Array:
-        """Rows of one body, each beginning with a place, repeated in each of the body's cells."""
+        """Rows of one body, whose first column is a place, repeated in all cells of the body."""
         ends = self._overlap.ends
         if period is not None and len(rows):
             if self.period is not None:
@@ -292,8 +289,8 @@ class Combined(Profile):
         return rows
 
     def _added(self, rows: Array) -> Array:
-        """Sorted rows of place, order of the derivative, and jump, with jumps of the same place and
-        order added.
+        """Sorted rows of place, order of the derivative, and jump. If two rows have the same place
+        and order, their jumps are added.
 
         Rows whose jumps cancel are left out.
         """

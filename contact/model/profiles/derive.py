@@ -50,8 +50,7 @@ class VerdictOptions:
 
 @dataclass(frozen=True)
 class DifferenceOptions:
-    """Options for central differences: their steps, each twice the one before, and the round-off
-    of heights.
+    """Options for central differences. Their steps are doubled again and again.
 
     wider: number of steps above the scale of a place. Heights with a large constant need wide
         steps.
@@ -70,9 +69,9 @@ class DifferenceOptions:
 
 VERDICTS = VerdictOptions()
 DIFFERENCES = DifferenceOptions()
-# Number of steps that are shorter than a place's length scale. Even with the shortest one, a
-# difference quotient has some digits. Still shorter steps may not change a height at all, and their
-# quotients, all zero, would falsely agree.
+# Number of steps shorter than the length scale of a place. With the shortest of these steps a
+# difference quotient still has some digits. With still shorter steps the height might not change:
+# quotients that are all zero would agree and be taken for the slope.
 _FINER = int(-np.log2(EPS)) - 2 * DIFFERENCES.sure
 
 
@@ -93,8 +92,8 @@ class DerivedSlope:
     ) -> None:
         self._options = DIFFERENCES
         if period is not None and length is not None:
-            # Differences over whole periods are all zero, and would falsely agree. Therefore the
-            # two places of a difference are at most half a period apart.
+            # The two places of a difference are at most half a period apart. Differences over whole
+            # periods are all zero: they would agree and be taken for the slope.
             wider = int(np.floor(np.log2(0.25 * period / length)))
             self._options = replace(DIFFERENCES, wider=min(DIFFERENCES.wider, wider))
         self._height, self._length, self._ends = height, length, ends
@@ -174,8 +173,8 @@ def scale_of(
 
 
 def complex_step(height: Function, x: Array) -> Array | None:
-    """The complex-step derivative Im f(x + ih)/h, not finite where f is not. It is None if the
-    height does not accept complex numbers.
+    """The complex-step derivative Im f(x + ih)/h, not finite where f is not finite. It is None
+    if the height does not accept complex numbers.
     """
     value = complex_value(height, x + 1j * _TINY)
     return None if value is None else value.imag / _TINY
@@ -294,7 +293,7 @@ def differences(
     best, doubt = np.empty(x.shape), np.empty(x.shape)
     with np.errstate(all="ignore"):
         for some in np.array_split(order, max(1, -(-len(x) // BLOCK))):
-            # The last block is filled up by repeating its last place.
+            # The last block repeats its last place until it is as long as the other blocks.
             whole = np.append(
                 some, np.full(-len(some) % min(options.together, len(some)), some[-1])
             )
@@ -310,9 +309,7 @@ def _quotients(
     ends: tuple[float, float] | None,
     options: DifferenceOptions,
 ) -> tuple[Array, Array]:
-    """Extrapolated difference quotients at ascending places, one step in each row, and their
-    round-off errors.
-    """
+    """Extrapolated difference quotients and their round-off. Rows are steps, columns are places."""
     steps = scale * 2.0 ** np.arange(-_FINER, options.wider + 1)[:, None]
     if ends is not None:
         steps = np.where((x - steps >= ends[0]) & (x + steps <= ends[1]), steps, 0.0)
@@ -334,8 +331,8 @@ def _quotients(
 
 
 def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple[Array, Array]:
-    """For each place (column), the best value in a run of successive steps (rows) that agree to
-    within noise, and the noise of this value.
+    """For each place (column), the best value in a run of successive steps (rows) whose values
+    agree to within noise; and the noise of this best value.
 
     It is the first run that is long enough, else the longest: agreement at wide steps only is an
     alias. The best value is the last but one before noise grows or the run ends, as the last one
@@ -376,8 +373,8 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
 
 
 def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptions) -> Array:
-    """Round-off of heights in each block if it is larger than the size of the heights suggests, as
-    for cosh(x) - 1; otherwise 0.
+    """Round-off of the heights in each block of places, if it is larger than the size of the
+    heights suggests (as for cosh(x) - 1); otherwise 0.
 
     evens: second differences by growing steps. rounding: of the heights by their size. A
     combination of second differences of sixth order is level while it is round-off, and grows with
@@ -390,18 +387,18 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
         np.median(rough, axis=2), options.sure, axis=0
     )
     before, after = (np.median(half, axis=2) for half in np.split(windows, 2, axis=2))
-    # A window is level if its differences are round-off, which does not grow with the step. Steps
-    # too short to change a height give differences 0. At a kink, the median more than doubles from
-    # the first half of the window to the second.
+    # A window of successive steps is level if its differences do not grow with the step, as is true
+    # of round-off. The test compares the median of its second half (`after`) with that of its first
+    # half (`before`). A median of 0 is excluded: such steps were too short to change a height.
     level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
     found = np.where(level, np.max(windows, axis=2), np.inf)
-    # A value above 128 (`part`) times the least one is more than round-off: the shortest steps that
-    # change a height may show only 1/128 of the round-off.
+    # Of the level windows, those above 128 (`part`) times the smallest one are not round-off. The
+    # factor is this large because the shortest steps may show only 1/128 of the round-off.
     found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)
-    # A steep rise of the height looks like larger round-off. Therefore at most half of the digits
-    # may count as hidden round-off.
+    # A steep rise of the height can look like large round-off. Therefore the hidden round-off may
+    # be at most 1/sqrt(EPS) times that of the heights' size.
     most = np.max(sizes, axis=(0, 2)) / np.sqrt(EPS)
     return np.asarray(np.minimum(options.margin * largest, most))
 

@@ -91,9 +91,7 @@ class Fourier(Profile):
 
     @property
     def exact_places(self) -> bool:
-        """Whether the sums take each place as two floats, a number and its round-off, and so keep
-        all digits.
-        """
+        """Whether the sums use x/period and its round-off error, so that no digit is lost."""
         return _is_long(np.size(self.cosine))
 
     @cached_property
@@ -125,8 +123,8 @@ class _Waves:
         return Sum.of(self.amplitudes)
 
     def __call__(self, x: Array) -> Array:
-        """The sum at x. If there are few harmonics (N), their numbers are split as k = r + s q: a
-        matrix product sums over r, then about sqrt(N) terms are summed over q.
+        """The sum at x. With few harmonics (N), their numbers k are split as k = r + s q. A matrix
+        product sums over r; then about sqrt(N) terms are summed over q.
 
         Each power is an exponential of its own, so no round-off accumulates as in a recurrence.
         """

@@ -13,26 +13,27 @@ import numpy as np
 from sie import Array
 
 EPS = float(np.finfo(np.float64).eps)
-# Numbers whose relative difference is below this are equal but for round-off.
+# Numbers count as equal, but for round-off, if their relative difference is below this.
 ROUND_OFF = 4096 * EPS
 # Weights of the sixth difference of seven values at equally spaced places.
 WEIGHTS = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
 PLACES = np.arange(len(WEIGHTS), dtype=np.float64)
-# Step between two values, relative to the shortest wavelength: (2 pi step)^6 is below round-off.
-# Places are rounded to less than a step up to 1e12 wavelengths from x = 0.
+# Step between two neighbouring places, relative to the shortest wavelength of a function. The sixth
+# difference of that wave is about (2 pi STEP)^6 of its amplitude, below round-off. At up to 1e12
+# wavelengths from x = 0, the round-off of a place is smaller than a step.
 STEP = 3e-4
 _SPREAD = math.sqrt(WEIGHTS @ WEIGHTS)
 
 
 def deviations(values: Array) -> Array:
-    """Deviation (n,) from a smooth function, for n groups of seven values (7, n), each at equally
-    spaced places.
+    """Deviations from a smooth function, one for each column of `values`, an array (7, n). A
+    column has the values at seven equally spaced places.
     """
     return np.asarray(np.abs(np.tensordot(WEIGHTS, values, axes=1)) / _SPREAD)
 
 
 def noise(values: Array) -> float:
-    """Standard deviation of the noise of values (7, n), in groups of seven equally spaced places.
+    """Standard deviation of the noise of `values` (7, n), given as for `deviations`.
 
     It is a median, so that a few groups may contain corners.
     """
@@ -41,7 +42,7 @@ def noise(values: Array) -> float:
 
 
 def rounding(values: Array) -> float:
-    """Round-off of the largest of the values (7, n) plus four times the noise of the values."""
+    """Round-off of the largest of the `values` (7, n), plus four times the noise of the values."""
     finite = np.isfinite(values)
     largest = float(np.abs(values).max(initial=0.0, where=finite))
     return EPS * largest + 4.0 * noise(values)

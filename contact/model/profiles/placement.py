@@ -20,7 +20,7 @@ Window = tuple[float, float]
 
 @dataclass(frozen=True)
 class CombinedLimits:
-    """Largest numbers of cells of two bodies that are examined one by one.
+    """Limits on the number of cells for which two bodies are combined cell by cell.
 
     cells_in_period: largest number of cells of either body in the common period.
     repeats: number of cells, on either side, of a periodic body with corners that faces a body
@@ -58,7 +58,7 @@ class PlacedBody:
         return at if ends is None else onto(ends, np.asarray(self.body.wrap(at)), slack)
 
     def window(self, ends: Window) -> Window:
-        """An interval of the body, in the coordinate x common to both bodies."""
+        """An interval of the body, converted to the coordinate x common to both bodies."""
         lo, hi = np.sort(self.common_x(np.array(ends))).tolist()
         return lo, hi
 
@@ -81,8 +81,8 @@ class PlacedBody:
         rows = np.concatenate((np.insert(body.kinks, 1, 1, axis=1), body.jumps, others))
         rows[:, 0] = self.common_x(rows[:, 0])
         if self.mirrored:
-            # A mirror changes the sign of odd derivatives and exchanges the sides of a jump, so
-            # that only jumps of even order change their sign.
+            # A mirror changes the sign of odd derivatives and exchanges the two sides of a jump.
+            # Together, only jumps of even order change their sign.
             rows[rows[:, 1] == 2, 2] *= -1
         return rows
 
@@ -142,8 +142,8 @@ class Overlap:
 
 
 def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
-    """The interval in which corners of a periodic body are listed: a number of its cells around the
-    tip of the other body, which has no period.
+    """The interval in which corners of a periodic body are listed, if the other body has no
+    period. It contains a number of cells around the tip of the other body.
 
     None where the bodies are no such pair.
     """

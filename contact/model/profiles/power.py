@@ -114,9 +114,8 @@ class Power(Profile):
             if self.exponent > 1.0
             else []
         )
-        # At the border, powers 1 and 3 of the distance are declared in `kinks` and `jumps`, and
-        # powers 5 and 7 here. Power 9 is left out, as the Chebyshev coefficients of its slope
-        # decrease as n^-9.
+        # Near the border, f contains odd powers of the distance. Powers 1 and 3 are declared in
+        # `kinks` and `jumps`, powers 5 and 7 here. Power 9 is smooth enough to be left out.
         border = [
             [at, order, jump / (2 * order), jump / (2 * order)]
             for at, order, jump in self._at_border(5, 7)

@@ -206,8 +206,7 @@ class Sampled(Profile):
     history: tuple[str, ...] = field(default=(), compare=False, repr=False)
     warnings: tuple[str, ...] = field(default=(), compare=False, repr=False)
     units = {"period": "m", "lambda_s": "m", "lambda_c": "m", "taper": "1"}
-    # The points of the file and the preparation of these points; None for points that come from no
-    # file.
+    # (points of the file, preparation of these points); None for points that come from no file.
     source: ClassVar[tuple[Any, Any] | None] = None
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
@@ -316,8 +315,8 @@ class Sampled(Profile):
 
     @property
     def breakpoints(self) -> Array:
-        """The knots of the spline, at which its third derivative jumps. A not-a-knot spline has no
-        jumps at its two first and two last points.
+        """The knots of the spline at which its third derivative jumps. A not-a-knot spline has no
+        jump at the first two and the last two points.
         """
         return np.array(self.x if self.period is not None else self.x[2:-2])
 
@@ -327,7 +326,7 @@ class Sampled(Profile):
         polynomial.
         """
         third = -6.0 * self._spline.c[0]
-        # With a period, the last cubic precedes the first knot.
+        # With a period, the cubic before the first knot is the last one.
         first, before = (0, third[-1:]) if self.period is not None else (1, third[:0])
         at = self._knots[first:-1]
         return np.column_stack((at, np.full(at.size, 3.0), np.diff(third, prepend=before)))

@@ -17,8 +17,8 @@ from sie import Array, Complex, record
 # Half width and width of the spreading kernel psi, in cells of the grid.
 _HALF = 8
 WIDTH = _HALF + _HALF
-# Steepness b of the spreading kernel for a grid twice as fine as needed (section 4 of the paper
-# cited above).
+# Steepness b of the spreading kernel for a grid twice as fine as necessary: section 4 of the paper
+# cited at the head of this module.
 _STEEP = 0.98 * np.pi * WIDTH * 0.75
 # Number of points that are computed at once, so that the values of their kernels stay in the
 # processor's cache.
@@ -43,8 +43,8 @@ def _transform(harmonics: int, n: int) -> Array:
 
 @record
 class Sum:
-    """The sum Re sum_{k >= 1} c_k exp(2 pi i k x), with x in periods, stored as values on a grid
-    of n points.
+    """The sum Re sum_{k >= 1} c_k exp(2 pi i k x), stored as its values at n points of a grid.
+    The unit of x is the period.
 
     The first values are repeated at the end.
     """
@@ -88,8 +88,8 @@ class Sum:
 
 
 def coefficients(weights: Array, turns: Array, count: int) -> Complex:
-    """For k = 1 ... `count`, the sums over j of w_j exp(-2 pi i k x_j), with weights w (m,) at
-    places x (m,) in periods.
+    """The sums over j of w_j exp(-2 pi i k x_j) for k = 1 ... `count`. w (m,) are weights, x
+    (m,) places counted in periods.
 
     It is the transpose of `Sum`, accurate to 1e-15 sum |w_j|.
     """

@@ -35,18 +35,18 @@ _COMMENT = re.compile(rf"\s*(?!{_ERRORS})#", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class WarningLimits:
-    """Limits above which heights cause a warning. Halving or doubling them changes none of the
-    known cases.
+    """Limits above which heights cause a warning. No known case needs exactly these limits: half
+    or twice as large ones give the same warnings.
     """
 
-    # Least distance of a spike from its neighbours, relative to the range of the other heights. For
-    # a value that may mark missing heights (such as -32768): the least step to its neighbours,
-    # relative to the upper quartile of the steps between other heights.
+    # A spike differs from its neighbours by this multiple of the other heights' range. Around a
+    # value that may mark missing heights (such as -32768), every step is this multiple of the usual
+    # step between other heights.
     far: float = 10.0
     # Number of points of the running median; a spike has less than half as many points.
     median_points: int = 9
-    # Largest fraction of missing heights without a warning. Also the largest fraction of points
-    # that may be spikes: if more points are far from the others, they belong to the surface.
+    # Largest fraction of missing heights without a warning. It is also the largest fraction of
+    # points that may be spikes: more points than that belong to the surface.
     max_part: float = 0.1
 
 
@@ -153,9 +153,7 @@ def marks(height: Array) -> str:
 
 
 def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
-    """Whether every step between a marked height and another one is much larger than the usual
-    step.
-    """
+    """Whether every step between a height in the mask `here` and another one is unusually large."""
     steps = np.abs(np.diff(height))
     border = here[1:] != here[:-1]
     inner = ~here[1:] & ~here[:-1]
@@ -163,9 +161,9 @@ def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
     if not inner.any() or float(np.median(steps[inner])) == 0:
         return False
     usual = float(np.quantile(steps[inner], 0.75))
-    # On the flanks of a narrow bump all steps are large, not only the step at its top. Therefore
-    # the usual step is at least the median of the steps that are next to a step into or out of
-    # marked heights.
+    # On the flanks of a narrow bump all steps are large, not only the one at the bump's top. The
+    # usual step is therefore at least the median of those steps that follow or precede a `border`
+    # step.
     following = inner & (np.append(border[1:], False) | np.append(False, border[:-1]))
     if following.any():
         usual = max(usual, float(np.median(steps[following])))

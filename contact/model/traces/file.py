@@ -68,9 +68,7 @@ class Header:
 
 @dataclass(frozen=True)
 class Table:
-    """Numbers of the wanted columns (n, 1 or 2) in the units of the file, their line numbers, and
-    the header.
-    """
+    """The numbers in the wanted columns, (n, 1) or (n, 2), their line numbers, and the header."""
 
     values: Array
     lines: NDArray[np.int64]
@@ -83,8 +81,8 @@ class Table:
 
 @dataclass(frozen=True)
 class _Found:
-    """A layout of the file, and the row `first` at which rows of numbers begin with this layout.
-    `places` are the indices of the wanted columns.
+    """A layout of the file, and the index `first` of the first row from which on it gives
+    numbers. `places` are the indices of the wanted columns.
     """
 
     layout: Layout
@@ -188,7 +186,7 @@ def _columns(columns: Any, wanted: int) -> tuple[int | str, ...]:
 
 
 def _asked(decimal: Any, delimiter: Any) -> tuple[tuple[str | None, ...], tuple[str, ...]]:
-    """The possible delimiters and decimal marks: the user's, or else all known ones."""
+    """The possible delimiters and decimal marks: the one that the user gives, or all known ones."""
     if decimal is not None and (not isinstance(decimal, str) or decimal not in _DECIMALS):
         raise SceneError.of("decimal", decimal, '"." or ","')
     if delimiter is not None and (not isinstance(delimiter, str) or delimiter not in _DELIMITERS):
@@ -255,7 +253,7 @@ def _first_of_two(
 
 
 def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
-    """The data, extended upwards in the file by points that lie among rows with missing heights.
+    """The data found, extended to earlier rows: missing heights, and single points among them.
 
     Such points were not found as two successive rows of numbers. A row with an unknown word for a
     missing height is included and refused later. For heights alone, such a word ends the data,
@@ -399,7 +397,7 @@ def _counts(data: Data, values: Array) -> bool:
 
 
 def _number_above(data: Data) -> int:
-    """Line number of a decimal number just above a single column of heights; 0 if there is none.
+    """Line number of a decimal number just above a lone column of heights; 0 if there is none.
 
     Whole numbers are ignored: they are numbers of points.
     """

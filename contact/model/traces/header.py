@@ -10,8 +10,9 @@ from typing import Any
 from contact.errors import SceneError, shown
 from contact.model.traces.text import unquoted
 
-# Each row has the length of a unit in metres (NaN for units of other quantities) and the names of
-# the unit. Messages use the first name. Case, accents, a plural s and a final dot do not matter.
+# Table of units. Each row has the unit's length in metres (NaN for units of other quantities) and
+# the names of the unit, of which messages use the first. Case, accents, a plural s and a final dot
+# do not matter.
 _TABLE = (
     (1e3, "km kilometer kilometre км километр 千米 公里"),
     (1.0, "m meter metre м метр 米 メートル"),
@@ -42,7 +43,7 @@ _NO_UNITS = frozenset(
     "raw data axis value values coord coordinate profile signal filtered corrected levelled "
     "leveled smoothed mean average abs rel left right top measured axe achse wert werte".split()
 )
-# Words in names of columns (such as depth) whose heights grow into the body.
+# Parts of column names that mean heights measured into the body, such as depth.
 _DEPTHS = (
     "depth", "tiefe", "profondeur", "profundi", "profondit", "diepte", "djup", "глубин", "深",
 )  # fmt: skip
@@ -181,7 +182,7 @@ def units_of(cells: Sequence[str]) -> tuple[Unit | None, ...]:
 
 
 def _word_behind_name(field: str) -> str:
-    """The word behind a usual name, as in "Height_smoot"; empty if this word cannot be a unit."""
+    """The word after a usual name, as in "Height_smoot"; empty if this word cannot be a unit."""
     found = _NAME_WORD.match(field.strip())
     if found is None or not is_name(found[1]) or is_name(found[3]):
         return ""
@@ -225,7 +226,7 @@ def mentioned(line: str) -> str | None:
 
 
 def unit_words(line: str) -> list[str]:
-    """The units in a line, found where a unit may follow a name, in any column."""
+    """The units in a line, found wherever a unit may follow a name, without regard to columns."""
     words = _NAME_MARK.sub(_with_mark, line).split()
     found = [unit_of(word) for word in words]
     return [unit.word for unit in found if unit is not None]
@@ -239,7 +240,7 @@ def bare_name(field: str) -> str:
 
 
 def header_fields(line: str, delimiter: str | None) -> Iterator[list[str]]:
-    """The fields of a header, divided by the delimiter of the data and then by other delimiters.
+    """The fields of a header, divided by one delimiter after another, that of the data first.
 
     Units stay with their names: in brackets, after a slash, a comma, a colon or "in".
     """

@@ -47,7 +47,8 @@ _TRENDS = ("none", "line", "quadratic")
 class TraceLimits:
     """Limits of the preparation, and limits of plausible values of a measured trace."""
 
-    # Highest degree of a polynomial to be subtracted; a filter should remove still shorter waves.
+    # Highest degree of a polynomial to be subtracted. Shorter waves than such a polynomial has
+    # should be removed by a filter.
     max_trend: int = 12
     # Largest number of points that `regrid` may create. Linear interpolation adds corners and time,
     # but no information.
@@ -57,8 +58,8 @@ class TraceLimits:
     # Longest plausible trace and widest plausible pitch [m], as for a guideway or a road.
     max_length: float = 1.0
     max_pitch: float = 1e-3
-    # If no units are given, the largest length and pitch above are multiplied by this. Metres are
-    # then a guess, and a trace in mm would look longer.
+    # If no units are given, the limits `max_length` and `max_pitch` are multiplied by this. Metres
+    # are then a guess, and a trace in mm would seem to be a thousand times longer.
     guessed: float = 0.1
 
 
@@ -300,9 +301,7 @@ def _measured_length(x: Array, height: Array) -> float:
 
 
 def _doubtful_heights(name: str, x: Array, height: Array, many: str) -> tuple[str, ...]:
-    """Warnings about doubtful heights. `many` is a note on missing heights if a large part of all
-    heights is missing, else "".
-    """
+    """Warnings about doubtful heights. `many` is a note on missing heights; "" for only a few."""
     missing = [f"{many}, more than a tenth of them"] if many else []
     far = marks(height) or spikes(x, height)
     return tuple(f"{name}: {what}" for what in (*missing, far) if what)
@@ -365,7 +364,7 @@ def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
 
 
 def taper_ends(x: Array, height: Array, fraction: float) -> Array:
-    """Heights drawn towards a common height near both ends: the mean of the heights there.
+    """Heights that approach a common height at both ends: the mean of the heights near the ends.
 
     The deviation from this mean is multiplied by (1 - cos(pi s))/2. s grows from 0 at an end to 1
     at the distance `fraction` times the length.
@@ -391,8 +390,8 @@ def _pitch_behind_rounding(x: Array) -> float | None:
         place = 10.0**power
         off = np.abs(x / place - np.rint(x / place))
         if np.max(off) <= 1e-6:
-            # Rounding moves a point by at most half a decimal place. The second term is the error
-            # of the fit.
+            # Rounded positions are wrong by at most half a decimal place. The second term allows
+            # for the error of the fitted line.
             allowed = place * (0.5 + 1 / np.sqrt(n))
             return slope if float(np.max(np.abs(x - fitted))) <= allowed else None
     return None

@@ -101,8 +101,8 @@ def refuse_unclear_commas(data: Data) -> None:
     if layout.delimiter != "," or any('"' in text for _, text in data.rows):
         return
     for (line, text), cells in zip(data.rows, data.cells, strict=True):
-        # In 1,000.5 and 0,05 the parts 000.5 and 05 cannot be separate numbers, unless all numbers
-        # are padded with zeros.
+        # In 1,000.5 and 0,05 the parts 000.5 and 05 cannot be numbers of their own columns. They
+        # can be if all numbers are padded with zeros.
         part = next((cell for cell in cells[1:] if re.match(r"0\d", cell)), None)
         if (
             part is not None
@@ -215,7 +215,7 @@ def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) ->
 
 
 def refuse_count(data: Data) -> None:
-    """Refuse a number of points among the first rows, since it would be read as a point.
+    """Refuse a file with its number of points in a first row, which would be read as a point.
 
     It is a whole number that equals the number of rows below it (in a long table, also below the
     next two rows). Evenly spaced positions such as 11, 10, 9 are accepted.

@@ -63,8 +63,8 @@ def intervals(
 
 
 def _joined(x: Array, period: float | None) -> list[Interval]:
-    """The interval between the last point and the first point of the next period, if it is longer
-    than all other intervals between points.
+    """The interval between the last point and the first point of the next period, as a list. The
+    list is empty if this interval is no longer than the longest step between points.
     """
     if period is None:
         return []

@@ -127,7 +127,7 @@ def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
 
 
 def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
-    """A case of a rough profile whose reference solution has the slope of the gap as unknown.
+    """A case of a rough profile whose reference solution is solved for the slope of the gap.
 
     The solver itself solves for the pressure.
     """
@@ -143,7 +143,7 @@ def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
 
 
 def adhesive(law: JKR | Dugdale) -> Case:
-    """A case of an adhesive wave under half of the pull-off load."""
+    """A case of an adhesive wave in tension, at half of the pull-off load."""
     amplitude, E_star = 0.01, 1.0
     curve = (
         JKRWave(amplitude, 1.0, E_star, law.work)

@@ -67,7 +67,7 @@ def _mean_pressure(scene: Scene) -> float:
 
 
 def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
-    """Intervals shifted into the profile's cell and sorted, and their original numbers.
+    """Intervals shifted into the profile's cell and sorted, and their indices before sorting.
 
     The left ends lie in [x0, x0 + L), where x0 is the start of the cell and L the period.
     """

@@ -94,8 +94,8 @@ class OneGap:
         phase = np.round(k / (2 * pi)) * (2 * extended_pi) * x[:, None]
         series = np.cos(phase) @ c.astype(np.longdouble) + np.sin(phase) @ s.astype(np.longdouble)
         excess = series - 2 * np.longdouble(self.mean)
-        # Double precision suffices from here on. Only the difference of large numbers that gives
-        # `excess` needs extended precision.
+        # Double precision suffices from here on. Extended precision was needed for `excess` only,
+        # which is a small difference of large numbers.
         n = self.nodes
         g = 2 / n * np.cos(np.arange(n)[:, None] * self._theta) @ excess.astype(np.float64)
         g[0] *= 0.5

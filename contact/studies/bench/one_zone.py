@@ -86,7 +86,7 @@ class ByPieces(SymmetricZone):
 
 
 def _graded(edges: Array, at: float) -> Array:
-    """The interval ends `edges`, with more ends next to the interval that contains `at`.
+    """The interval ends `edges`, and further ends so that intervals near `at` are shorter.
 
     In the neighbouring intervals the difference quotient has a pole at the angle `at`. There the
     quadrature is accurate if an interval is no wider than its distance from the pole.

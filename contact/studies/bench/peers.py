@@ -73,8 +73,8 @@ def contact_mechanics(
     results: list[Any] = []
 
     def run() -> None:
-        # The default penetration tolerance is too loose; here this tolerance is relative to the
-        # heights.
+        # The default penetration tolerance is too loose. The one used here is relative to the range
+        # of the heights.
         results[:] = [
             system.minimize_proxy(
                 external_force=case.mean_pressure * length,
@@ -127,8 +127,8 @@ def rows(
         if tight is None:
             continue
         row = tight
-        # The loosest tolerance that increases the error by at most a tenth is used. This favours
-        # the other code (peer) in the comparison of times.
+        # The other code (peer) runs with the loosest tolerance that increases its error by at most
+        # a tenth. This favours the other code in the comparison of times.
         for tolerance in tolerances[:-1]:
             loose = _measured(peer, case, x, heights, tolerance, 0.05)
             if (
@@ -156,7 +156,8 @@ def _measured(
 
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
-    """Least time of a run that reaches an error and whose finer runs all reach it; or None.
+    """Least time of the runs that reach an error, as do all runs on finer grids. None if there
+    is no such run.
 
     The rows go from coarse to fine grids. None if the run on the finest grid has a larger error.
     """

@@ -45,7 +45,7 @@ def table(
 
 
 def _hundredfold(rows: list[Row], single: Sequence[str], peers: Sequence[str]) -> Figure:
-    """Return the figure of speed: time of the fastest peer over our time, at an error of 1e-4.
+    """Return the `Figure` for speed: the fastest peer's time over our time, at an error of 1e-4.
 
     If no peer (other code) reaches this error, the figure is a lower bound. It takes the longest
     run of each peer, and the shortest of these times.
@@ -135,7 +135,7 @@ def _floor(floors: list[Scaled], solves: float) -> Figure:
 
 
 def _estimates(rows: list[Row]) -> list[Figure]:
-    """Return two figures: how often the stated error is a bound, and how often it is sharp.
+    """Return two `Figure`s: how often the stated error is a bound, and how often it is sharp.
 
     It is sharp if it is at most 100 max(true error, 1e-13).
     """

@@ -26,7 +26,7 @@ from contact.studies.bench.scaling import Scaled
 
 
 class Progress(Protocol):
-    """An object that shows how many measurements are done, and lines about their results."""
+    """An object that displays the number of measurements that are done, and lines of results."""
 
     def __call__(self, stage: str, done: int, total: int | None) -> None: ...
     def say(self, line: str) -> None: ...

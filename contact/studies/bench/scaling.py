@@ -52,10 +52,10 @@ class Scaled:
 
 
 def floor_seconds(solution: Solution) -> float:
-    """Floor of the solver's time [s]: one evaluation of the profile and one sum of the kernel."""
+    """Lower estimate of the solver's time [s]: one evaluation of the profile, one kernel sum."""
     fields, profile = solution.fields, solution.scene.profile
     assert isinstance(fields, ZoneFields | GapFields)
-    # Near full contact the solver's unknown is the slope of the gap instead of the pressure.
+    # Near full contact the solver's unknown is the slope of the gap. Otherwise it is the pressure.
     zones = (fields.density if isinstance(fields, ZoneFields) else fields.gap_slope).zones
     per_zone = max(1, solution.plan.counts["own_modes"] // len(zones))
     theta = (np.arange(per_zone) + 0.5) * np.pi / per_zone
@@ -93,7 +93,7 @@ def equal_waves(zones: int) -> Scene:
 
 
 def rippled(order: int) -> Scene:
-    """A scene of one zone under a wave with a short ripple that is too weak to open the zone."""
+    """A scene of one zone: a long wave with a short ripple that is too weak to open the zone."""
     cosine = np.zeros(order)
     cosine[0], cosine[-1] = -1e-3, -1e-5 / order
     return Scene(
@@ -110,7 +110,7 @@ def rough_scene(harmonics: int) -> Scene:
 
 
 def _designed(zones: int) -> Scene:
-    """A scene of given zones by inverse design, whose widths differ by a factor of 3 at most.
+    """A scene of given zones by inverse design, none more than 3 times as wide as another.
 
     With larger ratios of widths, zones may be nearly unloaded.
     """
@@ -198,7 +198,7 @@ def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scal
 
 
 def fitted(rows: list[Scaled]) -> list[Scaled]:
-    """Return the rows of the larger half of the sizes (at least three), to fit an exponent.
+    """Return the rows for a fitted exponent: the larger half of the sizes, but at least three.
 
     If there are three rows with the same kind of sums as the largest size, all others are left out.
     """

@@ -89,8 +89,8 @@ def run(case: Extreme, patience: float = 60.0) -> Verdict:
     outcome = "FAIL"
     if found is not None:
         error, stated = truth.stated_measure(found, exact), found.error
-        # A reference solution that is not a closed form is itself inexact; `error` states by how
-        # much.
+        # `known_to` is the error of the reference solution `exact`; it is 0 if that is a closed
+        # form.
         known_to = getattr(exact, "error", 0.0)
         if error <= case.allowed and error <= stated + known_to < np.inf:
             outcome = "pass"
@@ -126,7 +126,7 @@ def _verdict(
 
 
 def _other_topology(found: Solution, exact: Exact) -> tuple[float, str]:
-    """Largest difference of found and exact pressure over the peak pressure, and a message."""
+    """Largest difference of found and exact pressure, relative to the peak pressure; a message."""
     x = truth.comb(exact)
     apart = truth.at_places(x, found.pressure(x), exact)[0]
     word = ", undecided" if found.certificate.undecided else ""
@@ -148,8 +148,8 @@ def run_matrix(
         if progress is not None:
             progress("scenes", k, len(cases))
         with warnings.catch_warnings():
-            # Scenes with E* = 1 and a length of 1 may have steeper slopes than real surfaces. The
-            # model warns about steep slopes.
+            # The model warns about steep slopes. Scenes with E* = 1 and a length of 1 may have
+            # steeper slopes than real surfaces.
             warnings.simplefilter("ignore", ModelWarning)
             out.append(run(case))
     return out

@@ -46,7 +46,7 @@ def scale(exact: Exact) -> float:
 
 
 def stated_measure(found: Exact, exact: Exact) -> float:
-    """Return the larger one of the relative errors of the pressure and of the ends of zones.
+    """Return the relative error of the pressure or of the zones' ends, whichever is larger.
 
     Pressures are compared at equal normalised positions in a zone. The result is inf if the numbers
     of zones differ.

@@ -26,8 +26,8 @@ from contact.sweeps.points import NUMBERS, numbers
 from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis, Value, varied
 from sie import Array, Mask
 
-# A row holds numbers by name, and `failed`, `reason` and `warning`. In a chunk of whole solutions,
-# it holds instead the `solution` or, as `raised`, the exception.
+# A row holds numbers by name, and the entries `failed`, `reason` and `warning`. In a chunk of whole
+# solutions, it holds either the `solution` or the exception `raised`.
 Row = dict[str, Any]
 Rows = list[tuple[int, Row]]
 
@@ -36,11 +36,11 @@ Rows = list[tuple[int, Row]]
 class ChunkOptions:
     """The sizes of chunks; the computing time depends on these sizes only weakly."""
 
-    # Number of chunks for each process; several, so that all processes finish at about the same
-    # time.
+    # Number of chunks for each process. It is above 1, so that all processes finish at about the
+    # same time.
     per_process: int = 4
-    # A process sends its finished rows at least this often [s], so that no more work is lost if it
-    # dies.
+    # A process sends its finished rows after this time [s]. If the process dies, no more work than
+    # that is lost.
     seconds: float = 20.0
 
 
@@ -158,7 +158,7 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
 
 
 def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
-    """The `Curve` that solves the points of a chunk in turn; None if each is solved on its own.
+    """The `Curve` that solves the points of a chunk in turn; None for independent points.
 
     It is None if no control varies, if the branch is not the default one, or if no point is a valid
     scene. Points with a closed form are solved here.

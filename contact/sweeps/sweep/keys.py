@@ -16,8 +16,7 @@ from contact.model.scene import Scene
 
 Value = float | int | str
 
-# The parts of a scene that have one table each in a scene file. The profile is not among them, as
-# it may have two tables.
+# Parts of a scene that have one table in a scene file. The profile may have two, so it is left out.
 PARTS = ("interaction", "substrate", "law")
 MODULUS = "material.E_star"
 # The branch is not a key of scene files, since it chooses among several equilibria of one scene.
@@ -70,7 +69,7 @@ def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
 
 
 def keys_of(scene: Scene) -> dict[str, Any]:
-    """Keys that can be varied, with their present values: everything that is not an array."""
+    """Keys that can be varied, with their present values; keys of arrays cannot be varied."""
     known: dict[str, Any] = {MODULUS: scene.E_star}
     for table, values in tables(scene).items():
         for name, value in values.items():
@@ -99,7 +98,7 @@ def tables(scene: Scene) -> dict[str, dict[str, Any]]:
 
 
 def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
-    """The scene with other values of some keys; a control among them replaces the present one."""
+    """The scene with other values of some keys. A varied control replaces the scene's control."""
     changed: dict[str, Any] = {}
     others: dict[str, dict[str, Value]] = {}
     for key, value in settings.items():

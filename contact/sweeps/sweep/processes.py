@@ -113,7 +113,7 @@ def _not_sent_back(future: Future[Rows]) -> str:
 
 
 def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
-    """The scene as bytes; the reason why other processes cannot use it, "" if they can."""
+    """The scene as bytes, and the reason why other processes cannot use it (or "")."""
     script = getattr(sys.modules["__main__"], "__file__", None)
     if script is not None and not os.path.exists(script):
         return b"", f"import the script first, and {script} is no file"
@@ -240,7 +240,7 @@ class Cluster:
 
     @property
     def solvers(self) -> int:
-        """Assumed number of threads: several times the present number, as more workers may join."""
+        """Assumed number of threads: a multiple of the present number, as more workers may join."""
         return CHUNKS.per_process * sum(self._client.ncores().values())
 
     def solved(self, scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
@@ -250,8 +250,8 @@ class Cluster:
         # need not import the script.
         scene_sent = require("cloudpickle").dumps(scene)
         self._ask(scene_sent)
-        # The scene is a separate task. So it is sent only once, or again if the worker that holds
-        # it is lost.
+        # The scene is a separate task, so that it is sent only once. It is sent again only if the
+        # worker that holds it is lost.
         given = client.submit(_same, scene_sent, pure=False)
         running = {
             client.submit(solve_sent, given, chunk, tol, pure=False): chunk for chunk in chunks

@@ -169,7 +169,7 @@ def _wanted(table: Table, retry: bool) -> Mask:
 def _fill(
     table: Table, path: Path | None, solving: Generator[Rows], progress: Progress | None, done: int
 ) -> None:
-    """Put rows into the table and save it repeatedly, also when an exception ends the sweep."""
+    """Put rows into the table and save it repeatedly, at last when the sweep ends or fails."""
     due = time.monotonic()
     try:
         with closing(solving):
@@ -219,7 +219,7 @@ def _checked(out: str | PathLike[str]) -> Path:
 
 
 def _tell(table: Table) -> None:
-    """Warn once about all failed points, and once about all points with a doubtful model."""
+    """Warn once about all failed points, and once about all points whose `warning` is not empty."""
     failed, odd = np.flatnonzero(table.failed), np.flatnonzero(table.words["warning"] != "")
     lines = [
         f"{len(places)} of {table.size} points {what}: "

@@ -82,10 +82,10 @@ def _under_tension(
     group: str, name: str, curve: DugdaleCylinder | DugdaleWave, load: float, part: float
 ) -> Extreme:
     here, by_load = curve.at_load(load), _condition(curve, load, part)
-    # `narrow` is a condition number. Its first factor is a/(c - a): the round-off of an end is
-    # relative to the zone's half width a, but the pressure varies over the narrow interval (a, c)
-    # of tension. The end c follows from work / stress, which is rounded too. So the second factor
-    # is the condition number of the result with respect to the work.
+    # `narrow` is a condition number with two factors. An end is rounded relative to the half width
+    # a, but the pressure varies over the narrow interval (a, c) of tension: the first factor is
+    # a/(c - a). The end c depends on the rounded work / stress: the second factor is its condition
+    # number.
     narrow = (
         here.half_width
         / (here.cohesive_end - here.half_width)

@@ -34,7 +34,7 @@ class Extreme:
 
     @property
     def allowed(self) -> float:
-        """The allowed error: at least 1e-13, because no solution states less than about 5e-14."""
+        """The allowed error: at least 1e-13, as no solution states an error below about 5e-14."""
         return max(1e-13, 100 * float(np.finfo(float).eps) * self.condition)
 
     @property

@@ -109,7 +109,7 @@ class UnderEllipse(Profile):
 
     @cached_property
     def _waves(self) -> tuple[Array, Array]:
-        """Nodes q of the integral over wave numbers, and (L(q) - 1) J1(q)/q times the weights.
+        """Nodes q of the integral over wave numbers, and their weights times (L(q) - 1) J1(q)/q.
 
         L is the symbol of the layer. The last q is 22/h with the thickness h, where
         L - 1 ~ exp(-2 q h) is below round-off.
@@ -133,7 +133,7 @@ class UnderEllipse(Profile):
         return self._summed(lambda x: x + np.sin(np.outer(x, q)) @ weights, x)
 
     def _summed(self, function: Callable[[Array], Array], x: ArrayLike) -> Array:
-        """Values of a sum over all waves, for a few of the positions x at a time to save memory."""
+        """Values at x of a sum over all waves, computed for a few x at a time to save memory."""
         x = np.asarray(x, dtype=np.float64)
         parts = np.array_split(x.ravel(), 1 + x.size * len(self._waves[0]) // 2_000_000)
         return np.concatenate([function(part) for part in parts]).reshape(x.shape)
@@ -169,9 +169,9 @@ def layers() -> Iterator[Extreme]:
         )
     for base, nu, ratio in ELASTIC:
         layer = Layer(1 / ratio, nu, base)
-        # The slope is a sum of terms of order one and has the round-off of these terms. The
-        # pressure follows from a wave of the slope by division by the layer's symbol. The symbol
-        # is smallest for waves as long as the zone.
+        # The slope has the round-off of a sum of terms of order one. To get the pressure, each wave
+        # of the slope is divided by the layer's symbol. The symbol is smallest for waves as long as
+        # the zone.
         condition = max(1.0, 1 / float(layer.symbol(np.ones(1))[0]))
         name = f"{base}, nu = {nu:g}, half width {ratio:g} thicknesses"
         yield Extreme(

@@ -43,10 +43,9 @@ def gaps() -> Iterator[Extreme]:
                 why,
                 hair=gap,
             )
-    # A zone of width r lies between two gaps of width g. If the gaps were closed, the pressure at a
-    # distance x from the zone's left end would be about (x (r - x))^2. The slope of this pressure
-    # at x = g is about g r^2. So an error eps of the pressure moves an end by about eps/(g r^2),
-    # which is eps/(g r^3) times the width r.
+    # A zone of width r lies between two gaps of width g. If the gaps were closed, the pressure in
+    # the zone would have a slope of about g r^2 at the distance g from an end. So an error eps of
+    # the pressure moves the end by eps/(g r^2), which is eps/(g r^3) times the width r.
     for gap in (1e-3, 1e-5):
         yield Extreme(
             group,

@@ -23,7 +23,7 @@ _UNITS = "a unit changes nothing"
 
 
 def units() -> Iterator[Extreme]:
-    """Extreme scenes: the same contacts with very large or very small moduli and lengths."""
+    """Extreme scenes: ordinary contacts with very large or very small moduli and lengths."""
     for power in (-12, -6, 6, 12):
         yield Extreme("moduli", f"E* = 1e{power} Pa", partial(wave, 0.4, 10.0**power), 1.0, _UNITS)
         yield Extreme(
