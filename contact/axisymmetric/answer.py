@@ -33,7 +33,7 @@ from sie import Array, Mask
 
 @dataclass(frozen=True)
 class SpotOptions:
-    """Sizes used to evaluate the fields of a spot and to check the spot."""
+    """Numbers of radii at which the fields of a spot are evaluated and checked."""
 
     # Number of radii at which a field is evaluated together; it bounds the memory used.
     block: int = 64
@@ -168,7 +168,7 @@ class Spot(sie.Kept):
 
     @cached_property
     def _bend(self) -> tuple[Array, Array, Array]:
-        """Chebyshev series of e'(x)/x, e the effect of other spots; Gauss nodes and weights.
+        """Chebyshev series of e'(x)/x, Gauss nodes and weights. e: the effect of other spots.
 
         The series is in x^2/a^2, with a the radius of the spot. The rule is that for the integral
         over s from 0 to 1 at the head of this module.

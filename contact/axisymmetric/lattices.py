@@ -141,7 +141,7 @@ class Lattice:
         return radii * self.spacing, counts
 
     def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
-        """(radii of the rings, divided by the spacing; spots on each ring) for shifted lattices.
+        """Radii of the rings of shifted lattices, in spacings, and the spots on each ring.
 
         The radii are ascending, and at most `reach`.
         """

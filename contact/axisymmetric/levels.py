@@ -289,7 +289,7 @@ def touch_pressures(
 
 @dataclass(frozen=True)
 class _Contact:
-    """Levels that begin to touch together, with the nominal pressure over E* and the approach."""
+    """Levels that begin to touch at the same nominal pressure (over E*) and approach `delta`."""
 
     kinds: list[int]
     pressure: float

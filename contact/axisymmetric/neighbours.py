@@ -43,14 +43,14 @@ from contact.axisymmetric.lattices import Lattice, Site
 from contact.model.profiles.noise import EPS
 from sie import Array
 
-# Rings within this many spacings are summed one by one. For wider rings, of radius D, the kernel
-# 1/sqrt(D^2 - y^2) is a power series in y^2/D^2, which is below 1/12.
+# Rings with radii up to this many lattice spacings are summed one by one. For wider rings, of
+# radius D, the kernel 1/sqrt(D^2 - y^2) is a power series in y^2/D^2, which is below 1/12.
 _NEAR_RINGS = 3.5
 
 
 @dataclass(frozen=True)
 class NeighbourKernel:
-    """Kernel K(y), the sum of 1/sqrt(D^2 - y^2) over the distances D of neighbours of one kind.
+    """Kernel K(y): the sum of 1/sqrt(D^2 - y^2) over neighbours of one kind, at distances D.
 
     If a circle stands for further neighbours, a constant is subtracted (`surroundings`). radii,
     counts: the near rings [m]; tail: coefficients of (y/l)^(2k)/l for the other rings.
@@ -98,7 +98,7 @@ class Surroundings:
     density: float = 0.0
 
     def outside(self, x: ArrayLike) -> Array:
-        """sqrt(A^2 - x^2), or 0 for x > A, with the circle's radius A; less A if there is a kernel.
+        """sqrt(A^2 - x^2), or 0 beyond the circle's radius A; minus A if there is a kernel.
 
         The constant of the kernel contains this A.
         """
@@ -127,7 +127,7 @@ class Surroundings:
 
 
 def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:
-    """Neighbours on shifted lattices; those within `cut` spacings keep their places.
+    """Neighbours on shifted lattices: single spots within `cut` spacings, a mean beyond.
 
     For an infinite `cut` all spots keep their places.
     """
@@ -135,7 +135,7 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
     radii, counts = lattice.rings(shifts, min(cut, _NEAR_RINGS) if isinf(cut) else cut)
     near = radii <= _NEAR_RINGS
     # For rings of radius D beyond the near ones, 1/sqrt(D^2 - y^2) is a series in y/D. `order`
-    # contains its exponents, up to round-off.
+    # contains the exponents of the terms that exceed round-off.
     order = 2 * np.arange(ceil(log(EPS) / log(_NEAR_RINGS**-2)) + 1)
     powers = -(order + 1)
     # Coefficients B_k of the series 1/sqrt(1 - z) = sum_k B_k z^k.
@@ -150,9 +150,9 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         if not radii.size:
             return Surroundings(None, circle, density)
         sums = np.sum(counts[~near] * radii[~near] ** powers[:, None], axis=1)
-        # The constant 2 pi N A is subtracted here. It belongs to the load of N spots per unit area,
-        # spread over the circle of radius A. Subtracted only from the results, it would cost
-        # digits, as both numbers are large.
+        # The uniform load of `density` spots per unit area in the circle has the potential
+        # 2 pi `density` `circle` at its centre. It is subtracted here, as a later subtraction of
+        # large numbers would cost digits.
         sums[0] -= 2.0 * pi * density * circle * lattice.spacing
     kernel = NeighbourKernel(
         radii[near] * lattice.spacing, counts[near], binomial * sums, lattice.spacing
@@ -164,8 +164,8 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
 def epstein(lattice: Lattice, shift: Site, s: int) -> float:
     """Sum Z(s; shift) of |R + shift|^(-s) over lattice points R, in units of spacing; s odd."""
     basis, cell = lattice.unit_basis, lattice.unit_area
-    # The sums reach so far, in units of sqrt(cell), that exp(-pi reach^2) is the square of
-    # round-off.
+    # Both sums extend to this radius, in units of sqrt(cell). Terms beyond it are below about
+    # exp(-pi reach^2), the square of round-off.
     reach = (-2.0 * log(EPS) / pi) ** 0.5
     near = lattice.distances(shift, reach * cell**0.5)
     direct = gammaincc(0.5 * s, pi * near**2 / cell) * gamma(0.5 * s) * (pi * near**2) ** (-0.5 * s)

@@ -31,11 +31,11 @@ class OctaveOptions:
 
     # Degrees of the series that are tried one after another; the first one resolves any power of r.
     degrees: tuple[int, ...] = (24, 96, 384)
-    # If the last coefficients are above this fraction of those at the degree before, they are
-    # round-off.
+    # A higher degree should make the last coefficients of a series smaller. If it leaves them above
+    # this fraction of their former size, they are round-off.
     min_decay: float = 0.2
-    # Coefficients of a series, or of the difference of two series, are noise if they are below this
-    # multiple of the noise.
+    # A coefficient of a series counts as zero if it is below this multiple of the series' noise.
+    # Two series count as equal if their values differ by less than that.
     noise_factor: float = 10.0
     # A series is long enough if its last coefficients are below this fraction of the largest one.
     # On an octave whose derivative has a larger relative error, a power law fitted to the octave
@@ -89,7 +89,7 @@ class LogDerivative:
 
 @record
 class Octave:
-    """Chebyshev series of r f' on [half/2, half] for the shape f, with its errors.
+    """Chebyshev series of r f' on [half/2, half] for the shape f, and errors of the series.
 
     noise: error of its values; error: error of its derivative as far as it enters pressures.
     """
@@ -248,9 +248,9 @@ class Octaves:
             if left > SERIES.min_decay * before:
                 left = float(np.max(np.abs(series[-degree // 2 :])))
                 break
-        # Coefficients near the noise are dropped, since the derivative amplifies them. The noise is
-        # at least that of a mean over the nodes, of values with a round-off that is uniform within
-        # EPS/2.
+        # Coefficients near the noise are dropped, since the derivative amplifies them. A
+        # coefficient is a mean of values at the nodes, and each value has a relative round-off of
+        # up to EPS/2. This gives the smallest noise.
         noise = max(left, EPS * size / np.sqrt(6.0 * len(series)))
         above = np.flatnonzero(np.abs(series) > SERIES.noise_factor * noise)
         series = series[: above[-1] + 1] if above.size else series[:1]

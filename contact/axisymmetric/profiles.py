@@ -83,7 +83,7 @@ class AxisymmetricProfile(sie.Kept):
 
     @cached_property
     def _octaves(self) -> Octaves:
-        """Series of r f'(r), used if the shape does not give its derivative in closed form."""
+        """Series of r f'(r), used if its derivative (r f')' is not given in closed form."""
         return Octaves(lambda r: r * self.slope(r))
 
     def derived_error(self, a: float) -> float:
@@ -100,7 +100,7 @@ class AxisymmetricProfile(sie.Kept):
 
     @property
     def jumps(self) -> Array:
-        """Jump of the slope at each breakpoint; a nonzero jump is an edge: infinite pressure."""
+        """Jump of the slope at each breakpoint; if it is not 0, the pressure there is infinite."""
         b = self.breakpoints
         return self.slope(np.nextafter(b, inf)) - self.slope(np.nextafter(b, 0.0))
 

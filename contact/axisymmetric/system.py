@@ -35,7 +35,7 @@ class RadiusOptions:
 
     max_steps: int = 100
     # Relative step of the radii below which the iteration ends. It is about the round-off times the
-    # condition number.
+    # condition number of the linear system.
     converged_step: float = 1e-13
 
 
@@ -140,9 +140,9 @@ class Linear:
         self.at_force = {j: len(self.active) * m + k for k, j in enumerate(self.active)}
         self.at_delta = len(self.active) * (m + 1)
         self.size = self.at_delta + 1
-        # `smooth`: nodes and doubled weights for the smooth part of w, the transform of the
-        # displacement. `rough`: those for g, the transform of the profile, which need not be
-        # smooth.
+        # The transform w of the displacement is a smooth part minus g, the transform of the
+        # profile, which need not be smooth. `smooth`: nodes and doubled weights for the smooth
+        # part. `rough`: nodes for g, and doubled weights times -g.
         self.smooth = {j: (radii[j] * self.unit, 2.0 * radii[j] * self.weight) for j in self.active}
         self.rough = {j: self._rough(j) for j in self.active}
         every = np.eye(self.size + 1)
@@ -204,8 +204,8 @@ class Linear:
                 )
             right[row] = -2.0 * (a * kind.depth + kind.profile.line_integral(a))
         matrix[-1], right[-1] = condition(self)
-        # Rows and columns have different units. So each row, and then each column, is scaled to
-        # size one.
+        # Rows and columns have different units. So each row, and then each column, is scaled: its
+        # largest entry becomes 1.
         rows = 1.0 / np.max(np.abs(matrix), axis=1)
         columns = 1.0 / np.max(np.abs(matrix * rows[:, None]), axis=0)
         matrix, right = matrix * rows[:, None] * columns, right * rows
