@@ -163,7 +163,7 @@ def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan:
 
 
 def lawful(solution: Solution) -> Solution:
-    """Return the solution; raise NotConverged with the solution if it violates the law."""
+    """Return the solution; raise NotConverged with it if it violates the law of the interface."""
     scene, certificate = solution.scene, solution.certificate
     checked = held_to_law(certificate, scene.law, solution.fields, scene.given_load)
     if checked is certificate:
@@ -180,9 +180,8 @@ def _full_contact_note(scene: Scene, least: float, unresolved: int) -> str:
         return "full contact: the pressure is nowhere negative"
     if scene.law.tension:
         return "full contact, under tension in places: nowhere above what the surfaces pull with"
-    # A flaw is an open part of half width c. The closed surfaces separate at a flaw under the
-    # tension s if K = s sqrt(c/2) reaches the intensity of the law. This intensity K belongs to the
-    # work of adhesion w = (pi/E*) K^2.
+    # A flaw is a place where the surfaces are open. Under the tension s = -`least`, a flaw of half
+    # width c opens further if s sqrt(c/2) reaches the law's `intensity`. `flaw` is the smallest c.
     flaw = 2 * (scene.law.intensity(scene.E_star) / least) ** 2
     message = "full contact, under tension in places: what is closed stays closed"
     return f"{message}; a flaw there of half width {quantity(flaw, 'm', 3)} would open"

@@ -32,8 +32,7 @@ class ModelLimits:
     stiffest: float = 2e12  # [Pa]: diamond on diamond
     in_pascals: float = 1e7  # [Pa]: diamond has 1.2e6 MPa, so that a larger number is in pascals
     smallest: float = 1e-11  # [m]: less than an atom
-    # Length [m] of machine parts. A longer body with a tiny modulus is probably given in other
-    # units.
+    # Largest length [m] of a surface, as of a machine part. A longer one is probably not in metres.
     longest: float = 1.0
 
 
@@ -66,7 +65,8 @@ def _length_warnings(scene: Scene) -> tuple[str, ...]:
             f"{message} on E_star = {quantity(scene.E_star, 'Pa')} is not that of a surface: all "
             "lengths of a scene are in metres",
         )
-    # The height varies by at most half of the integral of |f'| over the period, f' being the slope.
+    # Over a period the height varies by at most half of the integral of |slope|. This is at most
+    # half of the rms slope times the length.
     depth = 0.5 * profile.slope_sizes[1] * length
     if 0.0 < depth < _LIMITS.smallest:
         return (

@@ -30,7 +30,7 @@ class Borne(NamedTuple):
 def preparation_warnings(
     solution: Solution, min_share: float = 0.01, listed: int = 3
 ) -> tuple[str, ...]:
-    """One sentence for each kind of unmeasured interval that carries load or has the peak.
+    """One sentence for each kind of unmeasured interval with load or with the peak pressure.
 
     min_share: smallest fraction of the load that is reported; a short taper carries less at high
     load. listed: number of intervals named in one sentence; the others are counted.
@@ -84,7 +84,7 @@ def _sentence(borne: Borne, listed: int) -> str:
 
 
 def _places_in_contact(solution: Solution, samples: int) -> tuple[Array, Array, Array]:
-    """Places in contact, the modulus of the load that each place represents, and the pressure."""
+    """Places in contact, the absolute load that each place stands for, and the pressure there."""
     profile, zones = solution.scene.profile, np.asarray(solution.zones)
     if not len(zones):
         if profile.period is None or not solution.load > 0.0:  # the surfaces are apart

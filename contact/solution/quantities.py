@@ -91,7 +91,7 @@ def peaks(scene: Scene, zones: Array, pressure_at: Callable[[Array, int], Array]
         def over_angle(angle: Array, zone: int = zone) -> Array:
             return pressure_at(np.clip(np.cos(angle), -1.0, 1.0), zone)
 
-        # In the angle arccos t, with t from -1 to 1 on the zone, the pressure is a smooth function.
+        # The pressure is a smooth function of the angle arccos t, with t from -1 to 1 on the zone.
         found[zone] = maximum(over_angle, np.linspace(0.0, np.pi, count + 1), levels=7)[1]
     return found
 

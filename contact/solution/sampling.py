@@ -71,8 +71,8 @@ def positions(solution: Solution, lo: float, hi: float, most: int = 20_000) -> A
     most: largest number of evenly spaced positions. All zones together get about as many, and each
     at least its ends and its middle.
     """
-    # Number of the profile's shortest lengths in the interval, but at least `zone_points`. A smooth
-    # profile has no shortest length.
+    # `lengths`: how many of the profile's shortest lengths fit into the interval, but at least
+    # `zone_points`. A smooth profile states no shortest length.
     lengths = max((hi - lo) / (solution.scene.profile.resolution or np.inf), POINTS.zone_points)
     even = int(min(PEAKS.samples_per_length * lengths, most))
     parts = _parts_between_kinks(solution, zones_within(solution, lo, hi))
