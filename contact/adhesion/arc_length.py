@@ -55,7 +55,7 @@ class CurvePoint:
     curvature: Array
 
     def ahead(self, length: float) -> Array:
-        """Predicted displacement (2n + 1,) of ends and control after a `length`, in `scales`."""
+        """Predicted displacement (2n + 1,) of ends and control at a `length`, over `scales`."""
         deviation = length**2 * self.curvature[0] + length**3 * self.curvature[1]
         return np.asarray(
             length * self.tangent
@@ -121,7 +121,11 @@ class Step:
         return found
 
     def _about(self, length: float) -> Array:
-        """Guess of the scaled displacement at `length`: a cubic, corrected at known equilibria."""
+        """Guess of the scaled displacement at `length`, interpolated between known equilibria.
+
+        A cubic with the tangents at both ends of the step is corrected to pass through these
+        equilibria.
+        """
         nodes: list[float] = []
         for node in sorted(self.known, key=lambda k: abs(k - length)):
             if len(nodes) < ARC_OPTIONS.interpolation_nodes and min(
@@ -298,7 +302,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
             why = "an end that was held at a sharp corner has let go"
             break
         # Several steps of zero length in a row end the curve. Otherwise an end at a corner could be
-        # pinned and freed again without end.
+        # pinned and freed again and again.
         stands = stands + 1 if step.length < ACCURACY.rough else 0
         if stands > ARC_OPTIONS.interpolation_nodes:
             why = "ends at sharp corners are neither held nor free"
@@ -390,7 +394,7 @@ def _to_corner(curve: Curve, here: CurvePoint, end: int) -> State | None:
 
 
 def _to_change(step: Step) -> Step:
-    """The step, cut where an end leaves a sharp corner.
+    """The step; if an end leaves its sharp corner within it, the step is cut there.
 
     `after` is set if an end leaves its corner or is pinned at a corner.
     """
@@ -541,8 +545,8 @@ def _unit(curve: Curve, at: State) -> float:
         rank < len(moves)
         and np.abs(at.rates @ moves - at.by_value).max() * least > ACCURACY.resting_step
     ):
-        # At a turning point, the ends move while the control does not change. So the unit is its
-        # lower bound.
+        # At a turning point, the ends move while the control does not change. So the unit is set to
+        # its lower bound `least`.
         return least
     # One unit of the control may change the residual r of a pinned end by no more than max(1, |r|).
     driven = np.where(

@@ -163,7 +163,8 @@ class CohesiveEvents(Events):
         ends = np.append(table.ravel(), table[0, 0] + (period or np.inf))
         for s, e in runs_of(wrong):
             lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
-            # A run of wrong samples next to an end of the tension is due to the error of this end.
+            # A run of wrong samples next to an end of the tension is left out, since the error of
+            # this end causes it.
             if s > 0 and e < len(x) - 1 and not np.any((ends > lo) & (ends < hi)):
                 found.append((lo, hi))
         return np.array(found).reshape(-1, 2)
@@ -425,7 +426,7 @@ class CohesiveEvents(Events):
     def _under_all_to(self, here: CohesiveState, value: float) -> Iterator[Jump | PathState]:
         rises = value > here.value
         end = min(value, self.full - ACCURACY.resting_step * self.size) if rises else value
-        # Full contact has no gap to follow. So the last state is a little below it.
+        # Full contact has no gap to follow. So `end`, the last control value, is a little below it.
         at, step, halvings = here.value, MOVES.small_part * (end - here.value), 0
         while at != end:
             ahead = end if abs(step) >= abs(end - at) else at + step

@@ -126,7 +126,7 @@ class CohesiveFields(ZoneFields):
 
     @property
     def _not_pulled(self) -> float:
-        """Integral, over zones at corners, of height times the missing fraction of the tension.
+        """Integral of height times missing tension fraction, over the zones pinned at corners.
 
         The zones are those pinned at sharp corners; the height is that of the profile. The missing
         fraction is 1 - eta, with the local fraction eta of the tension.
@@ -187,8 +187,9 @@ class CohesiveGapFields(GapFields):
 
     @property
     def borne_beside(self) -> float:  # type: ignore[override]
-        # The integral over the zones is taken of q = p + stress. So the tension is counted here on
-        # the whole period: -stress times the integral of the profile's height minus the gap.
+        # In the energy, the integral over the zones takes q = p + stress as the pressure. So here
+        # the tension acts on the whole period: -stress times the integral of the profile's height
+        # minus the gap.
         own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
         return -self.stress * self.period * own
 

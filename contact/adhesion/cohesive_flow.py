@@ -256,7 +256,7 @@ def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) ->
 def intervals_left(
     curve: CohesiveCurve, value: float, zones: Array, gap_samples: tuple[Array, Array]
 ) -> Array:
-    """The intervals of tension left once the gap somewhere exceeds the reach of the tension.
+    """The intervals of tension that remain once the gap somewhere exceeds the reach.
 
     Raises ContactLost where no contact is left.
     """
@@ -293,7 +293,7 @@ def _widened(
 
 
 def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """Old and new intervals of tension; two are joined if the tension reaches all between them.
+    """Old and new intervals; two become one if the gap is below the reach all between them.
 
     None if nothing changed.
     """

@@ -280,7 +280,7 @@ class CohesiveCurve(Curve):
         return np.asarray(new)
 
     def nearest(self, table: Array, value: float) -> PastState:
-        """The known state with as many intervals and the nearest ends, or the last known one."""
+        """The known state with as many intervals as `table` and the nearest ends; else the last."""
 
         def away(one: PastState) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)
@@ -539,7 +539,7 @@ class CohesiveCurve(Curve):
             values[first, :-1], values[first, -1] = self.stress, 1.0
         else:
             # Under a fixed approach, the side condition of each zone has minus the control's value
-            # on its right side.
+            # on its right side. `values` holds the derivatives of the right sides.
             values[first : first + len(density.zones)] = np.append(
                 np.full(len(free), -self.yields * self.stress), -1.0
             )
@@ -628,8 +628,8 @@ class CohesiveCurve(Curve):
         lag = at[:, None] - at
         np.fill_diagonal(lag, 1.0)
         between = self.stress / np.pi * tension.log(lag)
-        # The slope of the gap at an end is due to all other ends. The singular contributions of the
-        # end itself and of its motion cancel.
+        # Only the other ends contribute to the slope of the gap at an end. The singular
+        # contributions of the end itself and of its motion cancel.
         slopes = (
             self.stress
             / np.pi

@@ -79,7 +79,7 @@ class TractionLoaded(Problem):
     def bearing(
         self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array
     ) -> Array:
-        """Sum p + s of pressure and full tension on the zones: the pressure by contact alone."""
+        """Pressure by contact alone, p + s: the sum of pressure and full tension on the zones."""
         last, tension = len(density.zones) - 1, self.pulling
         return super().bearing(density, zone, left, right) + tension.stress * tension.lacks(
             zone, last, left, right

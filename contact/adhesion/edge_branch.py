@@ -125,7 +125,8 @@ def curve_of(context: SolveContext) -> tuple[ScaledScene, Curve]:
 def branch_scaling(context: SolveContext, intensity: float) -> ScaledScene:
     """The scaled scene; without period or corners, the unit of length is a contact's width.
 
-    That contact is under no load or more. intensity: that of the adhesion at the ends of zones.
+    This contact has no adhesion, and a load that stands for the adhesion (`_typical`). intensity:
+    that of the adhesion at the ends of zones.
     """
     scene = context.scene
     if scene.profile.period is not None or scene.profile.support is not None:

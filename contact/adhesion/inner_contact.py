@@ -378,7 +378,10 @@ def _own(pulled: TractionLoaded, zones: Array) -> Array:
 
 
 def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
-    """(zones joined across closed gaps, the width at the start of the leftmost zone in each)."""
+    """(zones joined across closed gaps, entry of `first` for the leftmost part of each zone).
+
+    first: the widths of the zones when the search began.
+    """
     gap = zones[1:, 0] - zones[:-1, 1]
     width = np.diff(zones, axis=1)[:, 0]
     meets = (
@@ -454,7 +457,8 @@ def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
     if period is not None and len(kinks):
         kinks = np.concatenate((kinks - period, kinks, kinks + period))
     inner_kinks = [kinks[(kinks > a) & (kinks < b)] for a, b in edges]
-    # The gap may be smallest at a sharp corner that is not in contact.
+    # The gap may be smallest at a sharp corner that is not in contact. So these corners are sample
+    # points.
     free = [
         corner for corner in pulled.corners if np.isfinite(corner) and not np.any(zones == corner)
     ]

@@ -130,7 +130,7 @@ def near_pull_off(
         last = apart.near_the_last(short, first, recede_on)
         for value in apart.controls_above(last.value, here.value):
             # The zones recede from the known state with the next larger control value. Under a
-            # load, their rest does not depend on the path.
+            # load, the zones at rest do not depend on the path.
             above = min((one for one in passed if one.value >= value), key=lambda one: one.value)
             tips = gradient_flow.receded(short, above.table, value)
             start = None if tips is None else _with_range(curve, short, tips, -MOVES.margins[0])

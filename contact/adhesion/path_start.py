@@ -173,7 +173,7 @@ class _CohesivePath:
 
     @cached_property
     def _full(self) -> tuple[float, float]:
-        """(control value at which surfaces under tension everywhere close, scale of such values).
+        """(control value at which all gaps close under tension everywhere, scale of such values).
 
         Both are values of the control.
         """

@@ -66,7 +66,7 @@ class SpreadEnd:
         return np.asarray(function(x[:, None] - xi).mean(axis=1))
 
     def periodic_log(self, x: Array, period: float) -> Array:
-        """Potential like `log` with a period L, for the logarithm ln|2 sin(pi (x - xi)/L)|."""
+        """The potential `log` with a period L, from the logarithm ln|2 sin(pi (x - xi)/L)|."""
         x = nearest_image(x, self.middle, period)
 
         def remainder(lag: Array) -> Array:

@@ -65,9 +65,10 @@ class LineMap:
 
     @property
     def load_factor(self) -> float:
-        """The load divided by E*/2 [m] and by the integral of the solution Phi over y.
+        """Factor from the integral of the solution Phi over y to the load divided by E*/2 [m].
 
-        It equals dx/dy times the weight w."""
+        It equals dx/dy times the weight w.
+        """
         return 1.0 if self.period is None else self.period / math.pi
 
     def y(self, x: Value) -> Value:

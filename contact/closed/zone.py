@@ -100,7 +100,7 @@ class OneZoneProblem:
         return (height - lowest(self.profile)).dot(weights)
 
     def even_level(self, half: Value, datum: float | None) -> Value:
-        """Logarithmic potential on the zone of the unit load that displaces the zone uniformly.
+        """Logarithmic potential, on the zone, of a unit load that displaces the zone uniformly.
 
         It is -pi E*/2 times the compliance of the fixed zone.
         """

@@ -204,7 +204,7 @@ def certify(
 
 
 def _load_balance(fields: ZoneFields, load: float) -> float:
-    """Error of the load, divided by the larger of the load and the force that the zones bear."""
+    """Error of the load, divided by the larger of the load and the force that the zones carry."""
     law, density = fields.problem.law, fields.density
     size = fields.load_size if law.pressure_range.has_tension else fields.problem.borne(density)
     return float(abs(density.total - load) / max(abs(load), size))

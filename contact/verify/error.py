@@ -345,11 +345,11 @@ class SolvedGaps(Solved):
 
     @property
     def _steepest(self) -> Array:
-        """Slope of the pressure in each zone next to a tip: J / pi divided by the distance to it.
+        """Slope of the pressure next to a tip in each zone, for the smallest distance from it.
 
-        A tip is a convex kink of the profile, J the largest jump of f' at the tips in the zone.
-
-        The distance is the smallest one for which the stated error holds.
+        A tip is a convex kink of the profile. The slope is J / pi divided by the distance from the
+        tip, with J the largest jump of f' at the tips in the zone. At smaller distances the stated
+        error does not hold.
         """
         fields = self.fields
         zones, convex = fields.zones, fields.relief.heights > 0
