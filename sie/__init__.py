@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from sie.equation.equation import CountError, Equation
     from sie.equation.forcing import Forcing, Jumps, Resolution
     from sie.jumps.poles import AlgebraicPoints
+    from sie.results.report import Report
     from sie.slits.density import SlitDensity
     from sie.slits.system import AnyDensity, AnyState, solve_zones
     from sie.solver import NotConverged, Solution, solve
@@ -65,6 +66,7 @@ __all__ = [
     "NewtonOptions",
     "NotConverged",
     "PiecewiseTransform",
+    "Report",
     "Resolution",
     "Rows",
     "SINGULAR",
@@ -118,6 +120,7 @@ _HOMES = {
     "sie.ends.options": "NewtonOptions WarmStart",
     "sie.ends.sources": "Answers answers",
     "sie.jumps.poles": "AlgebraicPoints",
+    "sie.results.report": "Report",
     "sie.slits.density": "SlitDensity",
     "sie.slits.system": "AnyDensity AnyState solve_zones",
     "sie.solver": "NotConverged Solution solve",

@@ -1,10 +1,13 @@
 """`solve`: one call for fixed and free ends, with a stated error or a reason for failure."""
 
+import copy
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from sie import reasons
 from sie.basis import inputs
@@ -14,6 +17,9 @@ from sie.dense import modes
 from sie.ends.newton import Free, find_ends
 from sie.ends.options import NewtonOptions, WarmStart
 from sie.equation.equation import Equation
+from sie.results import figure, pickling
+from sie.results.capacity import capacity_of
+from sie.results.report import Report
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 from sie.states.solve import SingularSystem
 
@@ -81,6 +87,120 @@ class Solution:
     def levels(self) -> Array:
         """Mean, over each solved zone (n,), of the potential minus the right side's primitive."""
         return self.state.levels
+
+    def residual(self, x: ArrayLike) -> Array:
+        """Left side minus right side of the equation at points of the zones.
+
+        Parameters
+        ----------
+        x : array_like
+            Points, of any shape. With a period they may lie in any period.
+
+        Returns
+        -------
+        ndarray
+            Of the shape of x; NaN off the zones.
+
+        Examples
+        --------
+        >>> import numpy as np, sie
+        >>> crack = sie.Equation(sie.cauchy(), np.exp, sie.Total(0.0))
+        >>> found = sie.solve(crack, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+        >>> left_over = found.residual([-0.5, 0.3, 2.0])
+        >>> bool(np.abs(left_over[:2]).max() < 1e-10), bool(np.isnan(left_over[2]))
+        (True, True)
+        """
+        place, _, inside = self.density.locate(x)
+        out, at = np.full(place.shape, np.nan), place[inside]
+        of_jumps = self.density.jumps.left_out(at)
+        out[inside] = self.density.transform(at) - self.state.right_side(at) - of_jumps
+        return out
+
+    def report(self) -> Report:
+        """How well each zone is resolved, and the condition of the system.
+
+        Returns
+        -------
+        Report
+            `print` shows it as a table.
+
+        Examples
+        --------
+        >>> import sie
+        >>> crack = sie.Equation(sie.cauchy(), lambda x: 1 + 0 * x, sie.ZoneTotals(0.0))
+        >>> zones = sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR)
+        >>> report = sie.solve(crack, zones).report()
+        >>> str(report).splitlines()[-1][:48]
+        '26 unknowns, solved by LU factors of a matrix wi'
+        """
+        steps = None if self.search is None else len(self.search.trace)
+        return Report.of(self.state, self.error, self.errors, steps)
+
+    @property
+    def capacity(self) -> float:
+        """Logarithmic capacity of the zones, in their unit of length.
+
+        The solution must have the right side zero and one potential on all zones: ends SINGULAR,
+        and the conditions `Total(1.0)` and, for several zones, `EqualPotential()`. With Hilbert's
+        kernel it is the capacity of the arcs that the zones form on a circle whose circumference is
+        the period.
+
+        Raises
+        ------
+        ValueError
+            If the problem is not of this kind; the message says what differs.
+
+        Examples
+        --------
+        An interval has a quarter of its length.
+
+        >>> import numpy as np, sie
+        >>> plate = sie.Equation(sie.cauchy(), np.zeros_like, sie.Total(1.0))
+        >>> found = sie.solve(plate, sie.Zones.of([[0.0, 2.0]], sie.SINGULAR, sie.SINGULAR))
+        >>> round(found.capacity, 12)
+        0.5
+        """
+        return capacity_of(self.state, self.error)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the density over the zones, with matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes or None
+            Where to draw; None makes a new figure, without pyplot.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ImportError
+            Without matplotlib.
+
+        Examples
+        --------
+        >>> import sie
+        >>> hertz = sie.Equation(sie.cauchy(), lambda x: x, sie.Total(1.0))
+        >>> figure = sie.solve(hertz, sie.Zones.of([[-1.0, 1.0]])).plot()
+        >>> figure.axes[0].get_ylabel()
+        'density'
+        """
+        return figure.draw(self.density, ax)
+
+    def __getstate__(self) -> Any:
+        pickling.check(self.state.equation)
+        return super().__getstate__()  # type: ignore[misc]
+
+    def __copy__(self) -> "Solution":
+        return replace(self)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "Solution":
+        # Copies need no functions with a name, unlike pickles.
+        return replace(
+            self, **{one.name: copy.deepcopy(getattr(self, one.name), memo) for one in fields(self)}
+        )
 
 
 class NotConverged(ArithmeticError):

@@ -17,7 +17,8 @@ class Factored:
 
     size_of_rows: root of the sum of squares of each row's terms at the solution; last: columns of
     the last coefficient of each solved zone; rows: the matrix itself, kept only if intensities are
-    prescribed and their rates are needed.
+    prescribed and their rates are needed; reciprocal_condition: estimate of the reciprocal
+    condition number of the matrix in the 1-norm, NaN if it was not estimated.
     """
 
     lu: Array
@@ -25,6 +26,7 @@ class Factored:
     size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
     last: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     rows: Array | None = field(default=None, repr=False)
+    reciprocal_condition: float = np.nan
 
     @staticmethod
     def of(matrix: Array) -> Factored:

@@ -1,5 +1,6 @@
 """The density on zones without slits, which can be evaluated on the zones and off them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -8,10 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis.data import Array, Mask, by_rows
+from sie.basis.kernels import Kernel, cauchy
 from sie.basis.sums import OPTIONS as BLOCKS
+from sie.basis.zones import Zones
 from sie.density.plane import Plane
+from sie.density.sampled import series_of
 from sie.density.series import Series, from_zones, regular_at
 from sie.density.treecode import Treecode
+from sie.jumps.right_side import ForcingJumps
 from sie.trees.far import reaches
 
 
@@ -55,6 +60,59 @@ class Density(Series):
     >>> float(density.transform_slope(0.75j).real.round(12))
     0.384
     """
+
+    @classmethod
+    def from_function(
+        cls,
+        f: Callable[[Array], Array],
+        zones: Zones,
+        kernel: Kernel | None = None,
+        tol: float = 1e-12,
+    ) -> "Density":
+        """The density that is given as a function of x, to ask for its transform or potential.
+
+        Near an end at the distance d the function must be K / sqrt(d) + A sqrt(d) + ...; at ends
+        that are bounded or free, K is zero (or the prescribed intensity). Nothing is solved.
+
+        Parameters
+        ----------
+        f : callable
+            f(x), x (n,) inside the zones; it is not called at their ends.
+        zones : Zones
+            The zones with the kinds of their ends.
+        kernel : Kernel or None
+            The kernel of transform and potential; None stands for `cauchy()`.
+        tol : float
+            Relative tolerance of the coefficients on each zone, 0 < tol < 1.
+
+        Returns
+        -------
+        Density
+
+        Raises
+        ------
+        ValueError
+            If the function is not finite or not real inside a zone, is not resolved to the
+            tolerance, or is singular at an end that is declared bounded or free. The message names
+            the zone and the cause, if one is found.
+
+        Examples
+        --------
+        The pressure of a cylinder, sqrt(1 - x^2), has the transform x on the zone.
+
+        >>> import numpy as np, sie
+        >>> zone = sie.Zones.of([[-1.0, 1.0]])
+        >>> hertz = sie.Density.from_function(lambda x: np.sqrt(1 - x**2), zone)
+        >>> hertz.transform([0.5, 1.25]).round(12).tolist(), float(round(hertz.total, 12))
+        ([0.5, 0.5], 1.570796326795)
+        """
+        kernel = cauchy() if kernel is None else kernel
+        if not isinstance(kernel, Kernel):
+            raise ValueError(
+                f"the kernel must be a sie.Kernel, such as sie.cauchy(), got {kernel!r:.40}"
+            )
+        table, edges = series_of(f, zones, tol)
+        return cls(zones, kernel, table, ForcingJumps.none(), np.zeros(0), edges=edges)
 
     @property
     def whole(self) -> "Density":

@@ -202,7 +202,18 @@ class Series(DensityBase):
     def integral(self, x: ArrayLike) -> Array:
         """Integral of the density up to x from the left end of the zone that contains x.
 
-        The integral is zero for x off the zones.
+        The integral is zero for x off the zones. If the total of every zone is zero, minus this
+        integral is the opening of cracks.
+
+        Examples
+        --------
+        The total on the left half of a zone, and up to the right end.
+
+        >>> import numpy as np, sie
+        >>> zone = sie.Zones.of([[-1.0, 1.0]])
+        >>> hertz = sie.Density.from_function(lambda x: np.sqrt(1 - x**2), zone)
+        >>> (hertz.integral([0.0, 1.0]) / np.pi).round(12).tolist()
+        [0.25, 0.5]
         """
         x, i, inside = self.locate(x)
         out = np.zeros(x.shape)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
 from sie.basis.data import DIGITS, Array, Index, Mask, widened, wrapped
-from sie.basis.interval import Outside, excess_of, root_weight, sides
+from sie.basis.interval import Outside, excess_of, integral_on, root_weight, sides
 from sie.basis.interval import theta as theta_of
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.sums import pair_blocks
@@ -373,36 +373,70 @@ class SlitDensity(DensityBase):
         logarithms of kinks are integrated in closed form.
         """
         out = self.whole.totals[self.geometry.piece_zone].copy()
-        wide, kinks = (
-            self.geometry.wide,
-            replace(self.jumps.chosen(self.jumps.order == 0), splines={}),
-        )
         for piece in np.flatnonzero(self.geometry.next_to_slit):
-            zone = int(self.geometry.piece_zone[piece])
-            before, after = self.zones.a[piece] - wide.a[zone], wide.b[zone] - self.zones.b[piece]
-            half, w = self.zones.half[piece], wide.half[zone]
-            last, n, here = np.inf, 64, 0.0
-            while n <= 16384:
+            out[piece] = self._integral_on(int(piece), np.zeros(1))[0]
+        return out
+
+    def integral(self, x: ArrayLike) -> Array:
+        """Integral of the density up to x from the left end of the zone that contains x.
+
+        The integral is zero for x off the zones.
+        """
+        x, i, inside = self.locate(x)
+        out = np.zeros(x.shape)
+        for piece in np.unique(i[inside]):
+            here = inside & (i == piece)
+            if not self.geometry.next_to_slit[piece]:
+                out[here] = self.whole.integral(x[here])
+                continue
+            w, at = self.zones.half[piece], np.full(np.count_nonzero(here), piece)
+            left, right = self.zones.beyond_a(x[here], at), self.zones.before_b(x[here], at)
+            out[here] = self._integral_on(int(piece), theta_of(left / w, right / w))
+        return out
+
+    @cached_property
+    def _kinks(self) -> ForcingJumps:
+        """The jumps of order 0, whose densities are logarithmic, as jumps inside the given zones.
+
+        Their closed forms vanish at the ends of the given zones, not of the wide ones. So what
+        remains is as smooth there as the density.
+        """
+        kinks, wide = self.jumps.chosen(self.jumps.order == 0), self.geometry.wide
+        at = wide.a[kinks.zone] + wide.half[kinks.zone] * kinks.left
+        return type(kinks).placed(self.zones, at, kinks.height, kinks.order, self.kernel.period)
+
+    def _integral_on(self, piece: int, angle: Array) -> Array:
+        """Integral of the density from the left end of a given zone to t = cos(angle)."""
+        series, row = self._smooth_series(piece), np.zeros(len(angle), dtype=np.intp)
+        out = integral_on(series[None], row, angle)
+        if piece in self._kinks.by_zone:
+            out = out + self._kinks.integral(row + piece, *sides(angle))
+        return np.asarray(self.zones.half[piece] * out)
+
+    def _smooth_series(self, piece: int) -> Array:
+        """Coefficients of the density on a given zone, in T_j / X, without logarithms of kinks."""
+        if piece not in self._kept_series:
+            last, n = np.inf, 64
+            while True:
                 theta = even_angles(n)
                 left, right = sides(theta)
                 value = self.at(piece, left, right)
-                if zone in kinks.by_zone:
-                    value = value - kinks.density(
-                        zone, (before + half * left) / w, (after + half * right) / w
-                    )
+                if piece in self._kinks.by_zone:
+                    value = value - self._kinks.density(piece, left, right)
                     value = np.where(np.isfinite(value), value, 0.0)
-                here = float(half) * np.pi / n * float(value @ np.sin(theta))
-                if abs(here - last) <= 1e-13 * abs(here):
+                mean = float(value @ np.sin(theta)) / n
+                if abs(mean - last) <= 1e-13 * abs(mean) or n == 16384:
                     break
-                last, n = here, 2 * n
-            if zone in kinks.by_zone:
-                ends = (
-                    np.array([before, before + 2 * half]) / w,
-                    np.array([after + 2 * half, after]) / w,
-                )
-                here += float(w * np.diff(kinks.integral(np.full(2, zone), *ends))[0])
-            out[piece] = here
-        return out
+                last, n = mean, 2 * n
+            series = 2 * chebyshev.t_means(value * np.sin(theta))
+            series[0] = mean
+            self._kept_series[piece] = series
+        return self._kept_series[piece]
+
+    @cached_property
+    def _kept_series(self) -> dict[int, Array]:
+        """The series of `_smooth_series` that have been computed, by zone."""
+        return {}
 
     # The methods below give the transform, the potential and the slack (the unknown function in a
     # slit) at real points.

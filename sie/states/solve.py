@@ -195,10 +195,8 @@ def _solve_once(
     # The rows of the side conditions have been divided by their sizes. So a reciprocal condition
     # number below 4 `EPS` is zero within round-off.
     singular = 4 * EPS
-    if (
-        _condition(solver, matrix) < singular
-        and _condition(Factored.of(rows := _even(matrix)), rows) < singular
-    ):
+    condition = _condition(solver, matrix)
+    if condition < singular and _condition(Factored.of(rows := _even(matrix)), rows) < singular:
         raise SingularSystem(_singular(equation))
     folded = solver(right)
     terms = np.hypot(root_of_squares(matrix, folded), right)
@@ -208,6 +206,7 @@ def _solve_once(
         size_of_rows=_size_of_rows(system, terms),
         last=last,
         rows=matrix if zones.follow_ends else None,
+        reciprocal_condition=condition,
     )
     sizes.kernel_evaluations += matrix.size
     return _state(system, solver, folded, scale, samples, sizes)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+import sie
 from sie.jumps.right_side import ForcingJumps
 from sie.slits.kinks import SlitKink
 
@@ -107,3 +108,22 @@ def test_beside_the_ends_of_its_zone_it_goes_with_the_angle(order: int) -> None:
             *((near, far) if side < 0 else (far, near)), outside, np.array([side > 0])
         )
         assert value[0] / np.sqrt(2 * e) == pytest.approx(slope, rel=1e-4)
+
+
+@pytest.mark.parametrize("kink", [None, 0.5, -0.3])
+def test_integrals_up_to_a_point_agree_with_and_without_slits(kink: float | None) -> None:
+    """The total of both pieces is the given one, and integrals are those of separate zones."""
+    jumps = sie.Jumps() if kink is None else sie.Jumps([kink], [2.0])
+    s = 0.0 if kink is None else kink
+    height = 0.0 if kink is None else 1.0
+    g = sie.Forcing(
+        lambda x: x + height * np.sign(x - s), lambda x: x * x / 2 + height * np.abs(x - s), jumps
+    )
+    zones = sie.Zones.of([[-1.0, -0.001], [0.001, 1.0], [2.0, 3.0]])
+    equation = sie.Equation(sie.cauchy(), g, (sie.Total(1.0), sie.EqualPotential()))
+    slits = sie.solve_zones(equation, zones).density
+    separate = sie.solve_fixed(equation, zones).density
+    assert type(slits) is sie.SlitDensity and abs(slits.totals.sum() - 1.0) < 1e-12
+    x = np.array([-0.99, -0.3, -0.002, -0.001, 0.0, 0.001, 0.002, 0.5, 0.51, 1.0, 1.5, 2.5, 3.0])
+    assert np.abs(slits.integral(x) - separate.integral(x)).max() < 1e-11
+    assert np.abs(slits.integral(zones.b) - slits.totals).max() < 1e-14

@@ -1,0 +1,68 @@
+"""The logarithmic capacity of zones, from a density whose potential is the same on all of them.
+
+The density of total P that makes the potential (1/pi) int phi log|x - xi| the constant V on a set
+has pi V / P = log(capacity): the equilibrium problem (T. Ransford, Potential Theory in the Complex
+Plane, Cambridge 1995, chapter 5). Hilbert's kernel has the potential log|2 sin(pi (x - xi) / L)|.
+Rolled onto a circle of circumference L, the points x and xi have the distance (L / pi) |sin|. So
+the capacity of the arcs is L / (2 pi) exp(pi V / P).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sie.basis.kernels import Kernel, cauchy, hilbert
+from sie.slits.system import AnyState
+
+
+@dataclass(frozen=True)
+class CapacityOptions:
+    """Positions at which potentials are compared, and the largest difference."""
+
+    # Positions on each zone, from -1 to 1, at which the potential must be the same.
+    places: tuple[float, ...] = (-0.9, 0.0, 0.7)
+    # Largest difference of the potentials, as a multiple of the density's stated error. A potential
+    # adds up the errors of a few coefficients.
+    margin: float = 100.0
+
+
+OPTIONS = CapacityOptions()
+
+
+def unit_length(kernel: Kernel) -> float:
+    """The capacity of zones whose potential is zero; ValueError for a kernel without a capacity."""
+    if kernel == cauchy(kernel.datum):
+        return kernel.datum
+    if kernel.period is not None and kernel == hilbert(kernel.period):
+        return kernel.period / (2 * math.pi)
+    raise ValueError(
+        "a capacity belongs to the potential of sie.cauchy(), or of sie.hilbert(L): then it is "
+        "that of arcs of a circle with the circumference L"
+    )
+
+
+def capacity_of(state: AnyState, error: float) -> float:
+    """The logarithmic capacity of the zones of a solution with the given relative error."""
+    density = state.density
+    unit = unit_length(density.kernel)
+    zones = density.zones
+    x = (zones.middle[:, None] + zones.half[:, None] * np.array(OPTIONS.places)).ravel()
+    if np.any(state.right_side(x) != 0.0):
+        raise ValueError(
+            "a capacity belongs to the right side zero, so that the potential is constant on each "
+            "zone; here it is not zero"
+        )
+    potential, total = density.potential(x), density.total
+    size = max(float(np.pi * zones.half @ np.abs(state.zone_sizes)), abs(total))
+    slack = OPTIONS.margin * error
+    if not abs(total) > slack * size:
+        raise ValueError("a capacity needs a density whose total is not zero: sie.Total(1.0)")
+    level = np.pi * potential / total
+    if not np.ptp(level) <= slack * max(1.0, np.abs(level).max()) * size / abs(total):
+        raise ValueError(
+            "a capacity needs one potential on all zones: ends sie.SINGULAR with the conditions "
+            "sie.Total(1.0) and sie.EqualPotential(); here pi times the potentials over the total "
+            f"differ by {np.ptp(level):.3g}"
+        )
+    return float(unit * math.exp(level.mean()))

@@ -1,0 +1,58 @@
+"""The figure of a density over its zones, by matplotlib, which is imported when it is asked for."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sie.slits.system import AnyDensity
+from sie.trees import lazy
+
+
+@dataclass(frozen=True)
+class FigureOptions:
+    """Points at which a density is drawn, and the range of its values that is shown."""
+
+    # Points of each zone; twice as many change no pixel of a figure of this width.
+    points: int = 400
+    # Most points of all zones together; beyond it, zones have fewer each.
+    max_points: int = 100_000
+    # Least number of points of a zone, at which a semicircle still looks round.
+    least_points: int = 12
+    # The range shown is that of this fraction of each half width about the middle of the zone, so
+    # that infinite values at singular ends do not hide the rest.
+    shown: float = 0.98
+    # Width and height in inches, those of one panel of a page.
+    size: tuple[float, float] = (5.2, 3.6)
+
+
+OPTIONS = FigureOptions()
+
+
+def draw(density: AnyDensity, ax: Any = None) -> Any:
+    """Draw the density over its zones on matplotlib's `ax`, or on a new figure; the figure."""
+    try:
+        figures = lazy.module("matplotlib.figure")
+        agg = lazy.module("matplotlib.backends.backend_agg")
+    except ImportError as error:
+        raise ImportError("a figure needs matplotlib: pip install matplotlib") from error
+    if ax is None:
+        figure = figures.Figure(figsize=OPTIONS.size, layout="constrained")
+        agg.FigureCanvasAgg(figure)  # no window, backend or setting of pyplot is touched
+        ax = figure.subplots()
+    elif not isinstance(ax, lazy.module("matplotlib.axes").Axes):
+        raise ValueError(f"ax must be None or a matplotlib Axes, got {type(ax).__name__}")
+    zones = density.zones
+    count = int(np.clip(OPTIONS.max_points // len(zones), OPTIONS.least_points, OPTIONS.points))
+    t = -np.cos((np.arange(count) + 0.5) * (np.pi / count))
+    values = np.array([density.at_t(i, t) for i in range(len(zones))])
+    for middle, half, phi in zip(zones.middle, zones.half, values, strict=True):
+        ax.plot(middle + half * t, phi, color="C0")
+    inner = values[:, np.abs(t) <= OPTIONS.shown]
+    low, high = min(0.0, float(inner.min())), max(0.0, float(inner.max()))
+    if high > low:
+        margin = 0.05 * (high - low)
+        ax.set_ylim(low - margin if low < 0.0 else 0.0, high + margin if high > 0.0 else 0.0)
+    ax.axhline(0.0, color="0.6", linewidth=0.8)
+    ax.set(xlabel="x", ylabel="density")
+    return ax.figure
