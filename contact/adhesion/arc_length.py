@@ -55,7 +55,7 @@ class CurvePoint:
     curvature: Array
 
     def ahead(self, length: float) -> Array:
-        """Predicted displacement (2n + 1,) of ends and control at a `length`, over `scales`."""
+        """Predicted displacement (2n + 1,) of ends and control at a `length`, in `scales` units."""
         deviation = length**2 * self.curvature[0] + length**3 * self.curvature[1]
         return np.asarray(
             length * self.tangent

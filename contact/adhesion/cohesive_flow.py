@@ -33,10 +33,11 @@ def advanced(
     guide: GridGuide | None = None,
     zones: Array | None = None,
 ) -> CohesiveState:
-    """The smallest equilibrium around the given intervals, if all their ends tend to advance.
+    """The equilibrium with the smallest intervals of tension that contain the given ones.
 
-    An end tends to advance if its residual is positive. Raises `Closed` if there is no such
-    equilibrium. zones: first guess of the contact, which may cover ends of the intervals.
+    All ends of the given intervals must tend to advance: their residuals are positive. Raises
+    `Closed` if there is no such equilibrium. zones: first guess of the contact, which may cover
+    ends of the intervals.
     """
     start = None if zones is None else jkr_guide.before_advanced(curve, zones, value)
     if start is None and guide is not None:
@@ -71,9 +72,10 @@ def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState
 def receded(
     curve: CohesiveCurve, table: Array, value: float, guide: GridGuide | None = None
 ) -> CohesiveState | None:
-    """The largest equilibrium inside the given intervals, if all their ends tend to recede.
+    """The equilibrium with the largest intervals of tension inside the given ones.
 
-    An end tends to recede if its residual is negative. None where contact is lost.
+    All ends of the given intervals must tend to recede: their residuals are negative. None where
+    contact is lost.
     """
     try:
         start = None if guide is None else guided(curve, guide, table, value, -1.0)

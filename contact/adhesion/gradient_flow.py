@@ -35,10 +35,11 @@ from sie import Array, Mask
 def advanced(
     curve: Curve, table: Array, value: float, rest: float = ACCURACY.resting_step
 ) -> State:
-    """The smallest equilibrium around the given intervals, if all their ends tend to advance.
+    """The equilibrium with the smallest intervals that contain the given ones.
 
-    An end tends to advance if its residual is positive. Raises `Closed` if there is no such
-    equilibrium. rest: largest Newton step, relative to the widths, of ends at rest.
+    All ends of the given intervals must tend to advance: their residuals are positive. Raises
+    `Closed` if there is no such equilibrium. rest: largest Newton step, relative to the widths, of
+    ends at rest.
     """
     found = _flow(curve, table, value, 1.0, rest)
     assert found is not None
@@ -46,9 +47,10 @@ def advanced(
 
 
 def receded(curve: Curve, table: Array, value: float) -> State | None:
-    """The largest equilibrium inside the given intervals, if all their ends tend to recede.
+    """The equilibrium with the largest intervals inside the given ones.
 
-    An end tends to recede if its residual is negative. None if all zones are lost.
+    All ends of the given intervals must tend to recede: their residuals are negative. None if all
+    zones are lost.
     """
     return _flow(curve, table, value, -1.0)
 

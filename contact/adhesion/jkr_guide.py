@@ -26,7 +26,7 @@ from sie import Array
 
 
 def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> CohesiveState | None:
-    """A state just inside the smallest equilibrium that contains given zones.
+    """A state just inside the equilibrium with the smallest zones that contain the given ones.
 
     Its ends are all driven outward. It is built around the zones that a law without range has with
     a little less adhesion. None where strips are wider than zones, or the guide fails.

@@ -22,10 +22,11 @@ from sie import Array
 
 
 def grown(curve: Curve, table: Array, value: float, rest: float = ACCURACY.resting_step) -> State:
-    """The smallest equilibrium that contains given zones and has no overlap of the surfaces.
+    """The equilibrium with the smallest zones that contain the given ones, without overlaps.
 
-    The ends of the given zones are all driven outward. Raises `Closed` if there is no such
-    equilibrium. rest: largest Newton step, relative to the widths, of ends at rest.
+    The ends of the given zones are all driven outward. The surfaces overlap nowhere. Raises
+    `Closed` if there is no such equilibrium. rest: largest Newton step, relative to the widths, of
+    ends at rest.
     """
     for _ in range(LIMITS.max_iterations):
         here = advanced(curve, table, value, rest)

@@ -50,7 +50,7 @@ class OneZoneOptions:
     first_nodes: int = 8  # a sinusoid or a parabola needs no more
     finer: int = 4  # factor to the next number of nodes if the series is not resolved
     max_nodes: int = 512  # contact over 0.95 of a period, the widest taken, needs some 250
-    max_steps: int = 60  # five are usual; a load that no zone bears uses all of them
+    max_steps: int = 60  # five are usual; a load that no zone carries uses all of them
     # The number of nodes is raised only after a step in ln h below this value. The series is then
     # nearly that of the solution.
     refine_below: float = 0.1
@@ -202,8 +202,8 @@ def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | No
         )
         return np.log(approach / present), give * half * rate / present, lost
 
-    # The approach of a lone zone grows with its half width up to about twice the datum, and falls
-    # beyond.
+    # Without a period, the approach grows with the half width of the zone up to about twice the
+    # datum, and falls beyond.
     longest = min(problem.top, math.inf if datum is None else datum)
     return _newton(problem, 0.25 * longest, residual)
 
