@@ -54,7 +54,7 @@ def started(now: bool = True) -> None:
 def stop() -> None:
     """Print one line and end the process with the exit status 130."""
     try:
-        # A progress bar may have hidden the cursor.
+        # Show the cursor again, which a progress bar may have hidden.
         os.write(
             2, b"\x1b[?25h\rcontact: interrupted\n" if os.isatty(2) else b"contact: interrupted\n"
         )

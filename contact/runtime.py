@@ -19,13 +19,14 @@ from contact.extras import require
 class _Mallopt(IntEnum):
     """Parameters of the C function mallopt, numbered as in <malloc.h>."""
 
-    # Number of free bytes at the top of the heap above which these bytes are returned to the
+    # The heap may have this number of free bytes at its top; further ones are returned to the
     # system.
     TRIM_THRESHOLD = -1
     MMAP_MAX = -4  # largest number of blocks that are mapped one by one
 
 
-# Values that glibc sets by its own adaptation in a process with large arrays.
+# Values to restore when freed memory need no longer be kept: the trim threshold that glibc reaches
+# by itself in a process with large arrays, and its default of MMAP_MAX.
 _GLIBC_DEFAULTS = {_Mallopt.TRIM_THRESHOLD: 1 << 26, _Mallopt.MMAP_MAX: 1 << 16}
 _KEEP_ALL = {_Mallopt.TRIM_THRESHOLD: -1, _Mallopt.MMAP_MAX: 0}
 

@@ -39,15 +39,15 @@ from contact.verify.error import SolvedGaps
 
 @dataclass(frozen=True)
 class SolverOptions:
-    """Sizes of a scene above which settings of the process are changed.
+    """Sizes of a scene (see `_features`) above which settings of the process are changed.
 
     A size is the number of shortest lengths of the profile in its period.
     """
 
-    # For larger scenes, BLAS runs on one thread, as several threads would wait for each other.
+    # Above this size, BLAS runs on one thread, because several threads would wait for each other.
     one_blas_thread: int = 2**6
-    # For larger scenes, freed memory is kept. If it were not kept, the system would clear the pages
-    # of this memory again and again.
+    # Above this size, the process keeps freed memory. Otherwise the system would clear the pages of
+    # this memory again and again.
     keep_memory: int = 2**17
 
 
@@ -238,7 +238,7 @@ def _found(context: SolveContext) -> Outcome:
 
 
 def _features(scene: Scene) -> float:
-    """Number of shortest lengths of a profile in its period, or in the part that is known."""
+    """Size of a scene: the profile's period or known length, divided by its `feature` length."""
     profile = scene.profile
     known = profile.known
     return (

@@ -33,8 +33,8 @@ from sie import Array
 class FrameOptions:
     """Resolution of the curves in a frame."""
 
-    # Number of points while a slider moves: one point for every second pixel column. Further points
-    # lie at the ends of zones.
+    # Number of points of a curve while a slider moves, one for every second pixel column. More
+    # points are added at the ends of zones.
     points_while_moving: int = 500
 
 

@@ -31,8 +31,8 @@ UNITS = {**TURNING, **dict.fromkeys(_LENGTHS, "m"), "E_star": "Pa", "work": "J/m
 class HandleOptions:
     """Options for the ranges and steps of the sliders."""
 
-    # Largest value of a slider, relative to the present value. The smallest value is the present
-    # one divided by this.
+    # Largest value of a slider, divided by the present value. The smallest value is the present
+    # value divided by this number.
     reach: float = 10.0
     # Smallest and largest number of samples that a slider can set.
     samples: tuple[int, int] = (8, 1024)
@@ -136,8 +136,8 @@ def _control(scene: Scene, solution: Solution | None) -> Handle:
         return _between(key, value, -1.2 * reach, 4 * reach)
     if value <= 0:
         return _between(key, value, -4 * abs(value) or -1.0, 4 * abs(value) or 1.0)
-    # The range goes down by three decades and up by one: at ten times the load most contacts are
-    # full.
+    # The slider reaches from a thousandth of the load to ten times the load. At ten times the load,
+    # most contacts are full.
     return _times(key, value, decades_down=3)
 
 
@@ -245,7 +245,7 @@ def _together(
     lengths: float = 1.0,
     places: int = 33,
 ) -> tuple[str, ...]:
-    """The fewest parameters that, all doubled, scale heights by `heights`, lengths by `lengths`.
+    """Fewest parameters whose doubling multiplies heights by `heights`, lengths by `lengths`.
 
     The result is empty if there are no such parameters.
 
@@ -281,8 +281,7 @@ def _depth(profile: Profile) -> float:
 
 
 def _samples(profile: Profile) -> list[Handle]:
-    """A slider for a number of samples: the shape is replaced by a spline through so many evenly
-    spaced points.
+    """A slider that replaces the shape by a spline through a number of evenly spaced points.
 
     It shows what a coarser instrument would measure. Empty for shapes that are not known
     everywhere.

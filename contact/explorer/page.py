@@ -37,7 +37,7 @@ from contact.solution.solution import Solution
 class PageOptions:
     """Waiting times of the page, and the length of the longest text that it shows."""
 
-    # Pause between two tasks [ms]; events of the browser are handled in it.
+    # Pause between two tasks [ms], in which events of the browser are handled.
     pause: int = 5
     # Time without a change after which the page adds the text and the load curve [ms]. If one
     # solution takes longer than this, the load curve is drawn on demand only.
@@ -75,8 +75,8 @@ class Explorer:
         self.tol, self.directory = tol, directory
         self.frame: Frame | None = None
         self.moved: dict[str, float] = {}
-        # These flags say whether a frame, the completion of the page, and a load curve still have
-        # to be made.
+        # Whether a new frame is due, whether the page waits to be completed, and whether a new load
+        # curve is due.
         self._due = self._waits = self._curve_is_due = False
         self._rest_at = 0.0
         self._walk: Iterator[Solution] | None = None
@@ -137,8 +137,8 @@ class Explorer:
         self.sliders.objects = [self._slider(handle) for handle in self.known]
 
     def _slider(self, handle: Handle) -> Any:
-        # A slider for an integer starts at its low end, which stands for "as it is": the shape is
-        # not changed.
+        # The low end of a slider for integers stands for "as it is", a shape that is not changed.
+        # The slider starts there.
         start = handle.low if handle.whole else handle.value
         low, high = handle.low, handle.high
         if handle.log:
@@ -162,8 +162,8 @@ class Explorer:
             sizing_mode="stretch_width",
         )
 
-        # By default Panel waits 50 ms for further values. The page sets this to 0, as it waits by
-        # itself.
+        # By default Panel waits 50 ms for further values of a slider. The page waits by itself
+        # instead.
         slider._debounce = 0
 
         def move(event: Any) -> None:
@@ -205,8 +205,9 @@ class Explorer:
             self._soon(self._show)
 
     def _soon(self, do: Callable[[], None], after: int = _PAGE.pause) -> None:
-        """Call a function after a pause for events of the browser; without a server, call it at
-        once.
+        """Call a function after a pause, in which events of the browser are handled.
+
+        Without a server, the function is called at once.
         """
         if self._is_served:
             self.pn.state.curdoc.add_timeout_callback(do, after)

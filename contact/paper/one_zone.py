@@ -23,8 +23,8 @@ from contact.reference.exact.wedge import IsolatedWedge, PeriodicWedge
 
 Periodic = PeriodicParabola | PeriodicWedge | Westergaard
 
-# The table gives for each isolated solution the exact periodic solution, and the name of the
-# parameter of the profile.
+# For each isolated solution: the exact periodic solution, and the name of its parameter that gives
+# the size of the profile.
 _EXACT: dict[type, tuple[type[Periodic], str]] = {
     HertzLine: (PeriodicParabola, "radius"),
     IsolatedWedge: (PeriodicWedge, "wedge_slope"),

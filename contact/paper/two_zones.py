@@ -78,7 +78,7 @@ class LocalizedPair(TwoZones):
 
     @cached_property
     def pair(self) -> EvenPair:
-        """The solution as a function of the distance s from the middle of the one-period strip."""
+        """The solution as one zone in y = s^2; s is the distance from the middle of the strip."""
 
         def ratio(y: Array, middle: float, half: float) -> Array:
             s = np.sqrt(y)
@@ -95,8 +95,8 @@ class LocalizedPair(TwoZones):
         """Nominal pressure outside the strip of one period, if each zone has the given width."""
         if self.closure == SELF_CONSISTENT:
             return self.mean_pressure
-        # The ends a and b of the isolated pair have a^2 + b^2 = 2c^2, so that the width b - a
-        # determines `half` = (b^2 - a^2)/2.
+        # The isolated pair has a^2 + b^2 = 2c^2 for its ends a and b. So the width b - a determines
+        # `half` = (b^2 - a^2)/2.
         c = 0.5 * self.spacing
         half = 0.5 * width * sqrt(max(4.0 * c * c - width * width, 0.0))
         return pi * self.E_star * half * half / (8.0 * self.radius * c * c) / self.period

@@ -30,14 +30,15 @@ from sie import Array
 
 @dataclass(frozen=True)
 class AsperitiesOfThePaper:
-    """The scenes of figures 7 to 12, with E* = 1, L = 1 and R = L."""
+    """The scenes of figures 7 to 12, with E* = 1, the period L = 1 and the radius R = L."""
 
-    # This is the amplitude of the wave and the slope of the wedge; it only scales the results.
+    # Amplitude of the wave and slope of the wedge. The results are proportional to it.
     scale: float = 0.01
-    # The pressure curves are at these contact fractions 2a/L, or at these mean pressures over E*.
+    # The pressure on wave and wedge is drawn at these contact fractions 2a/L. That on the parabola
+    # is drawn at these mean pressures, divided by E*.
     fractions: tuple[float, float] = (0.4, 0.7)
     pressures: tuple[float, float] = (0.05, 0.15)
-    # Each curve over the contact width has this number of points.
+    # Number of points of each curve that has the contact width as abscissa.
     points: int = 49
 
     @property

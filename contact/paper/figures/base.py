@@ -17,8 +17,8 @@ from contact.solution.solution import Solution
 from contact.solver import solve
 from sie import Array
 
-# Tolerance of the solutions, far below what can be seen in a figure. Differences from the closed
-# forms are of this size.
+# Tolerance of the solutions, far below what a figure can show. The solutions differ from the closed
+# forms by about this much.
 TOL = 1e-9
 
 EXACT = "exact"

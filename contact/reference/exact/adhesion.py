@@ -78,7 +78,7 @@ class AdhesiveZone(SymmetricZone):
     def _slope(self, r: Array) -> Array:
         return self.zone._slope(r)
 
-    # By default the gap and the approach are those of the frictionless zone.
+    # The gap and the approach are those of the frictionless zone, unless a subclass changes them.
     def _gap(self, e: Array) -> Array:
         return self.zone._gap(e)
 
@@ -102,7 +102,7 @@ class AdhesiveZone(SymmetricZone):
 
     @property
     def elastic_energy(self) -> float:
-        """Elastic energy (1/2) int p u dx [J/m] with the displacement u, per period if any."""
+        """Elastic energy (1/2) int p u dx [J/m] with displacement u, per period if there is one."""
         return frictionless_energy(self.zone)
 
     @property
@@ -173,7 +173,7 @@ class Equilibria(Generic[State]):
         return self.at(parameter).rates()
 
     def _rate(self, parameter: float, machine_compliance: float) -> float:
-        """Derivative of approach + machine compliance times load, by the curve's parameter.
+        """Derivative of approach + `machine_compliance` * load, by the parameter of the curve.
 
         It is positive for a stable equilibrium. For an infinite machine compliance it is the
         derivative of the load.
@@ -258,7 +258,7 @@ class Equilibria(Generic[State]):
         ]
 
     def advancing(self, load: float) -> State | None:
-        """The equilibrium at a load, reached from first touch at load 0; None in full contact.
+        """The equilibrium that loading from first touch reaches at `load`; None in full contact.
 
         Raises OutOfRange past pull-off.
         """
@@ -268,7 +268,7 @@ class Equilibria(Generic[State]):
         return self._lowered(parts[: reached[0] + 1], load) if reached else None
 
     def receding(self, load: float) -> State | None:
-        """The equilibrium at a load, reached from the largest contact; None in full contact.
+        """The equilibrium that unloading reaches at `load`; None in full contact.
 
         Raises OutOfRange past pull-off.
         """
@@ -282,7 +282,7 @@ class Equilibria(Generic[State]):
     stays_closed = False
 
     def _lowered(self, parts: list[tuple[float, float, float, float]], load: float) -> State:
-        """The equilibrium at `load` on the last one of the branches `parts` with this load."""
+        """The equilibrium at `load` on the last branch of `parts` that has a state at this load."""
         for lo, hi, least, most in reversed(parts):
             if least <= load <= most:
                 return self._carrying(load, root(lambda s: self.at(s).load - load, lo, hi))

@@ -97,7 +97,7 @@ class PressedBody(ExactContact):
     gives approach = C P + int P d(-C).
     """
 
-    # These are annotations only: a value here would become the default of a dataclass field of
+    # Annotations only: a value here would become the default of the subclasses' dataclass field of
     # the same name.
     half_width: float
     E_star: float
@@ -110,7 +110,7 @@ class PressedBody(ExactContact):
         def gap(self, x: ArrayLike) -> Array: ...
 
     def _check(self, *positives: str) -> None:
-        """Raise SceneError if one of the attributes named is not positive and finite."""
+        """Raise SceneError if one of the attributes with these names is not positive and finite."""
         for name in positives:
             positive(name, getattr(self, name))
         positive_or_none("datum", self.datum)
@@ -137,7 +137,7 @@ class PressedBody(ExactContact):
         return -unit * log_of(sine(half_width, self.period), cosine(half_width, self.period))
 
     def _approach_by_parts(self) -> float:
-        """The integral int P d(-C) = approach - P C, with load P and punch compliance C."""
+        """The integral int P d(-C), with load P and punch compliance C: approach minus P C."""
         raise NotImplementedError
 
     def _approach(self) -> float:
@@ -298,7 +298,7 @@ class SymmetricZone(PressedBody):
 
     @property
     def _sine_unit(self) -> float:
-        """Length L/pi; its product with `_sine` tends to the half width as the zone narrows.
+        """Unit of length of `_sine`: L/pi with the period L.
 
         It is 1 for an isolated zone.
         """
@@ -324,11 +324,11 @@ class _FromLoad(SymmetricZone):
         self._check(*(field.name for field in fields(self) if field.name != "datum"))
 
     def load_at(self, s: Array) -> Array:
-        """Load P [N/m] at a half width a = s."""
+        """Load P [N/m] of a zone of half width s."""
         raise NotImplementedError
 
     def load_rate(self, s: Array) -> Array:
-        """Derivative dP/da of the load by the half width a, at a = s."""
+        """Derivative dP/ds of the load P by the half width s."""
         raise NotImplementedError
 
     @property

@@ -130,8 +130,8 @@ class IsolatedBiquadratic(PressedBody):
         """Outer end b of the zones [m]."""
         if not self.merged:
             return sqrt(self._c**2 + self._h)
-        # The formula for the load P of one zone gives 3b^4 - 4b^2c^2 = 4c^4 P/P_merging for the
-        # outer end b.
+        # With two zones merged into one, the load P and the outer end b satisfy
+        # 3b^4 - 4b^2c^2 = 4c^4 P/P_merging.
         return self._c * sqrt((2.0 + sqrt(4.0 + 12.0 * self.load / self.merging_load)) / 3.0)
 
     @property
@@ -183,8 +183,8 @@ class IsolatedBiquadratic(PressedBody):
         if self.merged:
             return self._pressure(b * np.abs(t), t, b * (1.0 - np.abs(t)))
         outward = t if zone == 1 else -t
-        # The half width (b - a)/2 is computed as h/(b + a), because the difference b - a of the
-        # ends cancels in narrow zones.
+        # The half width (b - a)/2 is computed as h/(b + a). In narrow zones the difference b - a
+        # loses digits.
         half = self._h / (b + self.inner_end)
         inner = half * (1.0 + outward)
         return self._pressure(self.inner_end + inner, inner, half * (1.0 - outward))
@@ -224,7 +224,7 @@ class IsolatedBiquadratic(PressedBody):
     def _approach_by_parts(self) -> float:
         if not self.merged:
             return 0.5 * self._unit * self._h**2
-        # The result is (2/pi E*) int_0^b P(s) ds/s + f(0). Here the formula for the load P(s) of
-        # one zone of half width s is continued down to s = 0.
+        # The result is (2/pi E*) int_0^b P(s) ds/s + f(0). P(s) is the load of one zone of half
+        # width s; its formula is used down to s = 0.
         b, c = self.outer_end, self._c
         return self._unit * (b * b * (3.0 * b * b - 8.0 * c * c) / 8.0 + c**4)

@@ -120,7 +120,7 @@ class DugdaleZone(_DugdaleState):
         widest = 1e300 if self.period is None else 0.5 * self.period
         between("cohesive_end", self.cohesive_end, self.half_width, widest)
 
-    # The formulas of the next methods are the closed forms at the head of this file.
+    # The next methods evaluate the closed forms at the head of this file.
     @property
     def root(self) -> float:
         """The root sqrt(c^2 - a^2) of the half width a and the end c of the tension.
@@ -151,7 +151,7 @@ class DugdaleZone(_DugdaleState):
         scale = scale * np.maximum(cosine(x, length), 1e-100) ** 2
         square = sine(e, length) * sine(x + a, length) * cosine(c, length) ** 2 / scale
         rest = np.abs(sine(f, length)) * sine(c + x, length) * cosine(a, length) ** 2 / scale
-        # The numbers X^2 and |1 - X^2| are accurate. Therefore artanh is computed as arsinh:
+        # `square` is X^2 and `rest` is |1 - X^2|. So artanh is computed as arsinh:
         # artanh X = arsinh(X/sqrt(1 - X^2)) and artanh(1/X) = arsinh(1/sqrt(X^2 - 1)).
         return np.asarray(np.arcsinh(np.sqrt(np.minimum(square, 1.0) / np.maximum(rest, 1e-300))))
 
@@ -241,7 +241,7 @@ class DugdaleZone(_DugdaleState):
         return 2.0 * (self.stress * area - self.cohesive_end * self.work)
 
     def rates(self) -> tuple[float, float]:
-        """Derivatives of load and approach by the end c of the tension, for the equilibria.
+        """Derivatives of load and approach by the end c of the tension, along the equilibria.
 
         The rate of the approach is nan without a datum.
         """
@@ -346,7 +346,7 @@ class MetDugdaleZone(_DugdaleState):
         return (self.stress * mean_gap - self.work) * self._length()
 
     def rates(self) -> tuple[float, float]:
-        """Derivatives of load and approach by the half width a, for the equilibria."""
+        """Derivatives of load and approach by the half width a, along the equilibria."""
         load = float(self.zone.load_rate(np.array(self.half_width)))
         return load, self._approach_rate(load, 0.0)
 
@@ -459,13 +459,13 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
 
     @property
     def tabor(self) -> float:
-        """Maugis's parameter 4 stress/(pi^2 E*^2 work/radius)^(1/3); large values mean JKR."""
+        """Maugis's parameter 4 stress/(pi^2 E*^2 work/radius)^(1/3); at large values, JKR holds."""
         cube = pi**2 * self.E_star**2 * self.work / self.radius
         return 4.0 * self.stress / float(cube ** (1.0 / 3.0))
 
     @property
     def least_cohesive_end(self) -> float:
-        """End c of the cohesive intervals when contact begins, at a zone of no width.
+        """End c of the cohesive intervals at the beginning of contact, where the half width a is 0.
 
         It is the root of c^2/2R + (4s/pi E*) c ln 2 = w/s.
         """
@@ -570,7 +570,7 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         )
 
     def touching_gap(self, c: float) -> float:
-        """Gap at the end c of the tension when contact begins, at a zone of no width.
+        """Gap at the end c of the tension at the beginning of contact, where the half width is 0.
 
         The gap is f(c) + (4s/pi E*) int_0^c ln(2 cos(pi x/L)) dx with the profile f.
         """
@@ -580,7 +580,7 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
     @cached_property
     def least_cohesive_end(self) -> float:
-        """End of the cohesive intervals when contact begins.
+        """End of the cohesive intervals at the beginning of contact.
 
         It is half the period if the intervals meet in all states.
         """

@@ -25,7 +25,7 @@ from contact.reference.exact.numerics import Array
 
 @dataclass(frozen=True)
 class JKRZone(AdhesiveZone):
-    """JKR adhesion of one zone: a flat punch is subtracted from the frictionless zone.
+    """JKR adhesion of one zone: the frictionless solution minus the solution of a flat punch.
 
     The index 0 is that of the frictionless zone. Q, q and C are the load, pressure and compliance
     of the punch, and p ~ -sqrt(E* w/pi)/sqrt(d) at the distance d from an end:
@@ -76,7 +76,7 @@ class JKRZone(AdhesiveZone):
 
     @property
     def intensity(self) -> float:
-        """Intensity of the tension at the distance d from an end: p ~ -intensity/sqrt(d).
+        """Intensity of the tension next to an end: p ~ -intensity/sqrt(d) at the distance d.
 
         It is sqrt(E* work/pi) [Pa m^(1/2)].
         """
@@ -126,9 +126,9 @@ class JKRZone(AdhesiveZone):
         punch = self.punch.load
         load = float(self.zone.load_rate(np.array(self.half_width)))
         load -= 0.5 * punch / (self.tangent * self._cosine() ** 2)
-        # At constant load the approach changes at the rate -Q dC/da, with the load Q and the
-        # compliance C of the punch. The derivative dC/da is -2/(pi E* a) isolated, and
-        # -(2/E* L) cot(pi a/L) with a period.
+        # At constant load, the derivative of the approach by a is -Q dC/da. Q is the load and C the
+        # compliance of the punch. dC/da is -2/(pi E* a) isolated, and with a period
+        # -(2/E* L) cot(pi a/L).
         return load, self._approach_rate(load, 2.0 * punch / (pi * self.E_star * self.tangent))
 
 
@@ -141,7 +141,7 @@ class _JKREquilibria(Equilibria[JKRZone]):
 
     @property
     def jump_in(self) -> JKRZone:
-        """The equilibrium at zero load that the contact jumps to at first touch."""
+        """The equilibrium at zero load to which the surfaces jump at first touch."""
         return self.at_load(0.0)
 
 
@@ -209,8 +209,8 @@ class JKRCylinder(Cylinder, _JKREquilibria):
 
     def _samples(self) -> Array:
         unit = (2.0 * self.radius**2 * self.work / (pi * self.E_star)) ** (1.0 / 3.0)
-        # With a datum d, the curve ends at the half width a = d. For wider zones the approach
-        # has no meaning: beyond about a = 2d it falls.
+        # With a datum d, the curve ends at the half width a = d. The approach of wider zones means
+        # nothing: from about a = 2d on it falls.
         widest = 1e6 * unit if self.datum is None else self.datum
         return np.geomspace(min(1e-12 * unit, 1e-6 * widest), widest, 200)
 

@@ -198,7 +198,8 @@ class LocalizedZone(SymmetricZone):
         """Derivative of the load by the half width a, at a = s, for a fixed nominal load."""
         s = np.asarray(s)
         z = 2.0 * s / self.period
-        # The half width s may round to L/2, where the rate is infinite but its integral is not.
+        # The half width s may be rounded to L/2. There the rate is infinite, but its integral is
+        # finite.
         root = np.sqrt(np.maximum(1.0 - z, 1e-16) * (1.0 + z))
         return self.isolated.load_rate(s) + 2.0 * self.nominal_load / self.period * z / root
 
@@ -278,8 +279,8 @@ def localized_at_load(
     def at(a: float) -> float:
         return _load(family(half_width=a, **shape), period, closure)
 
-    # The load as a function of the half width falls for the first time just after its maximum.
-    # These samples bracket the maximum.
+    # The load first falls after `widths[i]`. So its first maximum lies between the two samples next
+    # to `widths[i]`.
     widths = 0.5 * period * np.linspace(0.0, 1.0, 258)[1:-1]
     falling = np.flatnonzero(np.diff([at(a) for a in widths]) < 0.0)
     last = 0.5 * period * (1.0 - 1e-12)

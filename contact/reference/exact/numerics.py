@@ -29,7 +29,7 @@ FROM_LEFT, FROM_RIGHT, WEIGHT = _tanh_sinh()
 
 
 def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
-    """Integral from 0 to `length` of a function with the distances from both ends as arguments.
+    """Integral from 0 to `length`; the function takes the distances from both ends.
 
     `length` may be an array; the integral has its shape.
     """
@@ -42,7 +42,7 @@ def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> 
 def root(
     function: Callable[[float], float], low: float, high: float, xtol: float = 1e-300
 ) -> float:
-    """The root, to round-off, between two arguments at which the function has opposite signs."""
+    """The root to round-off between `low` and `high`, where the function has opposite signs."""
     return float(brentq(function, low, high, xtol=xtol, rtol=1e-15))
 
 
@@ -82,12 +82,12 @@ def sinh_minus(y: ArrayLike) -> Array:
 
 
 def zone_potential(z_minus_1: ArrayLike) -> Array:
-    """z sqrt(z^2 - 1) - arcosh z: the shape of the gap next to a Hertz zone with end z = 1."""
+    """z sqrt(z^2 - 1) - arcosh z: the shape of the gap outside a Hertz zone that ends at z = 1."""
     return np.asarray(0.5 * sinh_minus(2.0 * arcosh1p(z_minus_1)))
 
 
-# The functions below are those of a periodic zone. If the period is None, the zone is isolated:
-# then sin(pi x/L) becomes x, and cos(pi x/L) becomes 1.
+# The next functions are for a periodic zone. For an isolated zone (`period` None), sin(pi x/L) is
+# replaced by x, and cos(pi x/L) by 1.
 
 
 def sine(x: ArrayLike, period: float | None) -> Array:

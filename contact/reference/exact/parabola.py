@@ -78,11 +78,11 @@ class HertzLine(IsolatedZone, _Parabola):
         return self.E_star / (2.0 * self.radius) * np.sqrt(d * (self.half_width + r))
 
     def load_rate(self, s: Array) -> Array:
-        """Derivative dP/da of the load by the half width a, at a = s."""
+        """Derivative dP/ds of the load P by the half width s."""
         return pi * self.E_star / (2.0 * self.radius) * s
 
     def load_at(self, s: Array) -> Array:
-        """Load P [N/m] at a half width a = s."""
+        """Load P [N/m] of a zone of half width s."""
         return pi * self.E_star / (4.0 * self.radius) * s**2
 
 
@@ -131,19 +131,20 @@ class PeriodicParabola(PeriodicZone, _Parabola):
         return half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # The pressure is proportional to arcosh(cos u/cos A), with u = pi x/L and A = pi a/L. The
-        # difference cos u/cos A - 1 is computed without cancellation.
+        # The pressure is proportional to arcosh(cos u/cos A), with u = pi x/L and A = pi a/L.
+        # `half` gives cos u/cos A - 1 without cancellation.
         half = sine(0.5 * (self.half_width + r), self.period) * sine(0.5 * d, self.period)
         unit = self.period * self.E_star / (2.0 * pi * self.radius)
         return unit * arcosh1p(2.0 * half / self._cosine())
 
     def load_at(self, s: Array) -> Array:
-        """Load P [N/m] at a half width a = s."""
+        """Load P [N/m] of a zone of half width s."""
         unit = self.period**2 * self.E_star / (2.0 * pi * self.radius)
         return -unit * log_of(cosine(s, self.period), sine(s, self.period))
 
     def load_rate(self, s: Array) -> Array:
-        """Derivative dP/da of the load by the half width a, at a = s."""
+        """Derivative dP/ds of the load P by the half width s."""
         unit = self.period * self.E_star / (2.0 * self.radius)
-        # The half width s may round to L/2, where the rate is infinite but its integrals are not.
+        # The half width s may be rounded to L/2. There the rate is infinite, but its integrals are
+        # finite.
         return unit * sine(s, self.period) / np.maximum(cosine(s, self.period), 1e-100)

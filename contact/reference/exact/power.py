@@ -102,11 +102,11 @@ class IsolatedPower(IsolatedZone, _Power):
         return float((load / unit) ** (1.0 / n))
 
     def load_at(self, s: Array) -> Array:
-        """Load P [N/m] at a half width a = s."""
+        """Load P [N/m] of a zone of half width s."""
         return 0.5 * self.E_star * _chebyshev_moment(self.exponent) * s * self._slope(s)
 
     def load_rate(self, s: Array) -> Array:
-        """Derivative dP/da of the load by the half width a, at a = s."""
+        """Derivative dP/ds of the load P by the half width s."""
         n = self.exponent
         return np.asarray(0.5 * self.E_star * n * _chebyshev_moment(n) * self._slope(s))
 
@@ -186,21 +186,21 @@ class PeriodicPower(PeriodicZone, _Power):
         return integrated(integrand, np.arcsinh(sine(a, length) / cosine(a, length)))
 
     def load_at(self, s: Array) -> Array:
-        """Load P [N/m] at a half width a = s."""
+        """Load P [N/m] of a zone of half width s."""
         a, column = s, s[..., None]
         found = self._integral(a, lambda w, rest: self._slope(self._position(column, w, rest)[0]))
         return np.asarray(self.E_star * self._length() / pi * found)
 
     def load_rate(self, s: Array) -> Array:
-        """Derivative dP/da of the load by the half width a, at a = s."""
+        """Derivative dP/ds of the load P by the half width s."""
         a, length = np.asarray(s, dtype=np.float64), self._length()
         column = a[..., None]
 
         def integrand(w: Array, rest: Array) -> Array:
             at, cos_s, sin_s = self._position(column, w, rest)
-            # The factor tan(pi s/L) growth + 1 is the logarithmic derivative of
-            # f'(s) sin A/cos(pi s/L) by A = pi a/L, divided by cot A. The ratio sin(pi s/L)/sin A
-            # is fixed, so that ds/dA = (L/pi) tan(pi s/L) cot A.
+            # The integrand of the load is proportional to f'(s) sin A/cos(pi s/L), at a fixed ratio
+            # sin(pi s/L)/sin A. Its derivative by A = pi a/L is the integrand times
+            # cot A (tan(pi s/L) growth + 1).
             by_slope = (self.exponent - 1.0) * length / (pi * np.maximum(at, 1e-300))
             growth = by_slope + sin_s / cos_s
             return np.asarray(self._slope(at) * (sin_s / cos_s * growth + 1.0))
@@ -240,7 +240,7 @@ def _chebyshev_moment(n: float) -> float:
 def _abel_of_power(
     n: float, r: Array, d: Array, expand_below: float = 2.5, radius: float = 0.5
 ) -> Array:
-    """Integral of s^(n-1) / sqrt(s^2 - r^2) over s from r to 1, from r and d = 1 - r.
+    """Integral of s^(n-1) / sqrt(s^2 - r^2) over s from r to 1; d is 1 - r.
 
     For exponents n below `expand_below` the hypergeometric function of 1 - r^2 loses the digits of
     r^(n-1) near the tip r = 0. For r < `radius` an expansion in r^2 and r^(n-1) replaces it. That

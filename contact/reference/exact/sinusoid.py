@@ -99,11 +99,11 @@ class Westergaard(PeriodicZone, _Wave):
         return 2.0 * self.full_contact_pressure * cosine(self.half_width, self.period, d) * root
 
     def load_rate(self, s: ArrayLike) -> Array:
-        """Derivative dP/da of the load by the half width a, at a = s."""
+        """Derivative dP/ds of the load P by the half width s."""
         return pi * self.full_contact_pressure * sine(2.0 * np.asarray(s), self.period)
 
     def load_at(self, s: Array) -> Array:
-        """Load P [N/m] at a half width a = s."""
+        """Load P [N/m] of a zone of half width s."""
         return pi * self.E_star * self.amplitude * sine(s, self.period) ** 2
 
 
@@ -278,9 +278,9 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
         return self.amplitude * self._k * np.sin(self._k * r)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # With t = cos phi, the Chebyshev polynomials U_2j of the formula (20) satisfy
-        # sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi). The angle phi is computed from the distance d
-        # to the zone's end, so that phi is accurate near this end.
+        # With t = cos phi, the terms of (20) are sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi). The
+        # angle phi is computed from the distance d to the zone's end, which is accurate near this
+        # end.
         phi = 2.0 * np.arcsin(np.sqrt(0.5 * d / self.half_width))
         j = np.arange(20)  # J_41(pi) is below 1e-40
         weight = (-1.0) ** j * jv(2 * j + 1, self._k * self.half_width)
@@ -288,12 +288,12 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
         return self.E_star * self.amplitude * self._k * series
 
     def load_rate(self, s: ArrayLike) -> Array:
-        """Derivative dP/da of the load by the half width a, at a = s."""
+        """Derivative dP/ds of the load P by the half width s."""
         z = self._k * np.asarray(s)
         return np.asarray(0.5 * pi * self.E_star * self.amplitude * self._k * z * j0(z))
 
     def load_at(self, s: Array) -> Array:
-        """Load P [N/m] at a half width a = s."""
+        """Load P [N/m] of a zone of half width s."""
         z = self._k * s
         return np.asarray(0.5 * pi * self.E_star * self.amplitude * z * j1(z))
 

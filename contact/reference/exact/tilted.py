@@ -337,9 +337,9 @@ class TiltedWedge(TiltedZone):
         return np.asarray(self.wedge_slope * np.sign(x) - self.tilt)
 
     def _pressure(self, left: Array, right: Array) -> Array:
-        # The variable `excess` is (1 + t sin alpha)/|t + sin alpha| - 1, with t and alpha of the
-        # class's docstring. It is computed without cancellation, from distances to the ends of the
-        # zone and to the tip.
+        # `excess` is (1 + t sin alpha)/|t + sin alpha| - 1, with t and alpha of the class's
+        # docstring. It follows without cancellation from distances to the ends of the zone and to
+        # the tip.
         tip_left, tip_right = self._tip
         excess = np.where(
             left > tip_left,
@@ -482,7 +482,7 @@ class TiltedPunch(TiltedZone):
     def _gap(self, e: Array, side: int) -> Array:
         if not self.lifted or side * self.moment > 0:
             return np.full_like(e, inf)
-        # The gap is |tilt| int sqrt(s/(s + 2w)) ds up to the lifted corner. Here s is the distance
+        # Up to the lifted corner, the gap is |tilt| int sqrt(s/(s + 2w)) ds. Here s is the distance
         # from the end of the zone, and w is the half width of the zone.
         y = 0.5 * e
         unit = 2.0 * self.half_width * abs(self.tilt)

@@ -27,8 +27,8 @@ class _Wedge(SymmetricZone):
         return np.full_like(r, self.wedge_slope)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # Here y is tan A/tan u - 1 with u = pi |x|/L and A = pi a/L. The equal form
-        # sin(A - u)/(cos A sin u) does not cancel near the zone's end.
+        # `y` is tan A/tan u - 1, with u = pi |x|/L and A = pi a/L. The form
+        # sin(A - u)/(cos A sin u) does not cancel near the end of the zone.
         with np.errstate(divide="ignore"):
             y = sine(d, self.period) / (self._cosine() * sine(r, self.period))
         return self.E_star * self.wedge_slope / pi * arcosh1p(y)
@@ -74,11 +74,11 @@ class IsolatedWedge(IsolatedZone, _Wedge):
         return load / (shape["E_star"] * shape["wedge_slope"])
 
     def load_at(self, s: Array) -> Array:
-        """Load P [N/m] at a half width a = s."""
+        """Load P [N/m] of a zone of half width s."""
         return self.E_star * self.wedge_slope * s
 
     def load_rate(self, s: Array) -> Array:
-        """Derivative dP/da of the load by the half width a, at a = s."""
+        """Derivative dP/ds of the load P by the half width s."""
         return np.full_like(s, self.E_star * self.wedge_slope)
 
 
@@ -127,13 +127,14 @@ class PeriodicWedge(PeriodicZone, _Wedge):
         return half_width_from_sine(tanh(y), 1.0 / float(np.cosh(min(y, 700.0))), shape["period"])
 
     def load_at(self, s: Array) -> Array:
-        """Load P [N/m] at a half width a = s."""
-        # The load is proportional to artanh(sin A) = arsinh(tan A) with A = pi s/L. The second
-        # form is accurate near full contact.
+        """Load P [N/m] of a zone of half width s."""
+        # The load is proportional to artanh(sin A) = arsinh(tan A) with A = pi s/L. The form with
+        # arsinh is accurate near full contact.
         unit = self.period * self.E_star * self.wedge_slope / pi
         return unit * np.arcsinh(sine(s, self.period) / cosine(s, self.period))
 
     def load_rate(self, s: Array) -> Array:
-        """Derivative dP/da of the load by the half width a, at a = s."""
-        # The half width s may round to L/2, where the rate is infinite but its integrals are not.
+        """Derivative dP/ds of the load P by the half width s."""
+        # The half width s may be rounded to L/2. There the rate is infinite, but its integrals are
+        # finite.
         return self.E_star * self.wedge_slope / np.maximum(cosine(s, self.period), 1e-100)

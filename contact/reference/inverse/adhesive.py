@@ -134,26 +134,26 @@ class AdhesiveDesign(GivenZones):
 
     @property
     def _signs(self) -> Array:
-        """Sign of X, the root of the product of all end factors, in the gap next to every end."""
+        """Sign of X in the gap next to each end; X^2 is the product of all end factors."""
         return np.array([self._side(e if e % 2 else e - 1) for e in range(2 * len(self.zones))])
 
     @cached_property
     def _poles(self) -> NDArray[np.floating]:
-        """Coefficients q_e of the poles in R = M + sum_e q_e/(x - e), with a smooth function M."""
+        """Coefficients q_e of the poles in R = M + sum_e q_e/(x - e); the function M is smooth."""
         product = self._extended
         per_length = 1.0 / product._unit if self.period is None else 2.0 * product._turn
         size = 2.0 * np.sqrt(np.longdouble(self.work) / (product.pi * self.E_star))
         return np.asarray(self._signs * size * np.sqrt(per_length / product.end_factors()))
 
     def _modes(self, product: CutProduct, i: int, dl: Any, dr: Any) -> Any:
-        """Basis functions of the smooth function M in R = M + poles, at points of interval i.
+        """Basis functions of M at points of interval i; M is the smooth part of R = M + poles.
 
         The array is (..., number of functions).
         """
         n, ends = len(self.zones), product.zones.ravel()
         if self.period is None:
-            # The coordinate x has a rounding error, unlike the distances. This is harmless, as the
-            # polynomial M is smooth.
+            # Unlike the distances, x has a rounding error. It does no harm, as the polynomial M is
+            # smooth.
             half = 2.0 * product._unit
             x = ends[0] - dr if i < 0 else ends[i] + dl
             return chebyshev.chebvander(((x - ends[0]) - (ends[-1] - x)) / (2.0 * half), n - 1)
@@ -175,7 +175,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _zone_integrals(self) -> tuple[Any, Any]:
-        """Loads of all zones by each basis function of M, and by the poles, of R = M + poles.
+        """Loads of all zones: those that each basis function of M causes, and those of the poles.
 
         The first array, (n, count), has one column for each coefficient of M; the second is (n,).
         """
@@ -187,7 +187,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _smooth(self) -> Any:
-        """Coefficients of the smooth function M, from equal approaches of zones and the load."""
+        """Coefficients of M, determined by equal approaches of all zones and by the load."""
         modes, poles = self._zone_integrals
         gaps = [self._integrals(g) for g in self._extended.gaps]
         matrix = np.array([*(m for m, _ in gaps), np.sum(modes, axis=0)])
@@ -214,15 +214,16 @@ class AdhesiveDesign(GivenZones):
         n, ends = len(self.zones), self._extended.zones.ravel()
         hull = (float(ends[0]), float(ends[-1]))
         if self.period is None:
-            # A point is x = middle + half (v + 1/v)/2, and an end is e = middle + half cos(phi).
-            # Thus the factor of this end is (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
+            # With the middle and the half width of the hull, a point is x = middle + half (v +
+            # 1/v)/2 and an end is e = middle + half cos(phi). With `CutProduct._unit` = half/2, the
+            # factor of this end is (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
             phi = 2.0 * np.arctan2(np.sqrt(ends[-1] - ends), np.sqrt(ends - ends[0]))
             root = exp_of_power_sums(np.array([np.sum(np.cos(k * phi)) for k in range(2 * n)])).real
             ratio = np.zeros(2 * n, dtype=np.longdouble)  # coefficients of v^(n-1), .., v^-n
             ratio[n - 1 :: -1] += 0.5 * self._smooth
             ratio[n - 1 : -1] += 0.5 * self._smooth
-            # The pole unit/(x - e) is the series sum_k U_k(cos phi) v^(-k-1) with the Chebyshev
-            # polynomials U_k of the second kind.
+            # With the same unit, unit/(x - e) is the series sum_k U_k(cos phi) v^(-k-1). The U_k
+            # are the Chebyshev polynomials of the second kind.
             second, older = np.ones_like(phi), np.zeros_like(phi)
             for k in range(n):
                 ratio[n + k] += np.sum(self._poles * second)
@@ -338,19 +339,19 @@ def second_variation(design: AdhesiveDesign) -> Array:
     root = np.sqrt(others)
     k = outward * sigma * root * q  # X R ~ k/sqrt|factor| next to the end
     at_ends = [product.at_end(e) for e in range(m)]
-    # The entry poles[i, j] is the function with a pole at end j, evaluated at end i.
+    # Entry [i, j] is the pole of end j, evaluated at end i.
     poles = np.array([product.poles(*at)[0] for at in at_ends])
     np.fill_diagonal(poles, 0.0)
     modes = np.array([design._modes(product, *at)[0] for at in at_ends])
     strength = outward * others * q / (2.0 * unit)  # the coefficient A of every end
-    # The entry smooth[i, j] is the polynomial T (head of this module) for a motion of end j,
-    # evaluated at end i.
+    # Entry [i, j] is the polynomial T (head of this module) for a motion of end j, evaluated at end
+    # i.
     smooth = _low_modes(design, modes) @ _low_coefficients(design, strength, unit).T
     regular = modes @ design._smooth.astype(float) + poles @ q
     change = (sigma / root)[:, None] * (strength * poles + smooth)  # change of k at end i by end j
-    # At the end that moves, the change of the coefficient k comes from the term of X R that follows
-    # k/sqrt|factor|. This term is proportional to sqrt|factor|. The moved end contributes half of
-    # its coefficient. The derivatives of the other factors cancel.
+    # Change of k at the moved end itself. In X R, the term after k/sqrt|factor| is proportional to
+    # sqrt|factor|. Its derivative by the end is proportional to 1/sqrt|factor|, with half of its
+    # coefficient. The derivatives of the other factors cancel.
     own = outward * root * regular / (2.0 * unit) + np.diagonal(smooth) / root
     np.fill_diagonal(change, sigma * own)
     return np.asarray(2.0 * design.work * change / k[:, None] * outward, dtype=float)
@@ -416,8 +417,8 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
             field = strength[j] * poles[:, j] / x_root
             if j in (g, (g + 1) % m):
                 # The field is not integrable at end j of this gap. A multiple of the derivative of
-                # X times the pole is subtracted, which leaves an integrable field. The finite part
-                # of the integral of this derivative is zero.
+                # X times the pole is subtracted, so that the rest is integrable. The finite part of
+                # the subtracted integral is zero.
                 share = (-2.0 if j == g else 2.0) * unit * strength[j] / others[j]
                 field = field - share * _pole_slope(design, g, (dl, dr), j, poles[:, j]) * x_root
             given[row, j] = -np.sum(weight * field)

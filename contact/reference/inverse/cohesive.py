@@ -40,10 +40,10 @@ from sie import Array, Mask
 
 @dataclass(frozen=True)
 class CohesiveOptions:
-    """Numbers of quadrature nodes and of points at which signs are checked."""
+    """Number of quadrature nodes, and number of points at which signs are checked."""
 
-    # Number of Gauss nodes on a strip of tension, and from a zone's end to a point of the gap. The
-    # integrals are accurate to 1e-10.
+    # Number of Gauss nodes of each integral, over a strip of tension or from a zone's end to a
+    # point of the gap. The integrals are accurate to 1e-10.
     nodes: int = 90
     sign_points: int = 200  # points in every zone, gap and strip
 
@@ -184,7 +184,7 @@ class CohesiveDesign:
 
     @property
     def _tension(self) -> float:
-        """The factor 2 s/(pi E*) of the slope of the gap that the tension s causes."""
+        """The factor 2 s/(pi E*) in the part of the gap's slope that the tension s causes."""
         return 2 * self.stress / (self.E_star * pi)
 
     @cached_property
@@ -329,7 +329,7 @@ class CohesiveDesign:
         return self._series_of(self._smooth, self._tension)
 
     def _series_of(self, smooth: Array, tension: float) -> Array:
-        """Coefficients of X R, the slope of the gap, for the powers of t from the highest to t^-1.
+        """Coefficients of X R, the slope of the gap, in powers of t from the highest down to t^-1.
 
         `smooth` are the coefficients of M, and `tension` is the factor of the strips' integrals.
         """
@@ -385,7 +385,8 @@ class CohesiveDesign:
         out = strip.far(t)
         if close.any():
             at = t[close]
-            # The smooth factor h of 1/X on the strip is continued into the zone next to the strip.
+            # The smooth factor h of 1/X on the strip, evaluated at points of the zone next to the
+            # strip.
             factors = [np.abs(at - end) for end in self._ends if end not in strip.ends]
             h = np.sign(strip.h[0]) / np.sqrt(np.prod(factors, axis=0))
             difference = (1 - h[:, None] / strip.h) / (at[:, None] - strip.nodes)

@@ -93,7 +93,7 @@ class DesignedProfile(Profile):
 
     @property
     def resolution(self) -> float:
-        """Length over which the profile varies little [m]."""
+        """Smallest length over which the profile varies [m]."""
         return (self.hull[1] - self.hull[0]) / len(self.slope_series)
 
     @property
@@ -381,9 +381,9 @@ class DesignedContact(GivenZones):
         exponents = np.concatenate([np.full(len(ends), 0.5), np.ones(len(roots))])
         n = len(self.zones)
         if self.period is None:
-            # A point is x = middle + half (v + 1/v)/2, and an end or a root of M is
-            # e = middle + half cos(phi). Thus the factor of this end or root is
-            # (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
+            # With the middle and the half width of the hull, a point is x = middle + half (v +
+            # 1/v)/2. An end or a root of M is e = middle + half cos(phi). With `CutProduct._unit` =
+            # half/2, its factor is (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
             points = np.concatenate([ends, roots])
             phi = 2.0 * np.arctan2(np.sqrt(hull[1] - points), np.sqrt(points - hull[0]))
             power_sums = np.array([2.0 * np.sum(exponents * np.cos(k * phi)) for k in range(2 * n)])

@@ -144,7 +144,7 @@ class CutProduct:
 
     @cached_property
     def roots(self) -> Array:
-        """Distances of each root of M from the two ends of the gap with this root, (roots, 2).
+        """Distances (roots, 2) of each root of M from the left and the right end of its gap.
 
         Newton's method solves int_gap |X| M = 0 for all gaps.
         """
@@ -164,8 +164,8 @@ class CutProduct:
             residual = np.array([r for r, _ in rows], dtype=float)
             jacobian = np.array([j for _, j in rows], dtype=float).reshape(len(gaps), len(gaps))
             step = -np.linalg.solve(jacobian, residual)
-            # A step covers at most nine tenths of the distance from a root of M to the end of the
-            # root's gap, so that the root stays in this gap.
+            # A step is at most nine tenths of the distance from a root of M to the end of its gap,
+            # so that the root stays in the gap.
             limit = np.where(step > 0.0, offsets[:, 1], offsets[:, 0])
             step = np.sign(step) * np.minimum(np.abs(step), 0.9 * limit)
             offsets = offsets + np.outer(step, [1.0, -1.0])
@@ -185,8 +185,8 @@ class CutProduct:
         factors = self._factors(left, right, is_left)
         others = np.prod(np.delete(factors, row, axis=-1), axis=-1) * weight
         own = factors[:, row]
-        # A node may coincide with the root of M in this gap, where 1/factor is infinite. The
-        # derivative by this root is replaced below.
+        # If a node coincides with the root of M in this gap, 1/factor is infinite there. The
+        # derivative by this root is computed in another way below.
         with np.errstate(divide="ignore"):
             if self.period is None:
                 logarithmic = 1.0 / np.where(is_left, left, -right)
@@ -202,11 +202,10 @@ class CutProduct:
         return np.sum(others * own) / scale, derivative
 
     def nodes(self, i: int) -> tuple[Any, Any, Any]:
-        """Gauss-Chebyshev rule on interval i: weights, and distances of the nodes from the ends.
+        """Gauss-Chebyshev rule on interval i, with distances of the nodes from both ends.
 
-        The result is (distances dl from the left end, distances dr from the right end, weights).
-
-        The integrand may grow like 1/sqrt at the ends. It is analytic up to the neighbouring ends.
+        Returns (distances dl from the left end, distances dr from the right end, weights). The
+        integrand may grow like 1/sqrt at the ends, and is analytic up to the neighbouring ends.
         Their distance, divided by the length of the interval, sets the number of nodes.
         """
         m, h = len(self.steps), self.steps[i]
@@ -231,7 +230,7 @@ class CutProduct:
         return np.asarray(np.sqrt(np.prod(self._end_factors(i, dl, dr), axis=-1)))
 
     def poles(self, i: int, dl: Array, dr: Array) -> Array:
-        """Inverse 1/factor of the signed factor of every end, at points of interval i, (..., 2n).
+        """Inverses 1/factor of the signed factors of all ends, at points of interval i, (..., 2n).
 
         With a period and an even number of zones they are cos(pi (x - e)/L)/factor, so that X times
         a pole is periodic.
@@ -293,5 +292,5 @@ class CutProduct:
         dl = x - ends[np.maximum(i, 0)]
         right = np.append(ends[1:], np.nan if self.period is None else ends[0] + self.period)
         dr = np.where(i < 0, ends[0] - x, right[np.maximum(i, 0)] - x)
-        # Round-off of the shift by periods may make a distance negative.
+        # Rounding of the shift by periods may make a distance slightly negative.
         return i, np.where(dl < 0.0, 0.0, dl), np.where(dr < 0.0, 0.0, dr)

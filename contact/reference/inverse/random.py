@@ -251,7 +251,7 @@ def random_cohesive_problem(
 
 
 def _first_at(free: DesignedContact, start: float, stop: float, reach: float) -> float:
-    """First x from `start` to `stop` at which the gap is `reach`; `stop` if there is none."""
+    """The x nearest to `start`, towards `stop`, at which the gap is `reach`; `stop` if none is."""
     x = start + (stop - start) * np.linspace(0.0, 1.0, 2001)[1:] ** 2
     above = np.flatnonzero(free.gap(x) > reach)
     if len(above) == 0:
