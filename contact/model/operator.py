@@ -50,8 +50,8 @@ from sie import Array, record
 
 Potential = Callable[[Array, Array], Array]
 Symbol = Callable[[Array], Array]
-# Type of a function: mean of a smooth potential over grid cells, from the distances x - xi [m] and
-# the width of a cell [m].
+# Type of functions that return the mean of a smooth potential over grid cells. Their arguments are
+# the distances x - xi [m] and the width of a cell [m].
 Rest = Callable[[Array, float], Array]
 
 
@@ -388,7 +388,7 @@ def _less_constant(potential: Potential, by: float, x: Array, xi: Array) -> Arra
 
 def _rest(kernel: sie.Kernel, period: float | None, lag: Array, width: float = 0.0) -> Array:
     """The potential of a kernel minus that of line loads on a half-plane, at the distances
-    `lag`. If `width` is given, it is averaged near the source over cells of this width.
+    `lag`. Near the source it is averaged over cells of the width `width`.
     """
     found = _smooth_rest(kernel, period, lag)
     near = np.flatnonzero(np.abs(lag) < _OPTIONS.near_cells * width)

@@ -428,8 +428,8 @@ class _PathRun:
             return PathState(scaled)
         if self.context.spring_compliance is not None or value < 0.0:
             # With a spring, the contact without adhesion may be wider than the adhesive contact at
-            # the same approach of the spring's far end. So it is no start for the path, which
-            # begins with separate surfaces.
+            # the same approach of the spring's far end. Then the path cannot start from the contact
+            # without adhesion, but starts from separate surfaces.
             *_, found = self.history.to(PathState(min(-1.0, 2.0 * first)), scaled)
             assert isinstance(found, PathState)
             return found

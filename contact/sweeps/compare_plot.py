@@ -132,7 +132,9 @@ def _name_lines(axes: Any) -> None:
 
 
 def _stretch(solution: Solution) -> tuple[float, float]:
-    """The interval to draw: all of `window`, or only the peak if no zone would be visible."""
+    """The interval to draw: all of `window`, or the surroundings of the pressure peak if no zone
+    would be visible in `window`.
+    """
     lo, hi = window(solution)
     visible = FIGURE.min_visible * (hi - lo)
     if len(solution.zones) == 0 or np.max(solution.zone_widths) >= visible:

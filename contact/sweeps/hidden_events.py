@@ -19,7 +19,7 @@ from sie import Array
 
 
 def may_hide(low: Solution, high: Solution, rate_error: float, max_rate_ratio: float) -> bool:
-    """Whether an end of a zone moved further between two loads than predicted by its rates.
+    """Whether some end moved between two loads in another way than the end's rates predict.
 
     rate_error: relative error of a motion predicted by its rates. max_rate_ratio: ratio of the
     two rates of an end above which their mean is no prediction.

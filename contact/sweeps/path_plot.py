@@ -113,7 +113,9 @@ def _vertices(
 
 
 def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
-    """The ordinate at a load, on the line that joins points straight in the scales of the axes."""
+    """The ordinate at a load, interpolated linearly in the scales of the axes (e.g.
+    logarithmic).
+    """
     order = np.argsort(x, kind="stable")
     to_x: Any = np.log if axes.get_xscale() == "log" else np.asarray
     to_y, back = (np.log, np.exp) if axes.get_yscale() == "log" else (np.asarray, np.asarray)
@@ -204,7 +206,7 @@ def draw_curve(
 def draw_surfaces(
     axes: Any, title: str, places: Array, surface: Array, body: Array, zones: Array
 ) -> None:
-    """Draw the profile and the deformed surface, (m,) [m], with the zones (k, 2) [m] marked."""
+    """Draw the profile and the deformed surface [m], and mark the zones [m] on it."""
     along, letter = prefix(float(np.abs(places).max()))
     heights = np.concatenate((surface, body))
     up, letter_up = prefix(float(np.abs(heights[np.isfinite(heights)]).max(initial=0.0)))

@@ -52,13 +52,13 @@ class PathOptions:
     # is also the tolerance of ends, relative to the width of their zone.
     same: float = 1e-7
     # Zones at two loads count as the same zone if they overlap by this fraction of the narrower
-    # width. No zone is born and merges within a relative step of the load below this. A solution
-    # that has not converged still shows the true number of zones if its error is below this.
+    # width. Within a relative load step below this, no zone is assumed to be born and to merge. If
+    # an unconverged solution has an error below this, its number of zones counts as right.
     negligible: float = 1e-3
-    # If the ratio of two loads exceeds this, the motion of ends between the loads is not predicted
-    # from the ends' rates (derivatives by ln(load)) at the two loads.
+    # If the ratio of two loads exceeds this, the motion of ends between the loads cannot be
+    # predicted from the ends' rates (derivatives by ln(load)) at the two loads.
     max_load_ratio: float = 1.3
-    # The motion of an end is not predicted, either, if the ratio of its rates at the two loads
+    # The motion of an end cannot be predicted, either, if the ratio of its rates at the two loads
     # exceeds this.
     max_rate_ratio: float = 1.5
     # Largest relative error of a motion that is predicted by rates. The actual error is several
@@ -67,7 +67,8 @@ class PathOptions:
 
     @property
     def retries_beyond(self) -> tuple[float, ...]:
-        """Relative distances outside two equal loads, at which the event is also searched for.
+        """If two loads are equal, an event is also sought outside them, at these relative
+        distances.
 
         The two loads are equal except for round-off. Round-off can give a certified sign the wrong
         value, so that the event between the loads seems to lie beyond them.
@@ -306,7 +307,7 @@ class _Path:
 
 
 def _just_beyond(change: Change, side: Solution, other: Solution) -> float | None:
-    """A load just beyond the event, predicted by the ends' rates; None if it is outside the two.
+    """A load just beyond the event, predicted by the ends' rates; None if outside the two loads.
 
     The load is predicted from the solution `other`. The square of the width of a zone (a gap) is
     linear in the logarithm of the load as the zone appears (the gap closes). Its rate gives the

@@ -87,7 +87,7 @@ class Control(Named):
         """Raise SceneError if the control and the rest of the scene do not go together."""
 
     def held(self, scene: Any) -> Held | None:
-        """The quantity that the solver prescribes directly, and its value. If it is None, the
+        """The quantity that the solver prescribes directly, and its value. If None is returned, the
         solver searches for a load at which the method `of` gives the prescribed value.
         """
         return None if self.quantity is None else Held(self.quantity, self.value)

@@ -52,8 +52,9 @@ class Approach(Control):
     quantity = Quantity.APPROACH
 
     def signed(self, scene: Any) -> bool:
-        # The approach may have either sign in two cases. The approach of a tilted body counts from
-        # its lowest point, but the body may touch elsewhere. Adhesive contacts can carry tension.
+        # The approach may be zero or negative in two cases. A tilted body may touch elsewhere than
+        # at its lowest point, from which the approach counts. An adhesive contact can carry
+        # tension.
         return bool(scene.turned or scene.law.pressure_range.has_tension)
 
     def check(self, scene: Any) -> None:

@@ -40,8 +40,8 @@ class PressureRange:
 
 @dataclass(frozen=True)
 class Equilibria:
-    """Whether there is one equilibrium contact at each value of the control. If there are several,
-    a branch of them starts from the contact under another law (`start`).
+    """Whether there is one equilibrium contact at each value of the control. If there are
+    several at one value, a branch of them starts from the contact under another law (`start`).
 
     unique: whether a contact with right signs of pressure and gap is the only one. start: if
     there are several equilibria, the law whose zones lie within those of the growing contact. The
@@ -148,8 +148,8 @@ class Law(Named, sie.Kept):
 
     @cached_property
     def equilibria(self) -> Equilibria:
-        """Whether the equilibrium contact is unique. If there are several, a branch of them starts
-        from the contact under another law.
+        """Whether the equilibrium contact is unique. If there are several equilibria, a branch of
+        them starts from the contact under another law.
         """
         return Equilibria(bool(self.convex), self.bare)
 
@@ -182,8 +182,8 @@ class Law(Named, sie.Kept):
         return 0.0
 
     def without_range(self, share: float) -> "Law | None":
-        """The law of adhesion without range that has this fraction of the present law's work of
-        adhesion.
+        """A law without range whose work of adhesion is this fraction of the present law's; or
+        None.
 
         Contacts under the law approach those under the returned one where its strips of tension
         are narrow. None if there is no such law.

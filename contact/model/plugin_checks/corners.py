@@ -98,7 +98,9 @@ def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float,
 def _sharp_slope(
     profile: Profile, width: float, x: Array
 ) -> tuple[Callable[[Array], Array], float, float]:
-    """The slope as a function, its round-off, and a distance from corners at which it is right."""
+    """(slope as a function, distance from a corner at which it is right, round-off of the
+    slope).
+    """
     if not profile.slope_is_derived:
         return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width, 0.0
     # The derived slope is wrong near a corner. Differences of the height over a short step h show

@@ -50,7 +50,7 @@ def is_of_package(profile: "Profile") -> bool:
 
 
 def read_from(name: str) -> Any:
-    """A property that returns the attribute `name`; "profile.x" is the attribute x of `profile`.
+    """A property that returns the attribute `name`, e.g. "profile.x" for `self.profile.x`.
 
     An example is `read_from("profile.support")`.
     """
@@ -92,7 +92,7 @@ class Profile(Named, sie.Kept):
             cls.period = dataclasses.field()
 
     def height(self, x: ArrayLike) -> Array:
-        """f(x), the gap at zero load [m] up to a constant, in the shape of x.
+        """f(x): the gap at zero load [m], up to a constant, as an array of the same shape as x.
 
         It is periodic if the profile is.
         """
@@ -300,7 +300,7 @@ class Profile(Named, sie.Kept):
         return {"profile": self}
 
     def facing(self, x: Array) -> dict[str, Array]:
-        """The places of the bodies that face x, each in the coordinate of its own body."""
+        """For each body, the place that faces the point x, in the coordinate of that body."""
         return {"profile": x}
 
     @property
@@ -342,7 +342,7 @@ class Profile(Named, sie.Kept):
         return f"the {self.name} profile has none"
 
     def counter_height(self, x: ArrayLike) -> Array:
-        """Heights of the counter-face at zero load [m], upwards, up to a constant.
+        """Heights [m] of the counter-face at zero load, positive upwards, up to a constant.
 
         They are 0 unless the counter body is rough, too.
         """

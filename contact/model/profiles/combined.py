@@ -154,7 +154,7 @@ class Combined(Profile):
     # The properties and methods below are sums over the two bodies.
 
     def _both(self, function: Callable[[Profile, Array], Any], x: ArrayLike) -> Iterator[Any]:
-        """Values of a function of each body, at the place of the body that faces x."""
+        """Values of a function for each of the two bodies, at the place of that body that faces x."""
         return (function(self.bodies[place], at) for place, at in self.facing(x).items())
 
     def height(self, x: ArrayLike) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 from sie import Array
 
 EPS = float(np.finfo(np.float64).eps)
-# Numbers count as equal, but for round-off, if their relative difference is below this.
+# Numbers whose relative difference is below this count as equal: the difference is round-off.
 ROUND_OFF = 4096 * EPS
 # Weights of the sixth difference of seven values at equally spaced places.
 WEIGHTS = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])

@@ -82,7 +82,7 @@ class PlacedBody:
         rows[:, 0] = self.common_x(rows[:, 0])
         if self.mirrored:
             # A mirror changes the sign of odd derivatives and exchanges the two sides of a jump.
-            # Together, only jumps of even order change their sign.
+            # Both together change the sign of jumps of even order only.
             rows[rows[:, 1] == 2, 2] *= -1
         return rows
 

@@ -123,8 +123,8 @@ class Power(Profile):
         return np.array(tip + border).reshape(-1, 4)
 
     def _at_border(self, *orders: int) -> list[tuple[float, int, float]]:
-        """For odd k: the place where the cells meet, the order k, and 2k times the coefficient of
-        d^k in f, with d the distance from that place.
+        """Rows (s, k, 2k c) for odd orders k: near the place s where two cells meet, f contains c
+        d^k with d the distance from s.
 
         f goes as (L/2 - d)^n at the distance d on both sides; even powers of d are smooth.
         """

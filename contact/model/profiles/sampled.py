@@ -273,8 +273,8 @@ class Sampled(Profile):
         )
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
-        """The profile with other values. If arguments of the preparation change, the points of the
-        file are prepared again.
+        """The profile with other values of its parameters. If a changed parameter belongs to the
+        preparation, the points of the file are prepared again.
         """
         own = changes.get("profile", {})
         if self.source is None or not set(own) - set(self.parameters()):

@@ -71,8 +71,8 @@ class Layer(Substrate):
 
     @property
     def compression(self) -> float:  # type: ignore[override]
-        """The limit of L(q)/q for small wavenumbers q, with L the symbol and h the thickness: h (1
-        - 2 nu) / (2 (1 - nu)^2) if the layer is bonded, and h/2 if not.
+        """The limit of L(q)/q for small wavenumbers q, with L the symbol and h the thickness. It is
+        h (1 - 2 nu) / (2 (1 - nu)^2) if the layer is bonded, and h/2 if it slides.
         """
         if self.base == "smooth":
             return 0.5 * self.thickness

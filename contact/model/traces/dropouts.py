@@ -126,7 +126,9 @@ def filled(
 
 
 def too_many(height: Array) -> bool:
-    """Whether so many heights are missing that a large part of the shape would be invented."""
+    """Whether so many heights are missing that filling them would invent a large part of the
+    shape.
+    """
     return float(np.mean(~np.isfinite(height))) > _LIMITS.max_part
 
 

@@ -81,8 +81,8 @@ class Table:
 
 @dataclass(frozen=True)
 class _Found:
-    """A layout of the file, and the index `first` of the first row from which on it gives
-    numbers. `places` are the indices of the wanted columns.
+    """A layout of the file, and the index `first` of the row at which rows of numbers begin, if
+    they are read with this layout. `places` are the indices of the wanted columns.
     """
 
     layout: Layout
@@ -253,7 +253,8 @@ def _first_of_two(
 
 
 def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
-    """The data found, extended to earlier rows: missing heights, and single points among them.
+    """The data found, with earlier rows added: rows with missing heights, and single points
+    among such rows.
 
     Such points were not found as two successive rows of numbers. A row with an unknown word for a
     missing height is included and refused later. For heights alone, such a word ends the data,

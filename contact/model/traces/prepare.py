@@ -50,8 +50,8 @@ class TraceLimits:
     # Highest degree of a polynomial to be subtracted. Shorter waves than such a polynomial has
     # should be removed by a filter.
     max_trend: int = 12
-    # Largest number of points that `regrid` may create. Linear interpolation adds corners and time,
-    # but no information.
+    # Largest number of points that `regrid` may create. More points would add corners and computing
+    # time, but no information.
     max_regrid: int = 20_000
     # Smallest plausible pitch and range of heights [m]: less than the size of an atom.
     atom: float = 1e-11
@@ -364,7 +364,8 @@ def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
 
 
 def taper_ends(x: Array, height: Array, fraction: float) -> Array:
-    """Heights that approach a common height at both ends: the mean of the heights near the ends.
+    """Heights that are drawn to a common height near both ends. The common height is the mean of
+    the heights there.
 
     The deviation from this mean is multiplied by (1 - cos(pi s))/2. s grows from 0 at an end to 1
     at the distance `fraction` times the length.

@@ -17,8 +17,8 @@ _COUNTS = (
     "", "#", "i", "n", "no", "nr", "idx", "index", "point", "points", "sample", "samples", "row",
     "count", "punkt", "messpunkt", "nummer", "number", "numero", "номер", "№", "序号", "番号",
 )  # fmt: skip
-# Number of rows just above the data that may be a header, even with another number of columns than
-# the data.
+# Number of rows just above the data that may be a header, even if they have another number of
+# columns than the data.
 HEADER_ROWS = 3
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _NUMBER = re.compile(r"[+-]?[\d.,]")
@@ -101,8 +101,9 @@ def refuse_unclear_commas(data: Data) -> None:
     if layout.delimiter != "," or any('"' in text for _, text in data.rows):
         return
     for (line, text), cells in zip(data.rows, data.cells, strict=True):
-        # In 1,000.5 and 0,05 the parts 000.5 and 05 cannot be numbers of their own columns. They
-        # can be if all numbers are padded with zeros.
+        # A part that begins with 0 and a digit (000.5 in 1,000.5, or 05 in 0,05) may be the end of
+        # a number with a comma. If the first part begins so, too, all numbers are padded with
+        # zeros.
         part = next((cell for cell in cells[1:] if re.match(r"0\d", cell)), None)
         if (
             part is not None
@@ -215,7 +216,7 @@ def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) ->
 
 
 def refuse_count(data: Data) -> None:
-    """Refuse a file with its number of points in a first row, which would be read as a point.
+    """Refuse a number of points in one of the first rows: it would be read as a point.
 
     It is a whole number that equals the number of rows below it (in a long table, also below the
     next two rows). Evenly spaced positions such as 11, 10, 9 are accepted.

@@ -56,9 +56,9 @@ class HarmonicZone(SymmetricZone):
         return float(self.pressure_at(np.linspace(0.0, 1.0, 101)).max())
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # The integral's upper limit `top` is the root of cos(2 pi r) - cos(2 pi a), with the half
-        # width a. The difference is computed as a product, 2 sin(pi d) sin(pi (a + r)) with d = a -
-        # r, so that no digit is lost.
+        # The integral's upper limit `top` is the square root of cos(2 pi r) - cos(2 pi a), with the
+        # half width a. The difference is computed as a product, 2 sin(pi d) sin(pi (a + r)) with d
+        # = a - r, so that no digit is lost.
         top = np.sqrt(2 * np.sin(pi * d) * np.sin(pi * (self.half_width + r)))
         nodes, weights = legendre.leggauss(len(self.amplitudes) + 1)
         v = 0.5 * (1 + nodes) * top[..., None]

@@ -136,7 +136,7 @@ TABLES = {
 
 
 def measure(large: Large, patience: float = 60.0) -> dict[str, Any]:
-    """Solve a scene and return its figures; the solution is given up after `patience` seconds."""
+    """Solve a scene and return measured numbers; the solver is stopped after `patience` seconds."""
     scene = large.scene()
     found: dict[str, Any] = {"outcome": "certified", "zones": 0, "fraction": 0.0, "error": 0.0}
     start = time.process_time()

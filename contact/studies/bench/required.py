@@ -32,7 +32,7 @@ def table(
     solves: float,
     peers: Sequence[str],
 ) -> Table:
-    """The table of all requirements; those that compare with other codes only if `peers` ran."""
+    """The table of all requirements. Those on other codes are included only if `peers` ran."""
     single = [case.name for case in cases if case.single]
     figures = [_millisecond(rows, single), _floor(floors, solves), *_estimates(rows)]
     if peers:

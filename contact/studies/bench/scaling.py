@@ -77,10 +77,10 @@ def floor_seconds(solution: Solution) -> float:
 
 
 def equal_waves(zones: int) -> Scene:
-    """A scene of n equal waves in a period, of which a fifth is in contact.
+    """A scene of `zones` equal waves in a period; a fifth of the period is in contact.
 
     The mean pressure is p* sin^2(pi/10). Here p* = pi E* n A/L is the mean pressure of full contact
-    for waves of amplitude A.
+    for n waves of amplitude A in the period L.
     """
     amplitude = 1e-3 / zones
     profile = Fourier(1.0, [0.0] * (zones - 1) + [-amplitude])

@@ -169,7 +169,7 @@ def _wanted(table: Table, retry: bool) -> Mask:
 def _fill(
     table: Table, path: Path | None, solving: Generator[Rows], progress: Progress | None, done: int
 ) -> None:
-    """Put rows into the table and save it repeatedly, at last when the sweep ends or fails."""
+    """Put rows into the table. Save it repeatedly, and finally when the sweep ends or fails."""
     due = time.monotonic()
     try:
         with closing(solving):

@@ -20,7 +20,7 @@ from contact.studies.bench.truth import Exact
 
 
 def equal_zones() -> Iterator[Extreme]:
-    """Extreme scenes of many equal waves in a period, of which 2 % is in contact.
+    """Extreme scenes of many equal waves in a period; 2 % of the period is in contact.
 
     A shift of the waves removes the mirror symmetry.
     """
