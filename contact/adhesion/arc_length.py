@@ -29,8 +29,7 @@ class ArcOptions:
     """Options of the steps along the curve; arc lengths are in units of zone widths."""
 
     # This number bounds three quantities of a step: its length in zone widths, the angle [rad]
-    # between the tangents at its ends, and the predictor's deviation from the tangent divided by
-    # the length.
+    # between the tangents at its ends, and the predictor's relative deviation from the tangent.
     longest_step: float = 0.5
     # `Step._about` interpolates at no more than this many known equilibria. After failed solves,
     # `Step.at` halves the distance to a known equilibrium at most this many times.
@@ -640,10 +639,9 @@ def _newton(
         ):
             return at, start
         start = start + step
-        # This Newton step is the last one if the next would be below the tolerance. The estimate is
-        # that each step is shorter than the one before by at least the same factor. If zones have
-        # very different widths, round-off makes the steps cease to shrink before that. Then this
-        # step is the last one, too (`rounded`).
+        # This Newton step is the last one if the next would be below the tolerance. Each step is
+        # assumed to shrink by at least the factor of the step before. With zones of very different
+        # widths, round-off may stop this earlier. Then this step is the last one, too (`rounded`).
         if size * min(size / before if k else 1.0, 1.0) < ACCURACY.neutral or rounded:
             how_solved.pop("tolerance", None)
             return curve.at(

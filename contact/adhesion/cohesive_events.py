@@ -133,9 +133,9 @@ class CohesiveEvents(Events):
                     raise
                 half *= 0.1
                 continue
-            # The residuals must drive the new ends in the direction of the jump: outward if an
-            # interval begins, inward if it is cut. They must drive no other end in the opposite
-            # direction.
+            # The residuals must drive the new ends in the direction of the jump, outward where an
+            # interval begins and inward where it is cut. They must drive no other end in the
+            # opposite direction.
             new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
             if half < ACCURACY.neutral or (
                 np.all(sign * at.residual > -ACCURACY.resting_step)
@@ -163,8 +163,8 @@ class CohesiveEvents(Events):
         ends = np.append(table.ravel(), table[0, 0] + (period or np.inf))
         for s, e in runs_of(wrong):
             lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
-            # A run of wrong samples next to an end of the tension is left out, since the error of
-            # this end causes it.
+            # The error of an end of the tension causes a run of wrong samples next to it. Such runs
+            # are left out.
             if s > 0 and e < len(x) - 1 and not np.any((ends > lo) & (ends < hi)):
                 found.append((lo, hi))
         return np.array(found).reshape(-1, 2)
@@ -299,8 +299,8 @@ class CohesiveEvents(Events):
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
             # `formally` follows the curve with the zones of `here`, the state at one end of the
-            # step. The change of the zones may lie a little past the other end of the step, so
-            # three ranges of increasing length are generated.
+            # step. The zones may change a little past the other end of the step. So three ranges of
+            # increasing length are tried.
             for past in (0.0, MOVES.small_part, arc_length.ARC_OPTIONS.longest_step):
 
                 def formally(u: float, part: float = 1.0 + past) -> CohesiveState:

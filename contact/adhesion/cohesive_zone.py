@@ -57,8 +57,8 @@ class CohesiveOptions:
     # are then solved to round-off: the error of the rates is that of the ends times (zone
     # width/strip width)^2. `cohesive_branch._moved_outward` then moves the ends outward at first.
     narrow_strip: float = 1e-3
-    # Strips of tension narrower than this fraction of a zone are refused, since the pressure next
-    # to the strips varies too fast.
+    # Strips of tension narrower than this fraction of a zone are refused. The pressure next to such
+    # strips varies too fast.
     narrowest_strip: float = 5e-7
     # Largest number of earlier states that are kept for warm starts.
     max_known: int = 256
@@ -265,8 +265,7 @@ class CohesiveCurve(Curve):
         left = np.clip(move[:count], -0.4 * width, None)
         right = np.clip(move[count:], -0.4 * width, None)
         new = zones + np.column_stack((-left, right))
-        # The new distance from the end of a zone to the end of its interval is at least a fifth of
-        # the old one.
+        # The distance from the end of a zone to the end of its interval falls to a fifth at most.
         room = np.array([zones[:, 0] - before.table[i, 0], before.table[i, 1] - zones[:, 1]])
         new[:, 0] = np.maximum(new[:, 0], table[i, 0] + 0.2 * room[0])
         new[:, 1] = np.minimum(new[:, 1], table[i, 1] - 0.2 * room[1])

@@ -141,9 +141,9 @@ class EndSum:
         for start in range(0, len(new), block):
             some = new[start : start + block]
             a, b = edges[some], edges[some + 1]
-            # The distance of a point from an end is computed as the sum of two distances, from the
-            # end to the cell's left border and from this border to the point. This loses fewer
-            # digits than a difference of coordinates.
+            # A point's distance from an end is the sum of two distances: from the end to the cell's
+            # left border, and from there to the point. This loses fewer digits than a difference of
+            # coordinates.
             lags = (a[:, None] - self._cells.ends)[:, None, :] + (0.5 * (b - a)[:, None] * (1 + t))[
                 :, :, None
             ]

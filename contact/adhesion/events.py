@@ -249,7 +249,7 @@ def first_zero(
         end = step.at(length)
         place = least(end, lo, hi)[0]
         # The next pass searches the other intervals in which the condition is negative at this
-        # length, since it became negative there even earlier.
+        # length. There it became negative at an even smaller length.
         seen = others(end)
         seen = seen[(seen[:, 0] > place) | (seen[:, 1] < place)]
     return length, place, width

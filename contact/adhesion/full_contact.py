@@ -41,8 +41,8 @@ NUMERICAL_ERRORS = (ValueError, ArithmeticError, np.linalg.LinAlgError, IndexErr
 class SnapOptions:
     """Options of the early test for full contact."""
 
-    # Fraction of the work of adhesion with which the contact must close on the grid, since the grid
-    # has errors of a few per cent. After the contact could not be followed, the whole work is used.
+    # The contact must close on the grid with this fraction of the work of adhesion, as a margin for
+    # the errors of the grid. If the contact could not be followed, the whole work is used.
     work_share: float = 0.9
     # Width of the strip of attraction, in cells of the grid. With only 3 cells, the ends of the
     # zones would stick to the cells.

@@ -286,8 +286,8 @@ def bounded_step(here: State, sign: float, limit: Array, most_back: Array) -> Ar
         step[far], step[back] = sign * limit[far], -sign * most_back[back]
         free &= ~(far | back)
         if not (far | back).any():
-            # An end at the bound of its step is released if it tends to move back after the steps
-            # of other ends were bounded.
+            # The steps of other ends may have been bounded since an end was put at its bound. If
+            # this end now tends to move back, it is released.
             driven = np.sign(step) * (residual + rates @ step)
             late = ~(free | released) & (driven < 0.0)
             if not late.any():
@@ -332,8 +332,8 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
         | (here.growth < 0.0 <= ahead.growth)
         | (after < -MOVES.small_drive)
     )
-    # No overshoot is allowed if the step makes a stable state unstable, with a growth rate at least
-    # as large in modulus. An end that has passed an equilibrium would not come back.
+    # No overshoot is allowed if the step makes a stable state unstable, with at least the same
+    # growth rate in modulus. An end that has passed an equilibrium would not come back.
     if 0.0 < -here.growth <= ahead.growth:
         allowed = np.where(before > 0.0, -ACCURACY.coarse, allowed)
     # A pinned end was at rest before the step, so that it has passed no equilibrium.

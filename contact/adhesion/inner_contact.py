@@ -32,8 +32,8 @@ from sie import Array, Index, Mask, record
 class InnerContactOptions:
     """Options of the sample points for a contact within intervals of tension."""
 
-    # Distance up to which the gap of an isolated body is sampled, relative to the span of its zones
-    # and intervals of tension.
+    # The gap of an isolated body is sampled up to this distance, relative to the span of its zones
+    # and tension intervals.
     far: float = 1024.0
     # Number of times that sample points are added near extrema.
     refinements: int = 3
@@ -177,7 +177,7 @@ def _settled(
         least = np.minimum(width, np.where(shared | pinned, np.inf, np.maximum(room, 1e-300)))
         miss = float(np.abs(step / least).max())
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
-        # The search also ends if short Newton steps no longer decrease: next to narrow strips of
+        # The search also ends if short Newton steps no longer decrease. Next to narrow strips of
         # tension, their round-off may exceed the tolerance.
         if miss < tolerances.ends or (stuck > 2 and miss < 10 * ACCURACY.resting_step):
             return here, state
@@ -239,7 +239,7 @@ def _steps(
         turned = (k * before[1] < 0) & overshot & ~pinned
         step = np.where(turned, back * k / np.where(turned, k - before[1], 1.0), step)
     # Near the end of an interval, the intensity K is linear in the square root of the distance from
-    # this end. So the Newton step is made in the square root.
+    # it. So the Newton step is made in this square root.
     alone = ~shared & np.isfinite(step) & (room > 0)
     own = np.where(alone, room, 1.0)
     least_root = np.sqrt(MOVES.least_part)

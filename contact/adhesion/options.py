@@ -30,14 +30,14 @@ class MoveOptions:
 
     # Longest step of an end. If both ends of a gap move by this length, a fifth of the gap is left.
     max_move: float = 0.4
-    # Length of a short step of an end. Ends make short steps against the direction of the flow,
-    # where their residual is small, and away from an unstable equilibrium.
+    # Length of a short step of an end. Ends whose residual is small make such steps against the
+    # direction of the flow. Other short steps lead away from an unstable equilibrium.
     short_move: float = 0.02
     # Factor by which a failed step is shortened. It is also the smallest factor by which a
     # safeguarded length or residual may fall in one step.
     least_part: float = 0.3
-    # A length or growth rate is small if it is below this fraction of the one with which the code
-    # compares it.
+    # A length or growth rate counts as small below this fraction of the value with which it is
+    # compared.
     small_part: float = 0.1
     # Largest accepted error of a predicted residual. It is also the largest accepted residual of
     # the wrong sign after an end has passed an equilibrium.

@@ -125,8 +125,8 @@ class Predictor(Kept):
         rests, row = left <= 0.0, np.arange(len(left))
         k = np.where(rests.any(axis=1), np.argmax(rests, axis=1), _OPTIONS.places)
         high, low = left[row, np.maximum(k - 1, 0)], left[row, k]
-        # Linear interpolation puts the zero between the first place at which the residual is not
-        # positive and the place before it. If that first place is the start, the zero is the start.
+        # Linear interpolation puts the zero just before the first place where the residual is not
+        # positive. If this place is the start, the zero is the start.
         part = np.where(
             low > 0.0,
             1.0,
@@ -193,8 +193,8 @@ def _abel() -> tuple[Array, Array]:
     node, weight = np.polynomial.legendre.leggauss(_OPTIONS.places)
     at = part[1:, None] * np.sin(0.25 * np.pi * (1 + node))
     unit = CubicSpline(part, np.eye(len(part)))
-    # The factor h in the slope h/sqrt(y), at the distance y from the end, is half of the derivative
-    # of the gap with respect to sqrt(y).
+    # In the slope h/sqrt(y) of the gap, y is the distance from the end. The factor h is half of the
+    # gap's derivative by sqrt(y).
     mean = [
         np.einsum("jmk,m->jk", values, 0.5 * weight) for values in (0.5 * unit(at, 1), unit(at))
     ]

@@ -52,8 +52,8 @@ def guess_half_width(problem: Problem, control: Control) -> float:
     above = np.flatnonzero(value >= control.value)
     if len(above) == 0:
         # The controlled value may still be reached at a maximum between two scanned half widths. Of
-        # equal maxima the widest is taken, as a flat punch carries the same zero load at all half
-        # widths short of its corners.
+        # equal maxima the widest is taken. A flat punch has the same zero load at all half widths
+        # up to its corners.
         k = int(np.clip(np.flatnonzero(value == value.max())[-1], 1, len(a) - 2))
         top = require("scipy.optimize").minimize_scalar(
             lambda x: -float(_carried(problem, control, np.array([x]))[0]),
@@ -76,7 +76,7 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         carried = float(_carried(problem, control, np.array([math.exp(logarithm)]))[0])
         return math.log(carried / control.value) if carried > 0 else -math.inf
 
-    # The controlled quantity is about a power of the half width, so it is interpolated as a
+    # The controlled quantity is about a power of the half width. So it is interpolated as a
     # straight line in the logarithms.
     known = {
         math.log(a): math.log(carried / control.value)

@@ -84,8 +84,8 @@ def places(zone: ClosedZone) -> Array:
     feature, count = problem.profile.resolution, OPTIONS.outer_places
     if feature is not None:
         room = problem.limit - float(np.min(zone.half_width))
-        # The number of places is bounded, since a profile that varies on shorter lengths than the
-        # series resolves is not solved in closed form.
+        # The number of places is bounded by the number of nodes. A profile that varies on shorter
+        # lengths than the series resolves is not solved in closed form.
         most = SAMPLES_PER_DEGREE * OPTIONS.max_nodes
         count = int(min(max(SAMPLES_PER_DEGREE * room / feature, count), most))
     return 1.0 + (problem.top / half - 1.0) * _squares(count)
@@ -162,7 +162,7 @@ def stated(zone: ClosedZone) -> Value:
         return TOLERANCES.singular_end * TOLERANCES.rounding + 0.0 * zone.half
     scale, _, follows = zone.sums
     scale = scale + abs(problem.kink)
-    # The sum of the truncated coefficients is estimated as if all coefficients decreased like a
+    # The estimated sum of the truncated coefficients assumes that the coefficients decrease like a
     # geometric series, from 1 to round-off.
     left = 4.0 * (1.0 - zone.nodes / math.log(EPS)) * zone.tail
     weight = way.weight(zone.half_width)

@@ -252,8 +252,8 @@ def _newton(
         done = resolved & (settled | (abs(move) <= 4.0 * rounding))
         if everywhere(done | fails):
             break
-        # A step below the square root of round-off is the last but one: Newton's method converges
-        # quadratically, so the next step is below round-off.
+        # Newton's method converges quadratically. If this step is below the square root of
+        # round-off, the next step is below round-off and the last one.
         settled = abs(move) <= math.sqrt(EPS)
         if not everywhere(fails | resolved | (abs(move) > options.refine_below)):
             size *= options.finer

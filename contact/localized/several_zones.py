@@ -52,9 +52,8 @@ class ClosureOptions:
     """Options of the search for the nominal pressure of a strip with several zones."""
 
     widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
-    # If the Newton steps from both ends of the bracket are longer than this many widths of the
-    # bracket, W - W0 jumps past zero. W is the total width of the zones of the strip, W0 that of
-    # the profile alone.
+    # If Newton's steps from both ends of the bracket exceed this many bracket widths, W - W0 jumps
+    # past zero. W is the total width of the zones of the strip, W0 that of the profile alone.
     jump: float = 3.0
     margin: float = 2.0  # stated error of the root over its last Newton step
 
@@ -86,8 +85,8 @@ class SeveralZones:
             miss = width_of(at.strip) - width_of(at.alone)
             step = self._step(rates, miss)
             error = np.abs(self._step(rates, self._width_error(at)))
-            # The search ends if the step moves the ends by less than the tolerance, or by less than
-            # the errors of the widths do.
+            # The search ends if the step moves the ends by less than the tolerance. It also ends if
+            # the step is within the effect of the errors of the widths.
             least = max(self.context.tolerance, float(rates.of_ends(error).max()))
             if float(rates.of_ends(step).max()) <= least:
                 off = np.abs(step) + error

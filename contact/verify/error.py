@@ -302,7 +302,7 @@ class SolvedGaps(Solved):
             ** 2
         )
         near_gaps = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
-        # With kinks, rounding counts three times: next to a kink the pressure is a sum of
+        # With kinks, rounding counts three times. Next to a kink the pressure is a sum of
         # logarithms that are several times larger and cancel.
         rounding = (3 if len(fields.relief.at) else 1) * TOLERANCES.rounding * (
             1 + abs(fields.mean) / unit
