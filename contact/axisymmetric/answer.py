@@ -168,7 +168,7 @@ class Spot(sie.Kept):
 
     @cached_property
     def _bend(self) -> tuple[Array, Array, Array]:
-        """Chebyshev series of e'(x)/x, Gauss nodes and weights. e: the effect of other spots.
+        """Chebyshev series of e'(x)/x, with e the effect of other spots; Gauss nodes; weights.
 
         The series is in x^2/a^2, with a the radius of the spot. The rule is that for the integral
         over s from 0 to 1 at the head of this module.

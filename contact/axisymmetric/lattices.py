@@ -20,7 +20,7 @@ Site = tuple[float, float]
 
 @dataclass(frozen=True)
 class Density:
-    """Number of spots per unit area, for spots of unknown places.
+    """Number of spots per unit area, for spots at unknown places.
 
     Only the first step of the localization (`rings=0`) can use it.
 
@@ -141,7 +141,7 @@ class Lattice:
         return radii * self.spacing, counts
 
     def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
-        """Radii of the rings of shifted lattices, in spacings, and the spots on each ring.
+        """Radii of the rings of shifted lattices, in spacings; number of spots on each ring.
 
         The radii are ascending, and at most `reach`.
         """

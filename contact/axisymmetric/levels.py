@@ -301,8 +301,8 @@ def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
     active = [j for j, kind in enumerate(kinds) if kind.depth == 0.0]
     yield _Contact(list(active), 0.0, 0.0)
     while waiting := [j for j in range(len(kinds)) if j not in active]:
-        # For each waiting level, the touch is computed as if it came next. This is right only for
-        # the level that touches at the lowest pressure.
+        # The first touch of each waiting level is computed as if this level came into contact next.
+        # The result is right only for the level with the lowest pressure.
         found = [_first_touch(j, kinds, active, tol) for j in waiting]
         first = min(found, key=lambda c: c.pressure)
         if isinf(first.pressure):

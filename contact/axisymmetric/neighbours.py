@@ -44,7 +44,8 @@ from contact.model.profiles.noise import EPS
 from sie import Array
 
 # Rings with radii up to this many lattice spacings are summed one by one. For wider rings, of
-# radius D, the kernel 1/sqrt(D^2 - y^2) is a power series in y^2/D^2, which is below 1/12.
+# radius D, the kernel 1/sqrt(D^2 - y^2) is a power series in y^2/D^2. This is below 1/12, as |y| is
+# below one spacing.
 _NEAR_RINGS = 3.5
 
 
@@ -127,7 +128,7 @@ class Surroundings:
 
 
 def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:
-    """Neighbours on shifted lattices: single spots within `cut` spacings, a mean beyond.
+    """Neighbours on shifted lattices: spots within `cut` spacings, a mean pressure beyond.
 
     For an infinite `cut` all spots keep their places.
     """

@@ -273,7 +273,7 @@ def spot_of(j: int, kinds: Sequence[Kind], state: State, E_star: float, rings: f
 def refined(
     states: Iterable[State], spots_of: Callable[[State], list[Spot]], tol: float
 ) -> list[Spot]:
-    """The spots, checked, of the first state that differs by at most tol from the one before."""
+    """The checked spots of the first state that differs by at most tol from the previous one."""
     last: list[Spot] | None = None
     trace: list[float] = []
     for state in states:

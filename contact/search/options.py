@@ -33,7 +33,8 @@ class SearchOptions:
     # Limit of iterations that end by themselves. Halving a bracket alone takes some 60 iterations,
     # and shrinking a window from metres to atoms some 100.
     max_steps: int = 300
-    # Limit of loads tried for another control. A bracket of doubles needs about 60 halvings.
+    # Largest number of loads tried for a given approach, fraction or other control. Halving the
+    # bracket until round-off stops it takes about 60 loads.
     max_loads: int = 80
     max_attempts: int = 4  # limit of attempts of which the first or second usually succeeds
 

@@ -110,7 +110,7 @@ def scene_and_solution_warnings(solution: Solution) -> tuple[str, ...]:
 
 
 def curve_warnings(solutions: Iterable[Solution]) -> tuple[str, ...]:
-    """Warnings about many solutions of one scene: about the highest load, and about traces."""
+    """Warnings at the highest load; at the lowest, only those about unmeasured intervals."""
     by_load = sorted(solutions, key=lambda solution: solution.load)
     highest = scene_and_solution_warnings(by_load[-1])
     at_highest = preparation_warnings(by_load[-1])
@@ -180,6 +180,6 @@ def _places_on_zones(solution: Solution, per_zone: int = 8) -> Array:
 
 @cache
 def _weights_of_ends(count: int) -> Array:
-    """Weights (2, count) by which a zone's left and right end give its Chebyshev nodes."""
+    """Weights (2, count): a zone's ends (left, right) times the weights are Chebyshev nodes."""
     t = chebyshev_nodes(count)
     return 0.5 * np.stack((1.0 - t, 1.0 + t))

@@ -52,7 +52,7 @@ class FigureOptions:
 
     @property
     def max_zones(self) -> int:
-        """The largest number of visible zones with gaps of the same width between them."""
+        """Largest number of zones that can be seen if zones and gaps have equal widths."""
         return int(0.5 / self.min_visible)
 
 

@@ -174,7 +174,7 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
 
 
 def _gaps_between(x: Array, state: GridState) -> Array:
-    """Gaps (k, 2) between neighbouring grid points, where a parabola through p is negative.
+    """Gaps (k, 2) between grid points, where a parabola through three pressures is negative.
 
     Their width is that of a single gap under a full-contact pressure of this parabola.
     """
@@ -450,7 +450,7 @@ class _Window:
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
             # So small a load changes no digit of the level (displacement plus height in contact).
-            # A smaller load would not bring the level closer.
+            # A smaller load would not bring it closer to the wanted level.
             if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
                     raise OutOfRange(

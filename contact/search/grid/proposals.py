@@ -101,7 +101,7 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
 
 
 def _width_error(found: float, width: float, period: float) -> float:
-    """Error of a contact width: the difference of ln(contact width / gap width).
+    """Error of a contact width: ln(contact width / gap width), found minus wanted.
 
     As a function of the logarithm of the load it is about a straight line.
     """

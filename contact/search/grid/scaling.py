@@ -208,8 +208,8 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
     if load is not None:
         window = _window_about_lowest(profile, find, load, _window_of_shape(profile))
     else:
-        # The lowest point is in contact under any load, so the contact under a light load contains
-        # this point.
+        # The approach is measured from the profile's lowest point. This point is in contact under
+        # any load, so it is searched in the contact under a light load.
         dip, value = _window_of_shape(profile), scene.held(Quantity.APPROACH)
         assert value is not None
         light = _light(scene) if dip is None else value * scene.E_star * SEARCH.light_load
@@ -291,7 +291,8 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     slope = float(np.max(slopes[np.isfinite(slopes)], initial=0.0))
     if slope > 0.0 and not scene.is_flat:
         return slope
-    # The pressure of a flat punch, turned or not, is set by the load and not by the punch's slope.
+    # The slope of a flat punch, turned or not, does not determine its pressure. The unit of slopes
+    # is therefore chosen from the load and the adhesion; it is at least 1 if no load is given.
     if scene.given_load is None:
         return max(slope, 1.0)
     work = scene.law.tension * scene.law.reach

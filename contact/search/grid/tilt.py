@@ -35,8 +35,8 @@ class TiltOptions:
     max_tilts: int = 24  # largest number of tilts in one search
     # If no tilt is found, the limits of the search are widened by this factor, at most twice.
     farther: float = 1e3
-    # Number of places sampled on each side in search of the lowest one. For the convex hull, four
-    # times as many places are sampled.
+    # Number of places sampled on each side of a window in search of the profile's lowest point. For
+    # the convex hull, four times as many places are sampled.
     places: int = 1024
 
     @property
@@ -82,7 +82,7 @@ def window_at_load(
 
 
 def first_window(profile: Profile) -> Window | None:
-    """First search interval, as wide as the profile's details on either side of x = 0.
+    """First search interval: x = 0 plus and minus the profile's smallest length.
 
     None if the size of the details is unknown, or if the profile is not known on the whole line.
     """
@@ -132,8 +132,8 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
         missed = abs(best.centre - centre) > best.fineness
         lo, hi = _hull(search.windows.values() or [search.limits])
         if missed and known is None and best.window != search.limits and not lo <= centre <= hi:
-            # The centre of a load lies between places of contact. Here all contacts that were found
-            # lie on one side of the wanted centre, so that wider limits are of no use.
+            # The centre of a load lies between the outermost points of contact. Here all contacts
+            # lie on one side of the wanted `centre`, so that wider limits are of no use.
             break
         if missed and len(search.windows) > 1:
             # A search interval about one asperity may have missed another asperity. The search is

@@ -181,7 +181,7 @@ def _from_guesses(
     zones: Array | None,
     **newton: bool,
 ) -> SolvedGaps | Failure:
-    """Gaps found from the gaps between known zones, or else from the tension in full contact."""
+    """Gaps found from those between known zones, or from where full contact needs tension."""
     tolerance = gap_tolerance(context)
     period, guesses = form.problem.repeat_length, context.cache.gap_guesses(form.problem)
     try:

@@ -106,7 +106,7 @@ def search(context: SolveContext, scaled: ScaledScene, start: Array | None = Non
 def _similar_solution(
     context: SolveContext, scaled: ScaledScene, start: Array | None
 ) -> Outcome | Failure:
-    """The contact from the zones of a similar solution; a Failure if they are too far off."""
+    """The contact from the zones of a similar solution; a Failure if Newton's method fails."""
     if start is None:
         return NOT_APPLICABLE
     problem, control = scaled.problem, scaled.control
@@ -299,13 +299,13 @@ class _GridSearch:
         part = context.plan["coarse search"]
         with context.plan.timed("coarse search"):
             proposal = proposed(scaled, control, points)
-            # The pressure at very many points takes much memory, and is not needed after this.
+            # The pressure at very many points takes much memory and is not needed any more.
             proposal = replace(proposal, grid=None)
         part.detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
         return proposal
 
     def _beyond_border(self, points: int) -> int | None:
-        """Number of points of the next grid, after contact touched the border of the last grid.
+        """Number of points of the next grid, if contact touched the border of the present grid.
 
         Contact on a coarse grid may touch the border because of the grid's error, so a finer grid
         is tried first. Then the window is widened: the few points of the first window may have

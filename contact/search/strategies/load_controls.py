@@ -133,8 +133,8 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
     limits = KnownLoads(closed=64 * EPS)
     for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
         last, fraction = here, contact_fraction(here)[0]
-        # The larger of two relative errors counts. If the contact fraction grows fast with the
-        # load, its error is larger than that of the load.
+        # The larger of two relative errors counts, that of the load and that of the contact
+        # fraction. If the fraction grows fast with the load, the second is larger.
         error = max(load_error, abs(goal - fraction) / smaller_part)
         if error > near_enough:
             continue
@@ -152,10 +152,10 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
 def _by_first_guess(
     context: SolveContext, scaled: ScaledScene, goal: float
 ) -> SolvedZones | SolvedGaps | float:
-    """The contact of a given fraction from a first guess; if that fails, the load of a grid."""
+    """The contact of a given fraction from a first guess; if that fails, a load from a grid."""
     problem, control = scaled.problem, scaled.control
-    # Close to full contact, grids do not resolve the narrow gaps that remain. These gaps are
-    # guessed from the tension in full contact.
+    # Close to full contact, grids do not resolve the narrow gaps that remain. The gaps are guessed
+    # from the places where full contact needs tension.
     if 1 - goal < SEARCH.rough:
         because = "a grid does not resolve the gaps"
         context.plan.decide("first guess", "the tension in full contact", because)

@@ -111,7 +111,8 @@ class _Bracket:
         self.goal, self.limits = goal, limits
         self.low, self.high = limits.least, math.inf
         self.load = max(first, 2 * limits.least)
-        # The last solutions below and above the wanted load, in the order in which they were found.
+        # The newest solutions on either side of the wanted load, at most three. The newest of all
+        # comes last.
         self.solutions: list[Solution] = []
         # Lower and upper bound of the wanted load, from tangents of a quantity that is concave in
         # the load.
@@ -125,7 +126,7 @@ class _Bracket:
 
     @property
     def nearest(self) -> Solution | None:
-        """The known solution whose load is closest to the next load."""
+        """The known solution whose load is closest to `load`, which is tried next."""
         if not self.solutions:
             return None
         return min(self.solutions, key=lambda other: abs(math.log(other.load / self.load)))
@@ -140,7 +141,7 @@ class _Bracket:
     def add(
         self, here: Solution, value: float, rate: float, last_rate: tuple[float, float] | None
     ) -> float:
-        """Narrow the bracket by a solution and return Newton's next load, nan if there is none."""
+        """Narrow the bracket by the solution `here`; return Newton's next load, nan if none."""
         load, miss = self.load, self.goal - value
         rises = rate > 0.0 and miss > 0.0  # the rate is negative beyond a maximum
         kept = [other for other in self.solutions[-2:] if (other.load > here.load) == rises]

@@ -18,7 +18,7 @@ def tightened(
     again: Callable[[Kind, float], Kind | Failure],
     is_limited_by_rounding: Callable[[Kind, float], bool],
 ) -> Kind:
-    """The most precise solution of a contact: the known one, or one to a smaller tolerance.
+    """The most precise solution: `found`, or the same contact solved to a smaller tolerance.
 
     again: solves from a solution to a tolerance. If a smaller tolerance hardly reduces the error,
     the smallest tolerance is tried as the last one.

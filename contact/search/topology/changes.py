@@ -68,7 +68,7 @@ def overlapping(
 def _grown(
     low: Array, high: Array, period: float | None, shared: float, birth: str, merger: str
 ) -> list[Change]:
-    """Births and mergers from the zones `low` to the zones `high`, named `birth` and `merger`."""
+    """The births and mergers from the zones `low` to the zones `high`, under the given names."""
     found = []
     for a, b in high.tolist():
         parts = overlapping(low, a, b, period, shared)

@@ -110,7 +110,7 @@ class Motion:
             half = 0.5 * (table[:, 1] - table[:, 0])
             values = np.array([0.5 * (table[:, 0] + table[:, 1]), half**2])
             rates = np.array([0.5 * (left + right), half * (right - left)])
-            # The gap next to a lone zone is infinite and does not move.
+            # Without a period, the gap next to a lone zone is infinite. It does not move.
             rates = np.where(np.isfinite(values), rates, 0.0)
         return cls(table, values, rates)
 
@@ -133,7 +133,7 @@ def extrapolated(previous: tuple[CurvePoint, ...], at: float) -> tuple[Array, in
 
 
 def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
-    """The last solutions with the same units at different values of the control, nearest first."""
+    """The last points with equal units and different values of the control, newest first."""
     last, known = previous[-1], [previous[-1]]
     for one in reversed(previous[:-1]):
         if (
@@ -184,7 +184,7 @@ def _hermite(away: Array) -> tuple[Array, Array]:
 
 
 def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, Array]:
-    """(index of each interval's partner in `other`, or -1; its shift by whole periods).
+    """Index of each interval's partner in `other`, -1 for none; shift of this partner.
 
     Partners overlap each other and no third interval.
     """

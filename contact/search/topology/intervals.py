@@ -6,8 +6,8 @@ from contact.formulation import tables
 from contact.search.topology.failure import WrongTopology
 from sie import Array, Index
 
-# Width of a new zone, divided by the width of the overlap of the bodies that it removes. This ratio
-# is 1 / sqrt(2) in Hertz's contact of spheres, and about the same in plane contact.
+# Width of a new zone, divided by the width over which the bodies overlap without the zone. This
+# ratio is 1 / sqrt(2) in Hertz's contact of spheres, and about the same in plane contact.
 NEW_ZONE = 0.7
 
 

@@ -330,7 +330,7 @@ class _Loop(Generic[Kind]):
         if self.newton.tolerance > self.wanted:
             return self._after_rough(here)
         if not here.free.converged:
-            # Intervals in which the pressure or the gap has the wrong sign show which intervals are
+            # If the check of signs fails, its intervals of wrong sign show where intervals are
             # missing.
             is_missing = not here.certificate.holds
             self.newton = replace(self.newton, allow_loss=is_missing)
@@ -415,7 +415,7 @@ def _is_error(here: Round[Any]) -> bool:
 
 
 def _are_next_to_ends(free: sie.Free, state: sie.AnyState, bad: Array) -> Mask:
-    """Mask of the intervals `bad` (n, 2) of wrong signs that the error of an end may explain."""
+    """Mask of the wrong-sign intervals `bad` (n, 2) that the error of an end may explain."""
     if len(bad) == 0:
         return np.zeros(0, dtype=bool)
     ends, reach = free.density.zones.table.ravel(), end_errors(free, state).ravel()
