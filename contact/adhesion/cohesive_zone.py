@@ -265,7 +265,8 @@ class CohesiveCurve(Curve):
         left = np.clip(move[:count], -0.4 * width, None)
         right = np.clip(move[count:], -0.4 * width, None)
         new = zones + np.column_stack((-left, right))
-        # The distance from the end of a zone to the end of its interval falls to a fifth at most.
+        # The distance from the end of a zone to the end of its interval stays above a fifth of the
+        # old distance.
         room = np.array([zones[:, 0] - before.table[i, 0], before.table[i, 1] - zones[:, 1]])
         new[:, 0] = np.maximum(new[:, 0], table[i, 0] + 0.2 * room[0])
         new[:, 1] = np.minimum(new[:, 1], table[i, 1] - 0.2 * room[1])
