@@ -1,0 +1,294 @@
+"""Jacobi polynomials of the second-kind equation on t in (-1, 1), without loss at the ends.
+
+With alpha in (0, 1) there are two families, normalised by an integral over (-1, 1):
+
+    singular  p_n of degree n:  int w p_n^2 dt = pi / 2 (pi for n = 0),
+              w = sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha)
+    bounded   q_n of degree n:  int (1 - t^2) w q_n^2 dt = pi / 2
+
+For alpha = 1/2 they are Chebyshev's T_n and U_n. Both obey the recurrence
+
+    t p_n = b_(n+1) p_(n+1) + a_n p_n + b_n p_(n-1),        t p_0 = 2 b_1 p_1 + a_0 p_0,
+    a_n = (2 alpha - 1) / (4 n^2 - 1),    b_n = ((n - 1 + alpha) (n - alpha))^(1/2) / (2 n - 1);
+
+that of q_n has -a_(n+1) and b_(n+1) instead of a_n and b_n. Their values at t = 1 are
+
+    p_n(1) = prod_(k < n) ((k + alpha) / (k + 1 - alpha))^(1/2),
+    q_n(1) = (n + 1) p_(n+1)(1) / (2 alpha),
+
+and at t = -1 those with 1 - alpha instead of alpha and the sign (-1)^n (Szegő, Orthogonal
+Polynomials, 4.1 and 4.5). Near an end the rounding of t alone would cost n^2 units of round-off.
+The recurrences are therefore run for f_n = p_n / p_n(1), from the nearer end, as
+
+    up_n (f_(n+1) - f_n) = down_n (f_n - f_(n-1)) - (1 - t) f_n,
+
+where the distance 1 - t is given (C. Reinsch's variant of Clenshaw's algorithm).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.data import Array, Index
+
+Number = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class SweepOptions:
+    """Directions and lengths of the recurrences for transforms off the interval.
+
+    The transforms F_n of the two families are their recurrences' minimal solutions. They decay as
+    rho^n while all other solutions grow as rho^(-n) (W. Gautschi, SIAM Review 9, 1967, 24-82).
+    """
+
+    # Growth rho^(-n) of round-off up to which the recurrence runs towards larger n.
+    # Half of it halves the largest errors, and adds a third to the longest downward recurrence.
+    max_growth: float = 10.0
+    # The error of the first ratio of a downward recurrence shrinks to exp(-2 * digits): round-off.
+    start_digits: float = 18.5
+
+
+OPTIONS = SweepOptions()
+
+
+@dataclass(frozen=True)
+class Family:
+    """One of the two families of the module's docstring.
+
+    alpha, rest: alpha and 1 - alpha, each without cancellation. bounded: whether it is q_n.
+    """
+
+    alpha: float
+    rest: float
+    bounded: bool = False
+
+    @property
+    def mirrored(self) -> "Family":
+        """The family whose member n at t is (-1)^n times this family's member at -t."""
+        return Family(self.rest, self.alpha, self.bounded)
+
+    def recurrence(self, count: int) -> tuple[Array, Array]:
+        """(a_n, b_n) for n = 0 ... count - 1; b_0 is zero."""
+        return _recurrence(self, count)
+
+    def at_one(self, count: int) -> Array:
+        """Values at t = 1 of the members n = 0 ... count - 1."""
+        return _at_one(self, count)
+
+    def at_minus_one(self, count: int) -> Array:
+        """Values at t = -1 of the members n = 0 ... count - 1."""
+        return np.asarray(self.mirrored.at_one(count) * (1.0 - 2.0 * (np.arange(count) % 2)))
+
+    def steps(self, count: int) -> tuple[Array, Array]:
+        """(up_n, down_n) of the recurrence from the end t = 1, n = 0 ... count - 1."""
+        return _steps(self, count)
+
+    def sums(self, c: Array, left: Any, right: Any) -> Array:
+        """Series sum_n c_n p_n(t) at points given by left = 1 + t and right = 1 - t."""
+        left, right = np.broadcast_arrays(np.asarray(left, float), np.asarray(right, float))
+        out = np.zeros(right.shape)
+        for family, sign, distance, here in self._halves(left, right):
+            signed = c * sign ** np.arange(len(c))
+            out[here] = _sum_from_end(family, signed * family.at_one(len(c)), distance)
+        return out
+
+    def table(self, count: int, left: Any, right: Any) -> Array:
+        """Values of the members n = 0 ... count - 1 at the given points, along a new last axis."""
+        left, right = np.broadcast_arrays(np.asarray(left, float), np.asarray(right, float))
+        out = np.zeros((*right.shape, count))
+        for family, sign, distance, here in self._halves(left, right):
+            scale = family.at_one(count) * sign ** np.arange(count)
+            out[here] = _table_from_end(family, count, distance) * scale
+        return out
+
+    def _halves(
+        self, left: Array, right: Array
+    ) -> Iterator[tuple["Family", float, Array, NDArray[np.bool_]]]:
+        """Yield (family, sign, distance from its end t = 1, mask) for both halves of the interval."""
+        beyond = right <= left
+        for family, sign, distance, here in (
+            (self, 1.0, right, beyond),
+            (self.mirrored, -1.0, left, ~beyond),
+        ):
+            if here.any():
+                yield family, sign, distance[here], here
+
+
+def _cached(count: int, *tables: Array) -> tuple[Array, ...]:
+    """The first `count` entries of tables that are kept, as views that cannot be written to."""
+    for table in tables:
+        table.flags.writeable = False
+    return tuple(table[:count] for table in tables)
+
+
+@lru_cache(maxsize=256)
+def _recurrence(family: Family, count: int) -> tuple[Array, Array]:
+    n = np.arange(count, dtype=float) + (1.0 if family.bounded else 0.0)
+    a: Array = np.asarray((family.alpha - family.rest) / (4 * n * n - 1))
+    products = np.abs((n - 1 + family.alpha) * (n - 1 + family.rest))
+    b: Array = np.asarray(np.sqrt(products) / (2 * n - 1))
+    if family.bounded:
+        a = np.negative(a)
+    b[:1] = 0.0
+    return _cached(count, a, b)  # type: ignore[return-value]
+
+
+@lru_cache(maxsize=256)
+def _at_one(family: Family, count: int) -> Array:
+    # The rounding of a thousand factors would add up; where there is a longer float it does not.
+    k = np.arange(count + 1, dtype=np.longdouble)
+    factors = np.ones(count + 2, dtype=np.longdouble)
+    factors[1:] = np.sqrt((k + family.alpha) / (k + family.rest))
+    values = np.cumprod(factors)
+    if family.bounded:
+        values = values[1:] * (k + 1) / (2 * family.alpha)
+    return _cached(count, np.asarray(values, dtype=np.float64))[0]
+
+
+@lru_cache(maxsize=256)
+def _steps(family: Family, count: int) -> tuple[Array, Array]:
+    n, alpha, rest = np.arange(count, dtype=float), family.alpha, family.rest
+    if family.bounded:
+        up = (n + 2) * (n + 1 + alpha) / ((n + 1) * (2 * n + 3))
+        down = n * (n + rest) / ((n + 1) * (2 * n + 1))
+    else:
+        up = (n + alpha) / (2 * n + 1)
+        up[:1] *= 2
+        down = (n - 1 + rest) / (2 * n - 1)
+        down[:1] = 0.0
+    return _cached(count, up, down)  # type: ignore[return-value]
+
+
+def _sum_from_end(family: Family, c: Array, distance: Array) -> Array:
+    """Series sum_n c_n f_n, f_n = p_n / p_n(1), at the given distances 1 - t."""
+    up, down = family.steps(len(c))
+    value, change = np.zeros_like(distance), np.zeros_like(distance)
+    for n in range(len(c) - 1, -1, -1):
+        both = value + change
+        value += c[n] - both * distance / up[n]
+        change = both * (down[n] / up[n])
+    return value
+
+
+def _table_from_end(family: Family, count: int, distance: Array) -> Array:
+    """Values f_n = p_n / p_n(1), n = 0 ... count - 1, at the distances 1 - t; new last axis."""
+    up, down = family.steps(count)
+    rows = np.ones((count, *distance.shape))
+    change = np.zeros_like(distance)
+    for n in range(count - 1):
+        change = (change * down[n] - distance * rows[n]) / up[n]
+        rows[n + 1] = rows[n] + change
+    return np.moveaxis(rows, 0, -1)
+
+
+# The functions below give the transforms F_n of a family's members times its weight, divided by pi:
+# the weight is w for p_n and (1 - t^2) w for q_n. Points zeta of the right half plane are given by
+# less = zeta - 1 and left = zeta + 1. The recurrence is that of f_n = F_n / p_n(1).
+def log_ratio(less: Number, left: Number) -> Number:
+    """log((zeta - 1) / (zeta + 1)), with all digits near zeta = 1 and far away."""
+    near = np.abs(less) < 2.0
+    out = np.empty_like(less)
+    out[near] = np.log(less[near]) - np.log(left[near])
+    out[~near] = -2 * np.arctanh(2 / (less[~near] + left[~near]))
+    return out
+
+
+def transform_table(family: Family, count: int, less: Number, left: Number) -> Number:
+    """Transforms F_n, n = 0 ... count - 1, at points (P,): an array (P, count)."""
+    out = np.empty((count, len(less)), dtype=less.dtype)
+    for here, last in _directions(count, less, left):
+        if last == 0:
+            for n, value in enumerate(_upward(family, count, less[here], left[here])):
+                out[n, here] = value
+            continue
+        change = np.zeros_like(less[here])
+        for n, change in _downward(family, last, less[here], left[here]):
+            if n < count:
+                out[n, here] = 1 + change
+        out[0, here] = _first(family, change, less[here], left[here])
+        out[:, here] = np.cumprod(out[:, here], axis=0)
+    return np.asarray(out.T * family.at_one(count))
+
+
+def transform_sum(family: Family, c: Array, less: Number, left: Number) -> Number:
+    """The sum of c_n F_n at points (P,)."""
+    out = np.zeros(len(less), dtype=less.dtype)
+    if len(c) == 0:
+        return out
+    scaled = c * family.at_one(len(c))
+    for here, last in _directions(len(c), less, left):
+        total = np.zeros(len(less[here]), dtype=less.dtype)
+        if last == 0:
+            for n, value in enumerate(_upward(family, len(c), less[here], left[here])):
+                total += scaled[n] * value
+            out[here] = total
+            continue
+        change = total
+        for n, change in _downward(family, last, less[here], left[here]):
+            if n < len(c):
+                total = (scaled[n] + total) * (1 + change)
+        out[here] = (scaled[0] + total) * _first(family, change, less[here], left[here])
+    return out
+
+
+def _directions(count: int, less: Number, left: Number) -> Iterator[tuple[Index, int]]:
+    """Yield (indices of points, first n of the downward recurrence; 0: the upward one is used).
+
+    Points are grouped by powers of two of the number of steps.
+    """
+    rate = 2 * np.log(np.abs(np.sqrt(less) + np.sqrt(left))) - np.log(2.0)
+    steps = np.zeros(len(less))
+    down = rate * count >= np.log(OPTIONS.max_growth)
+    steps[down] = np.ceil(OPTIONS.start_digits / rate[down]) + 2
+    group = np.ceil(np.log2(np.maximum(steps, 1)))
+    for number in np.unique(group):
+        here = np.flatnonzero(group == number)
+        most = int(steps[here].max())
+        yield here, most and count + most
+
+
+def _upward(family: Family, count: int, less: Number, left: Number) -> Iterator[Number]:
+    """Yield f_0, f_1, ..., f_(count - 1) at points that are close to the interval."""
+    up, down = family.steps(count)
+    alpha, power = family.alpha, np.expm1(family.alpha * log_ratio(less, left))
+    if family.bounded:
+        value = -2 * alpha - left * power
+        change = (less * value - 2 * alpha * family.rest) / up[0]
+    else:
+        value = less ** (alpha - 1) * left**-alpha
+        change = power / up[0]
+    for n in range(1, count):
+        yield value
+        value = value + change
+        change = (down[n] * change + less * value) / up[n]
+    yield value
+
+
+def _downward(
+    family: Family, last: int, less: Number, left: Number
+) -> Iterator[tuple[int, Number]]:
+    """Yield (n, f_n / f_(n-1) - 1) for n = last ... 1.
+
+    For points on the line all terms have one sign, so that nothing cancels.
+    """
+    up, down = family.steps(last + 1)
+    rho = 2 / (np.sqrt(less) + np.sqrt(left)) ** 2
+    before, after = family.at_one(last + 1)[-2:]
+    change = rho * (before / after) - 1
+    for n in range(last, 0, -1):
+        yield n, change
+        if n > 1:
+            change = (up[n - 1] * change - less) / down[n - 1]
+            change = change / (1 - change)
+
+
+def _first(family: Family, change: Number, less: Number, left: Number) -> Number:
+    """f_0 of the downward recurrence, from f_1 / f_0 - 1."""
+    if family.bounded:
+        return 2 * family.alpha * family.rest / (less - family.steps(1)[0][0] * change)
+    return np.asarray(less ** (family.alpha - 1) * left**-family.alpha)

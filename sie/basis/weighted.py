@@ -1,0 +1,401 @@
+r"""Densities of the second-kind equation kappa phi + T phi = g on one interval, in closed form.
+
+T phi(t) is (1/pi) PV int phi(s) / (t - s) ds over (-1, 1). With cot(pi alpha) = kappa, 0 < alpha <
+1, a density at the distance d from an end is K d^(gamma - 1) + A d^gamma, with gamma = alpha at
+the right end and 1 - alpha at the left end. A density is a sum of
+
+    S_n(t) = w(t) p_n(t),    w = sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha).
+
+The polynomials p_n and q_n are those of `sie.basis.jacobi`; D_n(t) is (-1)^n q_n(-t). For kappa = 0
+they are T_n, U_n and U_n, and all of the below is that of `sie.basis.interval`. F is the transform
+at a point zeta off the interval, F(zeta) = (1/pi) int S(t) / (zeta - t) dt.
+
+    on the interval  (kappa + T) S_n = -D_(n-1),    (kappa + T) S_0 = 0
+    off it           S_0 -> (zeta - 1)^(alpha - 1) (zeta + 1)^(-alpha); S_n: minimal solution of the
+                     recurrence of p_n (W. Gautschi, SIAM Review 9, 1967, 24-82)
+    integral         of S_n from -1 to t is -(1 - t^2) w q_(n-1) / n for n > 0
+
+N. I. Muskhelishvili, Singular Integral Equations, 1953, ch. 14; G. Szegő, Orthogonal Polynomials,
+4.62. Places are given by distances left = 1 + t and right = 1 - t, points off the interval by the
+classes of `sie.basis.interval`.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from sie.basis.data import Array, Kept
+from sie.basis.interval import InPlane, OnLine, Outside
+from sie.basis.jacobi import Family, log_ratio, transform_sum, transform_table
+
+Number = NDArray[Any]
+Points = InPlane | OnLine | Outside
+
+
+def exponent_of(kappa: float) -> float:
+    """The exponent alpha in (0, 1) with cot(pi alpha) = kappa.
+
+    It has all digits for large kappa too. 1 - alpha is the exponent of -kappa.
+
+    Parameters
+    ----------
+    kappa : float
+        The factor of the density in kappa phi + T phi = g.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> from sie.basis.weighted import exponent_of
+    >>> exponent_of(0.0), exponent_of(1.0)
+    (0.5, 0.25)
+    """
+    return math.atan2(1.0, kappa) / math.pi
+
+
+class Split(NamedTuple):
+    """A density in a form that keeps its digits beside an end where it is bounded.
+
+    w (k_left (1 - t) / 2 + k_right (1 + t) / 2) + (1 - t^2) w sum_n q_n(t) q[n].
+    """
+
+    k_left: float
+    k_right: float
+    q: Array
+
+
+@dataclass(frozen=True)
+class Weighted(Kept):
+    """The densities S_n of kappa phi + T phi = g on (-1, 1); see the module's docstring.
+
+    Parameters
+    ----------
+    kappa : float
+        The factor of the density, real.
+
+    Examples
+    --------
+    The density of kappa phi + T phi = 1 with the integral 0 is -2 sqrt(alpha (1 - alpha)) S_1.
+
+    >>> import numpy as np
+    >>> from sie.basis.weighted import Weighted
+    >>> weighted, t = Weighted(2.0), np.array([-0.5, 0.0, 0.9])
+    >>> c = np.array([0.0, -2 * np.sqrt(weighted.alpha * weighted.rest)])
+    >>> weighted.own(c, 1 + t, 1 - t).round(12).tolist()
+    [1.0, 1.0, 1.0]
+    """
+
+    kappa: float
+
+    # The exponents and the polynomials.
+    @cached_property
+    def alpha(self) -> float:
+        """The exponent alpha: cot(pi alpha) = kappa."""
+        return exponent_of(self.kappa)
+
+    @cached_property
+    def rest(self) -> float:
+        """1 - alpha, without cancellation."""
+        return exponent_of(-self.kappa)
+
+    @cached_property
+    def sine(self) -> float:
+        """sin(pi alpha)."""
+        return 1.0 / math.hypot(1.0, self.kappa)
+
+    @property
+    def mirrored(self) -> "Weighted":
+        """The densities at -t: its S_n at t is (-1)^n times this one's S_n at -t."""
+        return Weighted(-self.kappa)
+
+    @cached_property
+    def singular(self) -> Family:
+        """The polynomials p_n."""
+        return Family(self.alpha, self.rest)
+
+    @cached_property
+    def bounded(self) -> Family:
+        """The polynomials q_n."""
+        return Family(self.alpha, self.rest, bounded=True)
+
+    @cached_property
+    def images(self) -> Family:
+        """The polynomials D_n of the equation's right side."""
+        return self.bounded.mirrored
+
+    def recurrence(self, count: int) -> tuple[Array, Array]:
+        """(a_n, b_n), n = 0 ... count - 1, of t p_n = b_(n+1) p_(n+1) + a_n p_n + b_n p_(n-1).
+
+        t p_0 = 2 b_1 p_1 + a_0 p_0, as for Chebyshev's T_n. b_0 is zero.
+        """
+        return self.singular.recurrence(count)
+
+    # The density and its integrals on the interval.
+    def weight(self, left: Any, right: Any) -> Array:
+        """The weight w = S_0 at places given by left = 1 + t and right = 1 - t."""
+        left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
+        return np.asarray(self.sine * right ** (self.alpha - 1) * left**-self.alpha)
+
+    def bounded_weight(self, left: Any, right: Any) -> Array:
+        """The weight (1 - t^2) w, which vanishes at both ends."""
+        left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
+        return np.asarray(self.sine * right**self.alpha * left**self.rest)
+
+    def values(self, c: Array, left: Any, right: Any) -> Array:
+        """The polynomial sum_n c_n p_n; times `weight` it is the density."""
+        return self.singular.sums(c, left, right)
+
+    def table(self, count: int, left: Any, right: Any) -> Array:
+        """p_n for n = 0 ... count - 1, along a new last axis."""
+        return self.singular.table(count, left, right)
+
+    def own(self, c: Array, left: Any, right: Any) -> Array:
+        """kappa phi + T phi on the interval, of the density phi = sum_n c_n S_n."""
+        return -self.images.sums(c[1:], left, right)
+
+    def split(self, c: Array, left_bounded: bool = False, right_bounded: bool = False) -> Split:
+        """The density sum_n c_n S_n as a `Split`.
+
+        At an end said to be bounded the intensity is round-off, and is left out. The coefficients
+        follow from p_n = b_(n+1) q_n + e_n q_(n-1) - b_n q_(n-2), from the last one down.
+        """
+        at_left, at_right = self.edge_values(len(c))
+        k_left = 0.0 if left_bounded else float(c @ at_left)
+        k_right = 0.0 if right_bounded else float(c @ at_right)
+        count = max(len(c) - 2, 0)
+        q, b = np.zeros(count + 2), self.recurrence(count + 3)[1]
+        n = np.arange(1.0, count + 2)
+        e = 2 * n * (self.alpha - self.rest) / (4 * n * n - 1)
+        for m in range(count - 1, -1, -1):
+            q[m] = (b[m + 3] * q[m + 2] + e[m + 1] * q[m + 1] - c[m + 2]) / b[m + 2]
+        return Split(k_left, k_right, q[:count])
+
+    def values_q(self, q: Array, left: Any, right: Any) -> Array:
+        """The polynomial sum_n q[n] q_n of a `Split`."""
+        return self.bounded.sums(q, left, right)
+
+    def density(self, split: Split, left: Any, right: Any) -> Array:
+        """The density of a `Split` on the interval; at a bounded end it is zero."""
+        left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
+        out = self.bounded_weight(left, right) * self.values_q(split.q, left, right)
+        with np.errstate(divide="ignore"):
+            if split.k_left:
+                out += (0.5 * self.sine * split.k_left) * right**self.alpha * left**-self.alpha
+            if split.k_right:
+                out += (0.5 * self.sine * split.k_right) * right**-self.rest * left**self.rest
+        return np.asarray(out)
+
+    def integral_to(self, c: Array, left: Any, right: Any) -> Array:
+        """Integral of sum_n c_n S_n from -1 to t."""
+        left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
+        higher = self.values_q(c[1:] / np.arange(1, len(c)), left, right)
+        from_left = special.betainc(self.rest, self.alpha, 0.5 * left)
+        from_right = special.betainc(self.alpha, self.rest, 0.5 * right)
+        first = np.where(left < right, from_left, 1 - from_right)
+        return np.asarray(np.pi * c[0] * first - self.bounded_weight(left, right) * higher)
+
+    def total(self, c: Array) -> float:
+        """Integral of sum_n c_n S_n over the interval."""
+        return float(np.pi * c[0])
+
+    def first_moment(self, c: Array) -> float:
+        """Integral of t times sum_n c_n S_n over the interval."""
+        a, b = self.recurrence(2)
+        return float(np.pi * (a[0] * c[0] + (b[1] * c[1] if len(c) > 1 else 0.0)))
+
+    # What holds at the ends.
+    def edge_values(self, count: int) -> tuple[Array, Array]:
+        """Values of p_n at t = -1 and at t = 1, n = 0 ... count - 1."""
+        return self.singular.at_minus_one(count), self.singular.at_one(count)
+
+    def edge_derivatives(self, count: int) -> tuple[Array, Array]:
+        """Derivatives of p_n by t at t = -1 and at t = 1, n = 0 ... count - 1."""
+        squares, (left, right) = np.arange(count) ** 2, self.edge_values(count)
+        return -squares * left / (2 * self.rest), squares * right / (2 * self.alpha)
+
+    @property
+    def edge_scale(self) -> tuple[float, float]:
+        """Intensities K of the weight w at the left and the right end, for the half width 1."""
+        return self.sine * 2.0**-self.rest, self.sine * 2.0**-self.alpha
+
+    def intensities(self, c: Array) -> tuple[float, float]:
+        """Intensities K of sum_n c_n S_n at the left and the right end, for the half width 1."""
+        (left, right), (at_left, at_right) = self.edge_scale, self.edge_values(len(c))
+        return left * float(at_left @ c), right * float(at_right @ c)
+
+    def edge_slopes(self, c: Array) -> tuple[float, float]:
+        """Edge slopes A of sum_n c_n S_n at the left and the right end, for the half width 1."""
+        (left, right), (at_left, at_right) = self.edge_scale, self.edge_values(len(c))
+        slope_left, slope_right = self.edge_derivatives(len(c))
+        return (
+            left * float((0.5 * self.rest * at_left + slope_left) @ c),
+            right * float((0.5 * self.alpha * at_right - slope_right) @ c),
+        )
+
+    # Transforms off the interval.
+    def transforms(self, count: int, points: Points) -> Number:
+        """Transforms F of S_n, n = 0 ... count - 1, along a new last axis."""
+
+        def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
+            table = transform_table(half.singular, count, less, left)
+            return np.asarray(table * sign ** np.arange(count))
+
+        return self._by_halves(points, of, (count,))
+
+    def transform_of(self, c: Array, points: Points) -> Number:
+        """Transform F of the density sum_n c_n S_n."""
+
+        def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
+            return transform_sum(half.singular, c * sign ** np.arange(len(c)), less, left)
+
+        return self._by_halves(points, of)
+
+    def slope_of(self, c: Array, points: Points) -> Number:
+        """Derivative of the transform F of the density sum_n c_n S_n by zeta."""
+        return self.split_slope(self.split(c), points)
+
+    def split_transform(self, split: Split, points: Points) -> Number:
+        """Transform F of the density of a `Split`; finite beside an end where it is bounded."""
+
+        def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
+            at_left, at_right = split[:2] if sign > 0 else split[1::-1]
+            q = split.q * sign ** np.arange(len(split.q))
+            out, ratio = transform_sum(half.bounded, q, less, left), log_ratio(less, left)
+            if at_left:
+                out = out - 0.5 * at_left * np.expm1(half.alpha * ratio)
+            if at_right:
+                out = out + 0.5 * at_right * np.expm1(-half.rest * ratio)
+            return np.asarray(out)
+
+        return self._by_halves(points, of)
+
+    def split_slope(self, split: Split, points: Points) -> Number:
+        """Derivative by zeta of `split_transform`.
+
+        The derivative of (1 - t^2) w q_n by t is -(n + 1) S_(n+1).
+        """
+
+        def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
+            at_left, at_right = split[:2] if sign > 0 else split[1::-1]
+            out, ratio = np.zeros_like(less), log_ratio(less, left)
+            if at_left:
+                out = out + half.alpha * at_left * np.exp(half.alpha * ratio)
+            if at_right:
+                out = out + half.rest * at_right * np.exp(-half.rest * ratio)
+            # The factor -sign cancels the sign that a mirrored transform has and its slope has not.
+            return np.asarray(-sign * out / left / less)
+
+        count = len(split.q)
+        c = np.concatenate((np.zeros(1), -split.q * np.arange(1, count + 1)))
+        return self._by_halves(points, of) + self.transform_of(c, points)
+
+    def _by_halves(
+        self,
+        points: Points,
+        of: Callable[["Weighted", float, Number, Number], Number],
+        shape: tuple[int, ...] = (),
+    ) -> Number:
+        """A transform at all points, from a function for points of the right half plane.
+
+        of(weighted, sign, zeta - 1, zeta + 1): for the sign -1 it is called with the mirrored
+        densities at -conj(zeta); the transform there is -conj of that at zeta.
+        """
+        left, less = from_ends(points)
+        out = np.empty((*less.shape, *shape), dtype=less.dtype)
+        mirror = (left + less).real < 0
+        if not mirror.all():
+            out[~mirror] = of(self, 1.0, less[~mirror], left[~mirror])
+        if mirror.any():
+            folded = -np.conj(left[mirror]), -np.conj(less[mirror])
+            out[mirror] = -np.conj(of(self.mirrored, -1.0, *folded))
+        return out
+
+    # Matrices between bases.
+    def from_u(self, count: int) -> Array:
+        """Matrix C (count, count) with U_j = sum_i C[i, j] D_i; upper triangular."""
+        return _from_u(self.kappa, count)
+
+    def to_u(self, count: int) -> Array:
+        """The inverse of `from_u`: D_j = sum_i to_u[i, j] U_i."""
+        return _to_u(self.kappa, count)
+
+    def moments(self, count: int, length: int) -> Array:
+        """Chebyshev coefficients (length, count) of the densities as seen from outside.
+
+        m[l, n] = (2 - delta_l0) / pi int S_n T_l dt. Off the interval sum_n c_n S_n has the field
+        of sum_l (m c)_l T_l / sqrt(1 - t^2). Coefficients with l < n are zero.
+        """
+        return _moments(self.kappa, count, length)
+
+
+def from_ends(points: Points) -> tuple[Number, Number]:
+    """(zeta + 1, zeta - 1) of points off the interval, without cancellation."""
+    if isinstance(points, InPlane):
+        return np.asarray(points.left, complex), np.asarray(points.less, complex)
+    if isinstance(points, OnLine):
+        return np.asarray(points.left, float), -np.asarray(points.right, float)
+    sign, excess = np.broadcast_arrays(points.sign, np.asarray(points.excess, float))
+    return np.where(sign > 0, 2 + excess, -excess), np.where(sign > 0, excess, -2 - excess)
+
+
+def _times_t(a: Array, b: Array, v: Array) -> Array:
+    """Coefficients of t f, from those of f in polynomials with the recurrence (a, b)."""
+    out = a * v
+    out[1:] += b[1:] * v[:-1]
+    out[:-1] += b[1:] * v[1:]
+    return np.asarray(out)
+
+
+@lru_cache(maxsize=64)
+def _from_u(kappa: float, count: int) -> Array:
+    weighted = Weighted(kappa)
+    a, b = weighted.images.recurrence(count)
+    rows = np.zeros((count, count))
+    rows[0, 0] = 2 * math.sqrt(weighted.alpha * weighted.rest)
+    for j in range(1, count):
+        rows[j] = 2 * _times_t(a, b, rows[j - 1])
+        if j > 1:
+            rows[j] -= rows[j - 2]
+    rows.flags.writeable = False
+    return rows.T
+
+
+@lru_cache(maxsize=64)
+def _to_u(kappa: float, count: int) -> Array:
+    weighted = Weighted(kappa)
+    a, b = weighted.images.recurrence(count)
+    rows, half = np.zeros((count, count)), np.full(count, 0.5)
+    rows[0, 0] = 0.5 / math.sqrt(weighted.alpha * weighted.rest)
+    for j in range(1, count):
+        rows[j] = _times_t(0 * a, half, rows[j - 1]) - a[j - 1] * rows[j - 1]
+        if j > 1:
+            rows[j] -= b[j - 1] * rows[j - 2]
+        rows[j] /= b[j]
+    rows.flags.writeable = False
+    return rows.T
+
+
+@lru_cache(maxsize=64)
+def _moments(kappa: float, count: int, length: int) -> Array:
+    size = max(count, length)
+    a, b = Weighted(kappa).recurrence(size)
+    # In terms of p_0 / sqrt(2) and p_n the matrix of t is symmetric.
+    b = b.copy()
+    b[1:2] *= math.sqrt(2.0)
+    out, here, before = np.zeros((length, count)), np.zeros(size), np.zeros(size)
+    here[0] = 1.0
+    for l in range(length):
+        out[l] = here[:count]
+        here, before = (2.0 if l else 1.0) * _times_t(a, b, here) - before, here
+    out[1:] *= 2.0
+    out[:, 1:] *= math.sqrt(0.5)
+    out.flags.writeable = False
+    return out
