@@ -313,7 +313,7 @@ def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
 
 
 def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -> _Contact:
-    """First touch of level j (pressure, approach) on the surface deformed by active levels."""
+    """Pressure and approach at which level j first touches, if `active` levels are in contact."""
     last = inf
     try:
         for state in settled(kinds, _start(kinds, active, None, kinds[j].depth), closed_edge(j)):

@@ -370,7 +370,7 @@ def stability_command(quick: bool, out: Path | None) -> None:
 def _listed(
     kind: str, known: Callable[[], Mapping[str, Any]], what: str, second: str = "parameters"
 ) -> None:
-    """Add the command that lists all names of one kind that a scene file can give."""
+    """Add the command `kind`, which lists the names of this kind that a scene file can use."""
 
     @main.command(kind, help=f"List the {what} a scene file can name.")
     def list_command() -> None:

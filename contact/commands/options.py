@@ -116,7 +116,7 @@ class Outputs:
             click.echo(f"written: {path}", err=err)
 
 
-# Largest number of values in a range; more are taken for a typing error.
+# Largest number of values in a range. A larger number is refused, as it is probably a typing error.
 _MAX_VALUES = 100_000
 
 

@@ -149,7 +149,7 @@ def path_command(
                     stiffness=stiffness,
                 )
     except SceneError as error:
-        # The message names the option of the command instead of the function's parameter.
+        # The new error names the option of this command instead of the parameter of `path`.
         if error.allowed is None or error.field not in ("values", "control", "stiffness"):
             raise
         if error.field == "stiffness":
