@@ -167,8 +167,8 @@ class Operator(sie.Kept):
 
     @property
     def datum(self) -> float | None:
-        """Distance [m] from a line load at which its displacement is zero. None if no such distance
-        is given; the approach of a contact without a period is then undefined.
+        """Distance [m] from a line load at which the surface is not displaced. None if no such
+        distance is given; the approach of a contact without a period is then undefined.
 
         It is for bodies that do not repeat.
         """

@@ -107,7 +107,7 @@ def sinusoid(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def fourier(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A Fourier series of up to 40 harmonics; the k-th amplitude falls as k^0 to k^-2.5."""
+    """A Fourier series of up to 40 harmonics; amplitudes fall as k^-m with a random m up to 2.5."""
     n = int(rng.integers(1, 41))
     k = np.arange(1, n + 1)
     size = k ** -rng.uniform(0, 2.5) * (rng.random(n) < rng.uniform(0.3, 1))

@@ -58,8 +58,8 @@ class PathOptions:
     # If the ratio of two loads exceeds this, the motion of ends between the loads cannot be
     # predicted from the ends' rates (derivatives by ln(load)) at the two loads.
     max_load_ratio: float = 1.3
-    # The motion of an end cannot be predicted, either, if the ratio of its rates at the two loads
-    # exceeds this.
+    # If the ratio of an end's rates at two loads exceeds this, the motion of the end between the
+    # loads cannot be predicted from the rates.
     max_rate_ratio: float = 1.5
     # Largest relative error of a motion that is predicted by rates. The actual error is several
     # times smaller for smooth ends and loads that differ by less than a third.
@@ -197,7 +197,7 @@ class _Path:
         self.events_found = 0
 
     def intermediate(self, load: float, start: Solution) -> Solution:
-        """A solution at a load between two given ones, accurate enough to count its zones.
+        """A solution at the intermediate load `load`, accurate enough to count its zones.
 
         Close to an event, a zone or gap may be too narrow for the tolerance; the best state is then
         used if its signs hold.
@@ -359,8 +359,8 @@ class _Condition:
             if not isinstance(fields, GapFields)
             else GapForm(self.problem, fields.relief)
         )
-        # Zones (or gaps) by the load at which they were computed. A second load close to that of
-        # `fields` is added. Its zones are extrapolated by the rates of the ends.
+        # The keys are scaled loads, the values are the zones (or gaps) at these loads. The second
+        # entry, for a load close to the first one, is extrapolated by the rates of the ends.
         load, table = fields.load / fields.problem.units.load, fields.solved_zones.table
         self.tables: dict[float, Array] = {
             load: table,

@@ -46,7 +46,9 @@ class MeanPressure(Control):
 @register_control("approach")
 @dataclass(frozen=True)
 class Approach(Control):
-    """Approach of the bodies [m]. Without a period, it needs a datum or a body with a base."""
+    """Approach of the bodies [m]. Without a period, the approach needs a datum or a body with a
+    base.
+    """
 
     unit = "m"
     quantity = Quantity.APPROACH

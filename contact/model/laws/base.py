@@ -182,8 +182,7 @@ class Law(Named, sie.Kept):
         return 0.0
 
     def without_range(self, share: float) -> "Law | None":
-        """A law without range whose work of adhesion is this fraction of the present law's; or
-        None.
+        """A law without range whose work of adhesion is `share` times the present law's; or None.
 
         Contacts under the law approach those under the returned one where its strips of tension
         are narrow. None if there is no such law.

@@ -392,8 +392,8 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
     # half (`before`). A median of 0 is excluded: such steps were too short to change a height.
     level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
     found = np.where(level, np.max(windows, axis=2), np.inf)
-    # Of the level windows, those above 128 (`part`) times the smallest one are not round-off. The
-    # factor is this large because the shortest steps may show only 1/128 of the round-off.
+    # Among the level windows, a value above 128 (`part`) times the least one is not round-off. The
+    # limit is as high as 128 because the shortest steps may show only 1/128 of the round-off.
     found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)

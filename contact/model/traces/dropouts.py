@@ -39,9 +39,9 @@ class WarningLimits:
     or twice as large ones give the same warnings.
     """
 
-    # A spike differs from its neighbours by this multiple of the other heights' range. Around a
-    # value that may mark missing heights (such as -32768), every step is this multiple of the usual
-    # step between other heights.
+    # A spike differs from its neighbours by more than this multiple of the other heights' range.
+    # Around a value that may mark missing heights (such as -32768), every step is more than this
+    # multiple of the usual step between other heights.
     far: float = 10.0
     # Number of points of the running median; a spike has less than half as many points.
     median_points: int = 9

@@ -34,7 +34,7 @@ ALONG = ("x", "y")
 
 
 def is_instrument_file(path: str | Path) -> bool:
-    """Whether a file has an instrument's own format, judged by its ending and by its first
+    """Whether a file has an instrument's own format, judged by its ending or also its first
     bytes.
     """
     ending = Path(path).suffix[1:].lower()

@@ -219,7 +219,9 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
 
 
 def _upside_down(reading: Reading, by: Preparation) -> bool:
-    """Whether heights must be inverted; SceneError for depths if `invert` is not given."""
+    """Whether heights must be inverted. SceneError if they are called depths and `invert` is not
+    given.
+    """
     if reading.depth and by.invert is None:
         what = f"the heights are called {shown(reading.depth)}"
         choices = "invert = true if they grow into the body, invert = false if they grow out of it"

@@ -66,7 +66,8 @@ class Data:
             for i, fields in enumerate(header_fields(text, self.layout.delimiter)):
                 if len(fields) == 2 * self.width:
                     fields = in_pairs(fields)
-                # The last columns of the header may have no name, or no unit.
+                # The header may have fewer fields than columns, if the last columns have no name or
+                # no unit.
                 columns = text.count(self.layout.delimiter or "\n") + 1
                 if i == 0 and len(fields) < columns == self.width:
                     fields = [*fields, *[""] * (self.width - len(fields))]

@@ -150,7 +150,7 @@ class OneGap:
 
 
 def _waves(profile: Fourier) -> tuple[Array, Array, Array]:
-    """Arrays k, c, s: the slope's conjugate is the sum over k of c cos(kx) + s sin(kx)."""
+    """Arrays k, c, s: the slope's Hilbert transform is the sum over k of c cos(kx) + s sin(kx)."""
     given = [np.asarray(part, dtype=np.float64) for part in (profile.cosine, profile.sine)]
     cosine, sine = (np.pad(part, (0, max(map(len, given)) - len(part))) for part in given)
     k = 2 * pi * np.arange(1.0, len(cosine) + 1)

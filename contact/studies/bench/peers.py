@@ -156,8 +156,8 @@ def _measured(
 
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
-    """Least time of the runs that reach an error, as do all runs on finer grids. None if there
-    is no such run.
+    """Least time of a run that reaches an error. A run does not count if a run on a finer grid
+    misses the error. None if no run counts.
 
     The rows go from coarse to fine grids. None if the run on the finest grid has a larger error.
     """

@@ -17,7 +17,7 @@ _PYTHON = "the time is that of calls from Python, not arithmetic: see the floor"
 
 @dataclass(frozen=True)
 class Figure:
-    """A requirement, the measured figure, whether the requirement is `met`, and `why` if not."""
+    """A requirement, the measured figure, whether the requirement is `met`, and `why` it is not."""
 
     asked: str
     measured: str
