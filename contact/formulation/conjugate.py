@@ -211,8 +211,8 @@ def _series(profile: Profile, length: float) -> Transform:
     """The transform H f', by the Fourier series of the slope f' without its declared jumps."""
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
-    # `Pieces` needs jumps of f''' with the sum 0. So the sum `over` is subtracted from the first of
-    # these jumps. A cubic Bernoulli polynomial has the jump `over` instead.
+    # `Pieces` needs jumps of f''' with the sum 0. So the jump -`over` is added at the first place.
+    # A cubic Bernoulli polynomial with the jump `over` at this place compensates it.
     first, over = jumps[:1, 0], np.full(len(jumps[:1]), jumps[orders == 2, 2].sum())
     at, heights = np.append(jumps[:, 0], first), jumps[:, 2, None] * (orders[:, None] == [0, 1, 2])
     of_jumps = Pieces.of(

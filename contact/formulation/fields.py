@@ -185,9 +185,9 @@ class ZoneFields(sie.Kept):
 
     @property
     def bending(self) -> float:
-        """Largest intensity that a single coefficient of the pressure causes at an end, relative.
+        """Ratio of the largest end intensity of one pressure coefficient to the prescribed one.
 
-        It is divided by the prescribed intensity of the ends.
+        Each coefficient of the pressure's series alone causes an intensity at the ends of its zone.
         """
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
@@ -336,7 +336,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def tips(self) -> Array:
-        """Scaled places of convex kinks, ascending; with a period, also their images nearby.
+        """Scaled places of convex kinks, ascending; with a period, also their nearest images.
 
         At these places a gap may have a minimum where its slope is not zero.
         """
@@ -519,7 +519,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Highest pressure [Pa], of samples on all zones and maxima between samples.
+        """Highest pressure [Pa]: at samples on all zones, and at maxima between the samples.
 
         Maxima between samples are sought on the zones that may have the highest pressure.
         """

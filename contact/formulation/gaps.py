@@ -197,7 +197,7 @@ class GapFields(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """Evenly spaced places over a period that starts at the first gap, and the pressure.
+        """Evenly spaced places over a period starting at the first gap, and the pressure there.
 
         Their spacing is smaller than the length on which the profile varies.
         """

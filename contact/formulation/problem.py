@@ -223,7 +223,7 @@ class Problem(sie.Kept):
             )
 
     def shape_rounding(self, x: Array) -> float:
-        """Round-off of the scaled profile F, the largest at scaled places x.
+        """Largest round-off of the scaled profile F at scaled places x.
 
         It is the largest deviation of F from a straight line over a few units in the last digit of
         x, at least EPS times F.

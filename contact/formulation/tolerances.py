@@ -34,7 +34,7 @@ class Tolerances:
     # Bound of a gap's round-off, divided by its likely size. The stated error contains the likely
     # size.
     rounding_margin: float = 16.0
-    # On the closed-form route: round-off of the gap's slope, relative to the terms of the slope. A
+    # In contact.closed: round-off of the gap's slope, relative to the terms of the slope. A
     # negative slope within this round-off counts as zero.
     slope_rounding: float = 16 * EPS
 

@@ -86,10 +86,10 @@ class AdhesiveZone(SymmetricZone):
         return self.zone._approach()
 
     def _approach_rate(self, load: float, at_load: float) -> float:
-        """Derivative of the approach by the curve's parameter, from the derivative of the load.
+        """Derivative of the approach by the parameter: `punch_compliance` * `load` + `at_load`.
 
-        It is punch compliance times `load`, the derivative of the load, plus `at_load`, the
-        derivative of the approach at constant load. The result is nan without a datum.
+        load: derivative of the load. at_load: derivative of the approach at constant load. The
+        result is nan without a datum.
         """
         return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
 

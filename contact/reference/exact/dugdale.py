@@ -138,7 +138,7 @@ class DugdaleZone(_DugdaleState):
         return self._sine_unit * atan2(self.root, float(cosine(self.cohesive_end, self.period)))
 
     def opening_rate(self, e: Array, f: Array) -> Array:
-        """Slope of the gap that the tension s adds, divided by 4s/(pi E*), at x = a + e.
+        """Slope, at x = a + e, of the gap that the tension s adds; divided by 4s/(pi E*).
 
         It is artanh(X), or artanh(1/X) if X > 1. X is sqrt((x^2 - a^2)/(c^2 - a^2)) for an isolated
         zone, with the zone's end a, the end c of the tension and the point x. The arguments are the
@@ -382,7 +382,7 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
 
     def _carrying(self, load: float, parameter: float) -> _DugdaleState:
         # If the cohesive intervals are wide, the gap at the end c hardly depends on the half width
-        # a, so that a is inaccurate. One Newton step corrects the load.
+        # a. So a is inaccurate. One Newton step in a corrects the load.
         found = self.at(parameter)
         if not isinstance(found, DugdaleZone):
             return found

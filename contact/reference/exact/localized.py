@@ -195,7 +195,7 @@ class LocalizedZone(SymmetricZone):
         return _load(self.isolated, self.period, self.closure)
 
     def load_rate(self, s: Array) -> Array:
-        """Derivative of the load by the half width a, at a = s, for a fixed nominal load."""
+        """Derivative dP/ds of the load P by the half width s, at a fixed nominal load."""
         s = np.asarray(s)
         z = 2.0 * s / self.period
         # The half width s may be rounded to L/2. There the rate is infinite, but its integral is

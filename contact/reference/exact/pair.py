@@ -194,7 +194,7 @@ def _values(
     nearest = min(1.0 + middle, limit - middle) / half
     rate = float(np.arccosh(max(nearest, 1.0)))
     n = most if rate * most < 38.0 else max(least, ceil(38.0 / rate))
-    # The sum begins with middle - half, which is small and must be exact if the zones nearly merge.
+    # `middle - half` is computed first: it is small if the zones nearly merge, and must be exact.
     y = (middle - half) + 2.0 * half * np.cos(0.5 * pi * (np.arange(n) + 0.5) / n) ** 2
     return ratio(y, middle, half)
 
@@ -239,7 +239,8 @@ def pair_at_load(
 
     def log_excess(log_half: float) -> float:
         pair = at(exp(log_half))
-        # Zones that have merged carry more load than any pair of zones.
+        # Without a pair of zones, the zones have merged. Merged zones carry more load than any
+        # pair.
         return inf if pair is None else log(pair.load / load)
 
     low = log(limit if np.isfinite(limit) else 1.0) - 1.0

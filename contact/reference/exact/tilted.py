@@ -349,10 +349,9 @@ class TiltedWedge(TiltedZone):
         return self.E_star * self.wedge_slope / pi * arcosh1p(np.abs(excess))
 
     def _gap(self, e: Array, side: int) -> Array:
-        # The slope of the gap is (4 slope/pi) arctan((1 - rho)/((1 + rho) tan(phi/2))). Here
-        # rho = z - sqrt(z^2 - 1) with z = 1 + s. All distances are divided by the half width: s is
-        # the distance from the end of the zone, and 1 - cos phi is the distance of the tip from
-        # this end.
+        # The slope of the gap is (4 slope/pi) arctan((s + root)/((2 + s + root) tan(phi/2))). Here
+        # s is the distance from the end of the zone, and 1 - cos phi is the distance of the tip
+        # from this end. Both are divided by the half width.
         tangent = tan(0.25 * pi + 0.5 * side * self._alpha)
 
         def gap_slope(s: Array, _: Array) -> Array:

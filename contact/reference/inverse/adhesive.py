@@ -122,7 +122,7 @@ class AdhesiveDesign(GivenZones):
 
     @property
     def intensity(self) -> float:
-        """Intensity sqrt(E* w/pi) of the pressure at every end, w = `work` [Pa m^(1/2)]."""
+        """Intensity sqrt(E* w/pi) [Pa m^(1/2)] of the pressure at every end, with w = `work`."""
         return sqrt(self.E_star * self.work / pi)
 
     def _side(self, i: int) -> float:

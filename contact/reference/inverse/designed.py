@@ -246,7 +246,7 @@ class GivenZones(ExactContact):
         return self.approach - (self.height(x) - self._least_height) + self.gap(x)
 
     def _greatest(self, margin: float, samples: int) -> float:
-        """Greatest pressure [Pa] of all zones, at positions cos(phi) in the zones.
+        """Greatest pressure [Pa] of all zones, searched over positions cos(phi) in each zone.
 
         The position is normalised to [-1, 1]. The angle phi goes from `margin` to pi - `margin`.
         """
