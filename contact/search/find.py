@@ -147,7 +147,7 @@ def _tilt_and_load_unknown(context: SolveContext) -> bool:
 
 
 def _loads_may_help(context: SolveContext, refusal: OutOfRange | NotConverged) -> bool:
-    """Whether solutions under trial loads are tried if the grid finds no contact at the approach.
+    """Whether trial loads are used if the grid finds no contact at the given approach.
 
     On a lone body, the lowest point of a coarse grid may lie above the profile's lowest point by
     more than the approach. On a period the grid does find the lowest point, but may miss narrow

@@ -225,7 +225,7 @@ def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> 
 
 @record
 class Request:
-    """Arguments of `propose`: load or level (displacement plus height), and fineness of the grids.
+    """Arguments of `propose`: load or level (displacement plus height), sizes of the grids.
 
     resolution: the smallest length of the shape. points: number of points of the last grid; None:
     as many as the resolution asks for, then doubled up to `max_points` while a zone or a gap is not

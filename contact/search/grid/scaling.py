@@ -220,7 +220,7 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
 
 
 def _window_of_shape(profile: Profile) -> Window | None:
-    """An interval about the lowest place of a shape that is flat far away; None for other shapes.
+    """An interval about the lowest place of a shape that is flat far away; None for others.
 
     Such a shape states no resolution, and the points of a wide window may miss its lowest place.
     The window extends to where the shape has risen by half.
