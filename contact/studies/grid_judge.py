@@ -182,8 +182,8 @@ def fault(scene: contact.Scene, solution: contact.Solution, cells: int = 4) -> s
             f"contact {np.mean(pressed):.4f} against {found.fraction:.4f}"
         )
     if scene.period is not None and solution.approach is not None:
-        # The approach is measured from first touch at the highest summit, which may lie between the
-        # cells of the grid.
+        # The approach is measured from first touch at the highest summit. This summit may lie
+        # between the middles of the grid's cells.
         fine = scene.profile.x0 + scene.period * np.linspace(0.0, 1.0, 2**18, endpoint=False)
         heights = np.asarray(scene.profile.height(fine))
         level = found.level - float(heights.min())

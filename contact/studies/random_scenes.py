@@ -360,7 +360,7 @@ def main(
     draw: Callable[[int], Drawn | contact.ContactError] = draw,
     description: str | None = __doc__,
 ) -> int:
-    """Judge the scenes of some seeds and print the outcomes; return 3 if a scene is a fault."""
+    """Judge the scenes of some seeds and print the outcomes; return 3 if there is a fault."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("first", type=int)
     parser.add_argument("count", type=int)

@@ -206,7 +206,7 @@ def draw_curve(
 def draw_surfaces(
     axes: Any, title: str, places: Array, surface: Array, body: Array, zones: Array
 ) -> None:
-    """Draw the profile and the deformed surface [m], and mark the zones [m] on it."""
+    """Draw the profile and the deformed surface [m], and mark the zones [m] on the surface."""
     along, letter = prefix(float(np.abs(places).max()))
     heights = np.concatenate((surface, body))
     up, letter_up = prefix(float(np.abs(heights[np.isfinite(heights)]).max(initial=0.0)))

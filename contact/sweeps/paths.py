@@ -342,7 +342,8 @@ class _Condition:
         return self.of(self.formal(load))
 
     def of(self, fields: Any) -> float:
-        """Value of the condition for `fields`, the pressure and gap for the fixed number of zones.
+        """Value of the condition. `fields` are pressure and gap, computed with a fixed number of
+        zones.
 
         It is the least gap around a zone to be born, or the least pressure between two zones that
         have merged.

@@ -203,7 +203,8 @@ class Law(Named, sie.Kept):
         return -pi / E_star * self.intensity(E_star) ** 2 * width
 
     def refuses(self, scene: Any) -> str | None:
-        """Reason why the law cannot be used with a scene, as the end of a sentence; None if it can.
+        """Reason why the law cannot be used with a scene, as the end of a sentence; None without
+        one.
 
         The scene (`contact.Scene`) has a control that the law allows.
         """

@@ -393,8 +393,8 @@ def _pitch_behind_rounding(x: Array) -> float | None:
         place = 10.0**power
         off = np.abs(x / place - np.rint(x / place))
         if np.max(off) <= 1e-6:
-            # Rounded positions are wrong by at most half a decimal place. The second term allows
-            # for the error of the fitted line.
+            # Rounded positions are wrong by at most half a decimal place. The term 1 / sqrt(n)
+            # allows for the error of the fitted line.
             allowed = place * (0.5 + 1 / np.sqrt(n))
             return slope if float(np.max(np.abs(x - fitted))) <= allowed else None
     return None

@@ -113,7 +113,7 @@ def _not_sent_back(future: Future[Rows]) -> str:
 
 
 def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
-    """The scene as bytes, and the reason why other processes cannot use it (or "")."""
+    """The scene as bytes, and the reason why other processes cannot use it, or "" if they can."""
     script = getattr(sys.modules["__main__"], "__file__", None)
     if script is not None and not os.path.exists(script):
         return b"", f"import the script first, and {script} is no file"

@@ -84,8 +84,8 @@ def _under_tension(
     here, by_load = curve.at_load(load), _condition(curve, load, part)
     # `narrow` is a condition number with two factors. An end is rounded relative to the half width
     # a, but the pressure varies over the narrow interval (a, c) of tension: the first factor is
-    # a/(c - a). The end c depends on the rounded work / stress: the second factor is its condition
-    # number.
+    # a/(c - a). The end c depends on the rounded work / stress: the second factor is the condition
+    # number with respect to the work.
     narrow = (
         here.half_width
         / (here.cohesive_end - here.half_width)
