@@ -20,8 +20,9 @@ ADDRESS = "127.0.0.1"
 
 
 def explore(scene: Scene | str | PathLike[str] | None = None, tol: float = 1e-8) -> Any:
-    """A page with sliders for a scene; it shows surfaces, zones, pressure, load curve and stated
-    error.
+    """A page with sliders for a scene.
+
+    It shows surfaces, zones, pressure, load curve and stated error.
 
     A notebook displays the returned object; elsewhere its `show()` opens a browser, and `contact
     explore SCENE` serves the same page. It needs the extra `explore`.
@@ -67,8 +68,9 @@ def serve(
     ready: Callable[[str], None],
     show: bool,
 ) -> None:
-    """Serve the page to this machine only, until it is interrupted. Each browser tab has its own
-    scene.
+    """Serve the page to this machine only, until an interrupt.
+
+    Each browser tab has its own scene.
 
     port: None for a free one; ready: called with the page's address once it answers; show: whether
     a browser is opened.

@@ -163,8 +163,9 @@ def message(error: Exception) -> str:
 
 
 def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[str, str]]:
-    """The point of a solution on the load curve: abscissa, ordinate, and a pair (name, unit) for
-    each of the two.
+    """The point of a solution on the load curve: abscissa, ordinate, and their names and units.
+
+    Names and units are two pairs (name, unit).
 
     The abscissa is the approach, or the width in contact if there is no approach. The ordinate is
     the mean pressure, or the load without a period.
@@ -182,9 +183,9 @@ def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[
 def load_curve(
     scene: Scene, control: Handle, tol: float, branch: str, points: int = 33
 ) -> Iterator[Solution]:
-    """Solutions at increasing values of the control. Values without a solution are left out.
+    """Solutions at increasing values of the control.
 
-    points: number of values.
+    points: number of values. Values without a solution are left out.
     """
     name = scene.control[0]
     spaced = np.geomspace if control.log else np.linspace
@@ -207,8 +208,9 @@ def load_curve(
 
 
 def same_curve(one: Scene, other: Scene) -> bool:
-    """Whether two scenes differ only in the value of their control, so that they have the same
-    load curve.
+    """Whether two scenes differ only in the value of their control.
+
+    Then they have the same load curve.
     """
     name, value = other.control
     return one.control[0] == name and one.under(name, value) == other

@@ -45,8 +45,9 @@ SLIDERS = HandleOptions()
 
 @dataclass(frozen=True)
 class Handle:
-    """A slider for one number of a scene, with its range; `at(scene, value)` is the scene with
-    another value.
+    """A slider for one number of a scene, with its range.
+
+    at: function that returns a given scene with another value of the number.
 
     log: whether the slider is logarithmic. whole: whether values are integers, with 0 for "as it
     is".
@@ -63,8 +64,9 @@ class Handle:
 
 
 def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...]:
-    """The sliders of a scene, its control first, in the order in which their values must be
-    applied.
+    """The sliders of a scene, in the order in which their values must be applied.
+
+    The slider of the control comes first.
 
     solution: the scene's solution if it is known; its pull-off sets the range of the control.
     """
@@ -108,8 +110,9 @@ def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) 
 
 
 def _between(key: str, value: float, low: float, high: float, log: bool = False) -> Handle:
-    """A slider from low to high for the number of the scene that this key names (see
-    `contact.sweeps.sweep.keys`).
+    """A slider from `low` to `high` for the number of a scene that `key` names.
+
+    For keys, see `contact.sweeps.sweep.keys`.
     """
     name = key.rpartition(".")[2]
     return Handle(
@@ -171,8 +174,9 @@ def _allowed(scene: Scene, handle: Handle) -> Handle:
 
 
 def _stands(profile: Profile) -> list[Handle]:
-    """Sliders for the position of a body relative to another one. The ranges reach half the body's
-    length to each side of the present position.
+    """Sliders for the position of a body relative to another one.
+
+    The ranges reach half the body's length to each side of the present position.
     """
     found = []
     for place, table in profile.tables().items():
@@ -191,9 +195,7 @@ def _stands(profile: Profile) -> list[Handle]:
 
 
 def _shape(scene: Scene, place: str) -> list[Handle]:
-    """Sliders for the positive parameters of a body's profile, and for its amplitude and its
-    length.
-    """
+    """Sliders for the positive parameters of a body's profile, its amplitude and its length."""
     profile = scene.profile.bodies[place]
     given = {name: value for name, value in profile.parameters().items() if value is not None}
     lists = [name for name, value in given.items() if np.ndim(value) == 1 and np.size(value)]

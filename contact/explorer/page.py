@@ -60,8 +60,9 @@ return (value / Math.pow(10, power)).toPrecision(4) + ' ' + letter + unit;
 
 
 class Explorer:
-    """A scene and the page that shows it. `layout` is the object that Panel serves and notebooks
-    display.
+    """A scene and the page that shows it.
+
+    layout: the object that Panel serves and that notebooks display.
     """
 
     def __init__(
@@ -125,8 +126,9 @@ class Explorer:
     # The next methods set the scene and its sliders.
 
     def _begin(self, scene: Scene, tables: Mapping[str, Any] | None) -> None:
-        """Show a new scene with its sliders and first frame. `tables` are the tables of the
-        scene's file.
+        """Show a new scene with its sliders and first frame.
+
+        tables: the tables of the scene's file.
         """
         self.base, self.tables = scene, tables or {}
         self.moved, self.known, self.frame = {}, handles(scene), None
@@ -298,8 +300,9 @@ class Explorer:
         }
 
     def _write(self, scene: Scene) -> None:
-        """Show the text of the scene file. It names the file of a trace if the trace is unchanged,
-        and otherwise lists the points of the trace.
+        """Show the text of the scene file.
+
+        An unchanged trace is given by the name of its file, a changed trace by its points.
         """
         try:
             read = self.base.profile.bodies
@@ -337,8 +340,9 @@ class Explorer:
             self._soon(lambda: self._step(walk))
 
     def _step(self, walk: Iterator[Solution]) -> None:
-        """Add one point to the load curve; do nothing if the curve is outdated, and wait if a
-        frame is due.
+        """Add the next solution of `walk` to the load curve.
+
+        An outdated curve gets no point. If a frame is due, the point waits.
         """
         if walk is not self._walk:
             return

@@ -83,7 +83,7 @@ def _shape_moment_of_period(fields: FullFields) -> float:
 def _integral(
     function: Callable[[Array], Array], cuts: Array, smooth: bool, max_nodes: int = 2**17
 ) -> float:
-    """Integral from the first to the last cut; the number of nodes is doubled until it converges.
+    """Integral from the first to the last cut; the number of nodes doubles until convergence.
 
     smooth: the function is smooth and periodic, so that evenly spaced nodes are best.
     """

@@ -28,7 +28,7 @@ from sie import Array, record
 
 
 class FullLimit(sie.Kept):
-    """Onset of full contact: `pressure` is the mean pressure [Pa] there, inf if there is no onset.
+    """Onset of full contact: `pressure` is its mean pressure [Pa], inf if there is no onset.
 
     approached: whether contact under growing loads tends to full contact; it does over concave
     kinks, but not between sharp corners. is_known: whether the model gives the pressure of full
