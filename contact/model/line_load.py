@@ -49,8 +49,8 @@ _HALVINGS = int(np.log2(WAVES.max() / WAVES.min()))
 
 @record
 class SmoothPart:
-    """The smooth part m of a line load's kernel, with its first and second primitives M and N, as
-    functions of the distance r [m].
+    """The smooth part m of a line load's kernel, with its first and second primitives M and N,
+    as functions of the distance r [m].
 
     first: end of the first panel [m]; the next ones double in width. m, M, N: Chebyshev
     coefficients (panels, terms), with lengths in units of `first`. limit: r m beyond the last

@@ -142,8 +142,8 @@ def parameters(part: Any) -> dict[str, Any]:
 
 
 def anew(kind: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
-    """A new object of the class `kind` with these arguments; SceneError if the class does not take
-    them.
+    """A new object of the class `kind` with these arguments; SceneError if the class does not
+    take them.
     """
     name = getattr(kind, "__name__", str(kind))
     call = f"{name}({', '.join(f'{key}=...' for key in arguments)})"
@@ -344,8 +344,8 @@ def register_control(name: str) -> Callable[[C], C]:
 def from_table(
     registry: Registry, name: str, params: Mapping[str, Any], key: str | None = None
 ) -> Any:
-    """An object of the class registered under this name, with these parameters. `key` is the key of
-    the scene file that gives the name.
+    """An object of the class registered under this name, with these parameters. `key` is the key
+    of the scene file that gives the name.
     """
     return construct(registry.find(name, key), f"{registry.kind} {name!r}", params)
 

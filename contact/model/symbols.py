@@ -74,8 +74,8 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
 
 
 def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
-    """L_n - 1 up to the last value that is not zero, with L_n the symbol at the harmonic n = 1, 2,
-    ... of the period.
+    """L_n - 1 up to the last value that is not zero, with L_n the symbol at the harmonic n = 1,
+    2, ... of the period.
 
     Raises SceneError if the symbol is not that of a body.
     """

@@ -33,8 +33,8 @@ _COLUMNS = {
 
 
 def require_declared(profile: Profile) -> None:
-    """Raise a SceneError that names the first attribute or method of the profile that has a wrong
-    form.
+    """Raise a SceneError that names the first attribute or method of the profile that has a
+    wrong form.
     """
     require_declarations(profile)
     x = _places(profile)
@@ -59,7 +59,7 @@ def _require_tables(profile: Profile) -> None:
 
 
 def _require_heights(profile: Profile, x: Array) -> None:
-    """Raise SceneError if heights are not numbers, or so large that their squares would overflow.
+    """Raise SceneError if heights are not numbers, or if their squares would overflow.
 
     x: positions of the heights if the profile has no ends.
     """

@@ -284,8 +284,8 @@ def require_law(law: Law, E_star: float) -> None:
 
 
 def held_by(control: Control, scene: Any) -> Held | None:
-    """The quantity that the solver prescribes under a control; None if the solver must search for
-    it.
+    """The quantity that the solver prescribes under a control; None if the solver must search
+    for it.
 
     Raises SceneError where the control has neither `held` nor `of`.
     """

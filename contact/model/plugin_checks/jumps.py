@@ -271,8 +271,8 @@ def room_around(places: Array, others: Array, width: float, periodic: bool) -> A
 def _against_declared(
     profile: Profile, places: Array, seen: JumpEstimates, scale: float, width: float
 ) -> Iterator[str]:
-    """Messages about wrong jumps of f'' and f''' at these places; `corners.kinks` checks the jumps
-    of f'.
+    """Messages about wrong jumps of f'' and f''' at these places; `corners.kinks` checks the
+    jumps of f'.
     """
     for order in (2, 3):
         listed = profile.jumps[profile.jumps[:, 1] == order]
@@ -334,8 +334,8 @@ def window_of(profile: Profile) -> tuple[float, float]:
 
 
 def _half_window(profile: Profile) -> float:
-    """Half width [m] of an interval about 0 in which a shape is smooth and finite; 1 m if none is
-    found.
+    """Half width [m] of an interval about 0 in which a shape is smooth and finite; 1 m if none
+    is found.
     """
     half = 1.0
     for _ in range(_HALVINGS):

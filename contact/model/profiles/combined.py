@@ -28,7 +28,8 @@ STANDS = ("shift", "mirrored")
 
 @dataclass(frozen=True)
 class Combined(Profile):
-    """Two bodies that face each other, as one profile: f(x) = profile.f(x) + counter.f(x - shift).
+    """Two bodies that face each other, as one profile. It is f(x) = profile.f(x) + counter.f(x -
+    shift).
 
     The period is that after which both repeat; if only one has a period, there is none.
 
@@ -154,7 +155,7 @@ class Combined(Profile):
     # The properties and methods below are sums over the two bodies.
 
     def _both(self, function: Callable[[Profile, Array], Any], x: ArrayLike) -> Iterator[Any]:
-        """Values of a function for each of the two bodies, at the place of that body that faces x."""
+        """Values of a function for each body, at the place of that body that faces x."""
         return (function(self.bodies[place], at) for place, at in self.facing(x).items())
 
     def height(self, x: ArrayLike) -> Array:
@@ -209,7 +210,7 @@ class Combined(Profile):
 
     @property
     def summits(self) -> Array | None:
-        """The common tip if each body has one tip and both tips are at one place; None otherwise."""
+        """The common tip if both bodies have one tip and the tips are at one place; else None."""
         one, other = self.profile.summits, self.counter.summits
         unknown = one is None or other is None or len(one) != 1 or len(other) != 1
         if unknown or self.support is not None or self.profile.period != self.counter.period:

@@ -196,8 +196,8 @@ def complex_value(function: Function, z: NDArray[Any]) -> NDArray[Any] | None:
 
 @record
 class Verdicts:
-    """For each place, whether the height contradicts a slope, and whether the height confirms the
-    slope.
+    """For each place, whether the height contradicts a slope, and whether the height confirms
+    the slope.
 
     discrepancy: difference over the rise, on the interval that shows a contradiction best.
     claimed, seen: the mean slope on this interval, from the slope and from the height.
@@ -213,8 +213,8 @@ class Verdicts:
 def verdicts(
     height: Function, slope: Function, x: Array, scale: Array, options: VerdictOptions = VERDICTS
 ) -> Verdicts:
-    """Compare differences of the height with integrals of the slope on intervals about the places
-    x.
+    """Compare differences of the height with integrals of the slope on intervals about the
+    places x.
 
     An interval counts only if a polynomial through its nodes resolves the height and the slope, and
     if round-off leaves digits of the heights.
@@ -246,8 +246,8 @@ def verdicts(
 def _compared(
     heights: Array, slopes: Array, h: Array, x: Array, options: VerdictOptions
 ) -> tuple[Array, NDArray[np.bool_], Array]:
-    """Compare heights with integrals of slopes on intervals of half width h about x, one interval
-    in each row.
+    """Compare heights with integrals of slopes on intervals of half width h about x, one
+    interval in each row.
 
     Returns three arrays: the discrepancy relative to the rise if it is a contradiction, else 0;
     whether heights and slopes agree; and the integral of the slope at the nodes.

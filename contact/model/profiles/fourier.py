@@ -18,8 +18,8 @@ from sie import Complex, record
 @register_profile("fourier")
 @dataclass(frozen=True, eq=False, repr=False)
 class Fourier(Profile):
-    """A sum of harmonics 1, 2, ... of the period, from lists of cosine and sine amplitudes. Zeros
-    are appended to the shorter list.
+    """A sum of harmonics 1, 2, ... of the period, from lists of cosine and sine amplitudes.
+    Zeros are appended to the shorter list.
 
     f(x) = sum_k cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2 pi k x/L).
 

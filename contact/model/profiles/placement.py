@@ -36,8 +36,8 @@ _LIMITS = CombinedLimits()
 
 @record
 class PlacedBody:
-    """A body whose x = 0 is at `shift` in the common coordinate. If the body is mirrored, its own
-    x increases to the left.
+    """A body whose x = 0 is at `shift` in the common coordinate. If the body is mirrored, its
+    own x increases to the left.
     """
 
     body: Profile

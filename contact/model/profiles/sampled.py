@@ -165,8 +165,8 @@ def read_trace(
 @register_profile("sampled")
 @dataclass(frozen=True, init=False, repr=False, eq=False)
 class Sampled(Profile):
-    """Measured points: positions x in ascending order, and heights, positive upwards. If a period
-    is given, the points are those of one period.
+    """Measured points: positions x in ascending order, and heights, positive upwards. If a
+    period is given, the points are those of one period.
 
     A last point one period after the first is dropped if it repeats the first height. Without a
     period the profile is known between its first and last point only (`extent`): outside it is nan.

@@ -14,7 +14,8 @@ from contact.model.registry import register_profile
 @register_profile("sinusoid")
 @dataclass(frozen=True)
 class Sinusoid(Profile):
-    """f = amplitude (1 - cos(2 pi x/period)). The amplitude is half the height from valley to peak.
+    """f = amplitude (1 - cos(2 pi x/period)). The amplitude is half the height from valley to
+    peak.
 
     In full contact above the mean pressure pi E* amplitude / period (H. M. Westergaard, J. Appl.
     Mech. 6, 1939, A49, doi 10.1115/1.4008919).

@@ -71,8 +71,8 @@ def missing_number(missing: Any) -> float:
 
 
 def without_phrases(rows: list[Row], missing: Any) -> list[Row]:
-    """Rows in which phrases such as "no data" are replaced by nan. The blank in such a phrase could
-    be taken for a delimiter of columns.
+    """Rows in which phrases such as "no data" are replaced by nan. The blank in such a phrase
+    could be taken for a delimiter of columns.
     """
     given = missing.split() if isinstance(missing, str) else []
     phrases = [r"no\s+data"] + [r"\s+".join(map(re.escape, given))] * (len(given) > 1)
@@ -90,8 +90,8 @@ def is_comment(text: str) -> bool:
 def filled(
     path: str | Path, x: Array, height: Array, lines: NDArray[np.int64], fill: str | None
 ) -> tuple[Array, Array, NDArray[np.int64], str]:
-    """Positions, heights and line numbers, with missing heights filled or dropped, and a note that
-    says so.
+    """Positions, heights and line numbers, with missing heights filled or dropped, and a note
+    that says so.
     """
     lost = ~np.isfinite(height)
     if not lost.any():

@@ -98,7 +98,8 @@ def read_table(
     wanted: int = 2,
     missing: Any = None,
 ) -> Table:
-    """Read the wanted columns of a file: 2 columns for positions and heights, 1 for heights alone.
+    """Read the wanted columns of a file: 2 columns for positions and heights, 1 for heights
+    alone.
 
     The data begin with the first two successive rows whose columns are numbers, and reach to the
     end of the file; empty lines and comments (#) are skipped. columns: indices from 0, or names of

@@ -33,8 +33,8 @@ def refuse_cut_offs(lambda_s: Any, lambda_c: Any) -> None:
 
 
 def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
-    """Low-pass filtered heights at evenly spaced positions; `name` is the cut-off's name in error
-    messages.
+    """Low-pass filtered heights at evenly spaced positions; `name` is the cut-off's name in
+    error messages.
     """
     length = float(x[-1] - x[0])
     pitch = length / (x.size - 1)

@@ -52,8 +52,8 @@ _NOT_IN_REMARKS = ("pm", "dm", "km", "in")
 
 
 def folded(word: str) -> str:
-    """A word without accents and without a final dot, with variants of a letter (µ, ㎛) replaced by
-    one form.
+    """A word without accents and without a final dot, with variants of a letter (µ, ㎛) replaced
+    by one form.
     """
     letters = unicodedata.normalize("NFKD", word.strip())
     return "".join(c for c in letters if not unicodedata.combining(c)).removesuffix(".")
@@ -65,8 +65,8 @@ _LENGTHS = tuple(next(iter(names.split())) for scale, names in _TABLE if not isn
 
 
 def scale_of(word: str) -> float | None:
-    """The length of a unit [m]; NaN for a unit that is no length, None for a word that is no known
-    unit.
+    """The length of a unit [m]; NaN for a unit that is no length, None for a word that is no
+    known unit.
     """
     exact = folded(word)
     lower = exact.lower()
@@ -190,8 +190,8 @@ def _word_behind_name(field: str) -> str:
 
 
 def units_row(cells: Sequence[str], above: Sequence[str]) -> tuple[Unit | None, ...] | None:
-    """The units in a row that contains units only; None for other rows. `above` is the row before
-    this row.
+    """The units in a row that contains units only; None for other rows. `above` is the row
+    before this row.
     """
     words = [_BRACKETS.sub(r"\1", cell).strip(' "') for cell in cells]
     units = tuple(Unit(word, scale_of(word)) if word else None for word in words)

@@ -115,8 +115,8 @@ def unquoted(line: str, delimiter: str | None) -> list[str]:
 
 
 def _is_decimals(line: str) -> bool:
-    """Whether every number of a row has decimals, so that decimal commas and separating commas can
-    be told apart.
+    """Whether every number of a row has decimals, so that decimal commas and separating commas
+    can be told apart.
     """
     return (
         re.fullmatch(
