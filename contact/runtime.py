@@ -19,7 +19,7 @@ from contact.extras import require
 class _Mallopt(IntEnum):
     """Parameters of the C function mallopt, numbered as in <malloc.h>."""
 
-    # The heap may have this number of free bytes at its top; further ones are returned to the
+    # Number of free bytes that the top of the heap may keep. More free bytes are returned to the
     # system.
     TRIM_THRESHOLD = -1
     MMAP_MAX = -4  # largest number of blocks that are mapped one by one

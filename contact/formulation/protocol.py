@@ -119,7 +119,7 @@ class Fields(Protocol):
         The elastic energy contains this integral.
         """
 
-    # The next members concern the rotation of the body. They are None if the scene is periodic.
+    # The next members concern the rotation of the body. They are None in `GapFields` and `NoZones`.
 
     @property
     def tilt(self) -> float | None:

@@ -150,7 +150,7 @@ def _at_widths(
 def _draw_errors(
     axes: Any, columns: dict[str, Array], names: Mapping[str, float | None], up: str, most: float
 ) -> None:
-    """Draw the errors of the models relative to the exact model [%] against the first column.
+    """Draw the models' errors [%], relative to the exact model, against the first column.
 
     names: the quantities, each with a line width, or None for the line width of the model; up:
     label of the ordinate; most: limit of the ordinate.
@@ -198,7 +198,7 @@ def figure_7() -> Figure:
 
 
 def figure_8() -> Figure:
-    """Figure 8: mean and largest pressure on a wave over the contact width, and their errors."""
+    """Figure 8: mean and largest pressure on a wave against the contact width, with errors."""
     numbers = {"mean/p*": lambda s: s.load / _P_STAR, "max/p*": lambda s: s.max_pressure / _P_STAR}
     columns = {"2a/L": _FRACTIONS, **_at_widths(_SCENES.wave, 0.5 * _FRACTIONS, numbers)}
     first = columns[f"mean/p* {FIRST}"]
@@ -274,7 +274,7 @@ def figure_9() -> Figure:
 
 
 def figure_10() -> Figure:
-    """Figure 10: contact width of a wedge over the mean pressure."""
+    """Figure 10: contact width of a wedge against the mean pressure."""
     mean = "mean/(E* tan b)"
     columns = {
         "2a/L": _FRACTIONS,
@@ -344,7 +344,7 @@ def figure_11() -> Figure:
 
 
 def figure_12() -> Figure:
-    """Figure 12: contact half-width of a parabola over the load."""
+    """Figure 12: contact half-width of a parabola against the load."""
     load = "P R/(L^2 E*)"
     columns = {"a/L": _SHARES, **_at_widths(_SCENES.parabola, _SHARES, {load: lambda s: s.load})}
     closed = [localized_parabola(1.0, 1.0, 1.0, a) for a in _SHARES]
