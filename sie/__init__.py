@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from sie.equation.equation import CountError, Equation
     from sie.equation.forcing import Forcing, Jumps, Resolution
     from sie.jumps.poles import AlgebraicPoints
+    from sie.results.derivative import Derivative
+    from sie.results.moved_density import MovedDensity
     from sie.results.report import Report
     from sie.slits.density import SlitDensity
     from sie.slits.system import AnyDensity, AnyState, solve_zones
@@ -50,6 +52,7 @@ __all__ = [
     "Condition",
     "CountError",
     "Density",
+    "Derivative",
     "End",
     "EndRates",
     "EqualPotential",
@@ -63,6 +66,7 @@ __all__ = [
     "Kernel",
     "Level",
     "Mask",
+    "MovedDensity",
     "NewtonOptions",
     "NotConverged",
     "PiecewiseTransform",
@@ -120,6 +124,8 @@ _HOMES = {
     "sie.ends.options": "NewtonOptions WarmStart",
     "sie.ends.sources": "Answers answers",
     "sie.jumps.poles": "AlgebraicPoints",
+    "sie.results.derivative": "Derivative",
+    "sie.results.moved_density": "MovedDensity",
     "sie.results.report": "Report",
     "sie.slits.density": "SlitDensity",
     "sie.slits.system": "AnyDensity AnyState solve_zones",

@@ -2,7 +2,7 @@
 
 import copy
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -12,13 +12,16 @@ from numpy.typing import ArrayLike
 from sie import reasons
 from sie.basis import inputs
 from sie.basis.data import EPS, Array
+from sie.basis.kernels import Regular, Smooth
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.ends.newton import Free, find_ends
 from sie.ends.options import NewtonOptions, WarmStart
 from sie.equation.equation import Equation
+from sie.equation.forcing import Forcing, Function
 from sie.results import figure, pickling
 from sie.results.capacity import capacity_of
+from sie.results.derivative import Change, Derivative, Linearized, without_slits
 from sie.results.report import Report
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 from sie.states.solve import SingularSystem
@@ -161,6 +164,65 @@ class Solution:
         0.5
         """
         return capacity_of(self.state, self.error)
+
+    def derivative(
+        self,
+        dg: Forcing | Function | None = None,
+        *,
+        values: Sequence[ArrayLike] | ArrayLike | None = None,
+        dkernel: Smooth | Regular | None = None,
+        dends: ArrayLike | None = None,
+        dintensities: ArrayLike | None = None,
+    ) -> Derivative:
+        """Derivative of the solution by a parameter, from the derivatives of the problem's data.
+
+        It is the exact derivative of the discrete problem, with the factors at hand: a solve for
+        each of one or a few right sides. With an iteration it takes as many iterations.
+
+        Parameters
+        ----------
+        dg : Forcing, callable or None
+            Derivative of the right side by the parameter; a `Forcing` if potentials (primitive) or
+            jumps need it. None: no change, as for the following parameters.
+        values : sequence or None
+            Derivatives of the values of the conditions, one for each (a number, or an array of its
+            rows), those on the ends last.
+        dkernel : Smooth, callable or None
+            Derivative of the kernel, a smooth function of (x, xi).
+        dends : array_like (n, 2) or None
+            Derivatives of the positions of the fixed ends; zero for free ends.
+        dintensities : array_like (2, n) or None
+            Derivatives of the prescribed intensities; zero for singular ends.
+
+        Returns
+        -------
+        Derivative
+            `density` at fixed x, `ends`, `intensities`, `amplitudes` and `value`.
+
+        Raises
+        ------
+        ValueError
+            For wrong input, for functions that are not resolved, and for gaps between free ends
+            that are too narrow for a solution without slits.
+        SingularSystem
+            If the ends or the open value are not determined, as at a turning point of the load.
+
+        Examples
+        --------
+        Griffith's crack [-a, a] under a unit traction has |K| = sqrt(a / 2), so that d|K|/da is
+        1 / sqrt(8 a).
+
+        >>> import numpy as np, sie
+        >>> crack = sie.Equation(sie.cauchy(), np.ones_like, sie.Total(0.0))
+        >>> found = sie.solve(crack, sie.Zones.of([[-2.0, 2.0]], sie.SINGULAR, sie.SINGULAR))
+        >>> longer = found.derivative(dends=[[-1.0, 1.0]])
+        >>> np.abs(longer.intensities).round(12).tolist()
+        [[0.25], [0.25]]
+        """
+        state = without_slits(self.state, self.value)
+        change = Change.of(state, dg, values, dkernel, dends, dintensities)
+        with np.errstate(all="ignore"):
+            return Linearized(state, change).derivative()
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the density over the zones, with matplotlib.

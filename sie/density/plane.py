@@ -74,7 +74,7 @@ class Plane:
         x, y = z.real, np.abs(z.imag)
         place = self.density.into_period(x)
         out = self.poles(place, y, what)
-        regular = self._regular(complex_of(place, y), what)
+        regular = self.regular(complex_of(place, y), what)
         out = out if regular is None else out + regular
         if what == "potential":
             turns = np.full(len(x), float(sum(shift > 0 for shift in self.density.kernel.poles)))
@@ -194,7 +194,7 @@ class Plane:
         return self.density.jumps.t_coefficients(self.density.zones, int(JUMPS.far_terms[0]))
 
     # The methods below give the part of the fields that the kernel's regular part causes.
-    def _regular(self, z: Complex, what: What) -> Complex | None:
+    def regular(self, z: Complex, what: What) -> Complex | None:
         """Field at z that the kernel's regular part causes; None if there is no such part."""
         kernel = self.density.kernel
         if kernel.regular is None:

@@ -29,6 +29,7 @@ inverts the effect of a motion on its own zone. So the number of steps does not 
 of zones.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -37,9 +38,11 @@ from scipy.linalg import norm
 
 from sie.basis.data import SUM_ROUNDING, Array, record
 from sie.basis.weight import needs_half
+from sie.basis.zones import Zones
 from sie.dense.lu import Factored
 from sie.dense.modes import OPTIONS as MODES
-from sie.dense.system import condition_rows
+from sie.dense.system import System, condition_rows
+from sie.equation.conditions import Linear, Rows
 from sie.fast.iteration import OPTIONS as ITERATION
 from sie.fast.iteration import Iterative
 from sie.fast.system import Applied, IterativeSystem
@@ -55,12 +58,14 @@ class Moved:
 
     coefficients: those that act on other zones like the singular densities (unknowns, ...);
     own_level: change of the level of the same zone (Z, ...); own: change of the intensities at both
-    ends of the same zone (2, Z, ...).
+    ends of the same zone (2, Z, ...); strength: factors of the singular densities of the left and
+    the right ends (2, Z, ...).
     """
 
     coefficients: Array
     own_level: Array
     own: Array
+    strength: Array
 
     @classmethod
     def of(cls, state: State, d: Array) -> "Moved":
@@ -86,6 +91,7 @@ class Moved:
             coefficients,
             -w * strength.sum(axis=0),
             0.25 * root + 0.5 * root[::-1] - 0.5 * slope * d,
+            strength,
         )
 
 
@@ -147,8 +153,15 @@ class IteratedMotions(FreeEnds):
 
         folded: unknowns of the response; d: motions of the free ends.
         """
+        rows, edges = self.applied(folded, Moved.of(self.state, self.spread(d)))
+        return rows, edges[self.side, self.at]
+
+    def applied(self, folded: Array, moved: Moved) -> tuple[Array, Array]:
+        """Left sides of equation and conditions, and the intensities K at all ends (2, solved).
+
+        They are caused by a response and by motions of any ends, free or fixed.
+        """
         system: IterativeSystem = self.system
-        moved = Moved.of(self.state, self.spread(d))
         y = system.symmetry.unfold(folded)
         rows, plain = system.applied(y + moved.coefficients)
         # The rows include the effect of coefficients on their own zone. A singular density has no
@@ -162,7 +175,7 @@ class IteratedMotions(FreeEnds):
             system, plain.y, plain.middle, plain.rest + moved.own_level[self.zones.solved], edges
         )
         asked = condition_rows(system.equation, view, 1)[0][:, 0]
-        return np.concatenate((rows, asked)), edges[self.side, self.at]
+        return np.concatenate((rows, asked)), edges
 
     @cached_property
     def _local(self) -> Array:
@@ -398,16 +411,8 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
     moved = Moved.of(state, free.spread(each))
     singular, own_level, own = moved.coefficients, moved.own_level, moved.own
     matrix = rows_of(state)
-    right = matrix @ singular[state.symmetry.keep]
-    # The rows include the effect of coefficients on their own zone. A singular density has no
-    # transform on its own zone, so this effect is removed.
-    right[: state.conditions_from] += singular[system.diagonal]
-    right[state.conditions_from :] += state.level_rows @ own_level[solved]
-    held = [own[side, solved[p]] for side, places in enumerate(zones.fixed_bounded) for p in places]
-    if held:
-        right[-len(held) :] = np.array(held) / state.condition_scale[-len(held) :, None]
     factors = state.direct or Factored.of(matrix)
-    answer = np.asarray(factors(-right))
+    answer = np.asarray(factors(-rows_of_motions(state, matrix, moved)))
     unknowns = (
         np.column_stack([state.symmetry.unfold(column) for column in answer.T])
         if len(each)
@@ -419,6 +424,63 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
     if system.wants_levels:
         levels = system.levels()[0] @ (unknowns + singular) + own_level[solved]
     return EndRates(free.ends, intensities, levels), unknowns
+
+
+def rows_of_motions(state: State, matrix: Array, moved: Moved) -> Array:
+    """Left sides of equation and conditions for the singular densities of J motions: (rows, J).
+
+    matrix: the matrix of the state; moved: the motions of any ends, free or fixed (2, Z, J).
+    """
+    singular = moved.coefficients
+    rows = matrix @ singular[state.symmetry.keep]
+    # The rows include the effect of coefficients on their own zone. A singular density has no
+    # transform on its own zone, so this effect is removed.
+    rows[: state.conditions_from] += singular[state.system.diagonal]
+    view = SingularDensities(state.system, moved)
+    asked = condition_rows(state.equation, view, singular.shape[1])[0]
+    rows[state.conditions_from :] = asked / state.condition_scale[:, None]
+    return np.asarray(rows)
+
+
+@record
+class SingularDensities(Rows):
+    """The quantities that side conditions use, for the singular densities of J motions.
+
+    Each matrix has a column for each motion. Integrals with a weight count all modes of the weight,
+    also those beyond the modes of the zone.
+    """
+
+    system: System
+    moved: Moved
+
+    @property
+    def zones(self) -> Zones:  # type: ignore[override]
+        return self.system.zones
+
+    def _of_zones(self, values: Array) -> Linear:
+        return values[self.zones.solved], np.zeros(len(self.zones.solved))
+
+    def totals(self) -> Linear:
+        return self._of_zones(np.zeros_like(self.moved.own_level))
+
+    def levels(self) -> Linear:
+        matrix, constants = self._of_zones(self.moved.own_level)
+        return matrix + self.system.levels()[0] @ self.moved.coefficients, constants
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        zones, out = self.zones, np.zeros_like(self.moved.own_level)
+        for i in zones.solved:
+            moments = self.system.moments(weight, i, 2 * MODES.first_nodes, degree)
+            order = np.arange(len(moments))
+            both = np.array([moments @ (order * (1.0 - 2.0 * (order % 2))), moments @ order])
+            out[i] = -2.0 * np.pi * zones.half[i] * np.tensordot(both, self.moved.strength[:, i], 1)
+        return self._of_zones(out)
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        return self._of_zones(self.moved.own[0]), self._of_zones(self.moved.own[1])
+
+    def amplitude(self, k: int) -> Linear:
+        return np.zeros((1, self.moved.own_level.shape[1])), np.zeros(1)
 
 
 def end_motions(state: State, change: Array) -> tuple[Array, Array]:
