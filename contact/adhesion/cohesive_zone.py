@@ -54,8 +54,9 @@ class CohesiveOptions:
     """Options of the states on a curve of equilibria."""
 
     # A strip of tension narrower than this fraction of its zone acts like an edge intensity. States
-    # are then solved to round-off: the error of the rates is that of the ends times (zone
-    # width/strip width)^2. `cohesive_branch._moved_outward` then moves the ends outward at first.
+    # with such strips are solved to round-off, because the error of the rates is that of the ends
+    # times (zone width/strip width)^2. At the start of a branch, `cohesive_branch._moved_outward`
+    # widens the zones of the contact without tension, so that such strips can be resolved.
     narrow_strip: float = 1e-3
     # Strips of tension narrower than this fraction of a zone are refused. The pressure next to such
     # strips varies too fast.

@@ -96,9 +96,8 @@ class TractionLoaded(Problem):
 
     @cached_property
     def forcing(self) -> sie.Forcing:
-        # The slope is singular at the ends of the intervals, which lie outside the zones. The
-        # profile's slope was already checked under the `bare` law, so this forcing is not checked
-        # again.
+        # The slope is singular at the ends of the intervals of tension (`ends`). These places lie
+        # outside the zones. `trusted`: `sie` would otherwise check every new forcing once more.
         bare, ends = super().forcing, self.pulling.table
         return replace(
             bare,

@@ -351,8 +351,8 @@ def first_radius(
     there: OutOfRange. ratio: of successive radii that are tried; a smaller one costs time only.
     """
     a = 1e-3 * scale
-    # The first radius is reduced until the quantity there is below the target and not negative.
-    # Round-off may make it negative at small radii if a steep flank begins far out.
+    # The first radius `a` is halved until 0 <= growing(a) < target. A negative value is round-off,
+    # which occurs at small radii if a steep flank begins far out.
     while not 0.0 <= growing(a) < target and a >= 1e-60 * scale:
         a *= 0.5
     last = growing(a)

@@ -252,8 +252,8 @@ def _newton(
         done = resolved & (settled | (abs(move) <= 4.0 * rounding))
         if everywhere(done | fails):
             break
-        # Newton's method converges quadratically. If this step is below the square root of
-        # round-off, the next step is below round-off and the last one.
+        # Newton's method converges quadratically. After a step below the square root of round-off,
+        # the next step would be below round-off. It is not made if the series is resolved.
         settled = abs(move) <= math.sqrt(EPS)
         if not everywhere(fails | resolved | (abs(move) > options.refine_below)):
             size *= options.finer

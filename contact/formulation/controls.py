@@ -3,14 +3,15 @@
 The condition depends on the unknown, the pressure (left) or the slope of the gap (right):
 
     load        int p = P, equal levels of all zones     mean pressure P / period
-    approach    level -approach of every zone            mean gap = mean f - approach
+    approach    level -approach of every zone            mean gap = mean f - approach + mean u
     machine     level - give int p = -value
     half width  given ends, which do not move
     width       int p unknown, equal levels,             mean pressure unknown,
                 ends with a given total width            ends with a given total width
 
-Loads are per period where there is one. Loads are in units of `Units.load`, approaches in
-`Units.height`, widths in `Units.length`.
+The mean displacement, mean u, is `compression` times the mean pressure. Loads are per period where
+there is one. Loads are in units of `Units.load`, approaches in `Units.height`, widths in
+`Units.length`.
 """
 
 from __future__ import annotations
@@ -120,8 +121,9 @@ class Approach(Control):
     def gap_conditions(
         self, period: float, mean_height: Callable[[], float], compression: float
     ) -> Conditions:
-        # The profile f has the minimum 0, and the mean displacement is the compression. So the mean
-        # gap is mean f - approach + compression.
+        # The profile f has the minimum 0. The mean displacement is `compression` times the mean
+        # pressure. So the mean gap is mean f - approach + `compression` times the mean pressure.
+        # `ZoneMoments` prescribes minus the integral of the gap over the period.
         opened = sie.ZoneMoments((self.value - mean_height()) * period)
         return (
             opened if compression == 0.0 else _MeanGap(opened, compression * period),

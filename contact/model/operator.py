@@ -275,7 +275,7 @@ class Operator(sie.Kept):
     def columns(self, centre: float, unit: float, scaled: Scaled) -> tuple[sie.Forcing, ...]:
         """Terms of the right side with unknown amplitudes, in scaled lengths.
 
-        centre: of the strip.
+        centre: scaled position of the middle of the strip.
         """
         interaction = self.interaction
         period = None if self.period is None else self.period / unit
@@ -439,7 +439,8 @@ def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
 class BeyondStrip:
     """Term of the right side for a unit nominal pressure outside a strip, in scaled lengths.
 
-    half: half width of the strip. unit: of lengths [m], for the smooth part and the compression.
+    half: half width of the strip with its copies. unit: unit of length [m], for the smooth part and
+    the compression.
     """
 
     half: float

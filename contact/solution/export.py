@@ -252,7 +252,10 @@ def is_long(value: Any, longest: int = 64) -> bool:
 
 
 def _attributes(solution: Solution) -> dict[str, Any]:
-    """The numbers of the solution that are not None, as netCDF has no value for None."""
+    """Attributes of the data set: version, units, scene, numbers and certificate of the solution.
+
+    Numbers that are None are left out, as netCDF has no value for None.
+    """
     values = {
         name: getattr(solution, name)
         for name in UNITS

@@ -239,7 +239,7 @@ def _inverse(scene: Scene) -> Part:
 
 
 def _branch(scene: Scene) -> Part:
-    """The part of the plan that follows one of several equilibria."""
+    """The part "branch" of the plan: with several equilibria, one branch of them is followed."""
     if not scene.law.equilibria.several:
         return Part(
             "branch",

@@ -274,8 +274,9 @@ class SolvedGaps(Solved):
         divided by the distance. It changes the pressure close to the gap, which varies on the
         length of the gap's width, by delta divided by that width.
         """
-        # The integral of the unknown over each gap is given. With such conditions no gap is
-        # replaced by a slit, so `state` has no slits.
+        # The zones of this equation are the gaps, and the spaces between them are in contact. `sie`
+        # makes no space a slit (sie.slits) if the total over every zone is given (sie.ZoneTotals),
+        # as it is here. So `state` is the solution on the gaps themselves.
         fields, state, gaps = self.fields, self.fields.state.whole, self.fields.gap_slope.zones
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]

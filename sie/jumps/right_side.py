@@ -340,10 +340,11 @@ class ForcingJumps(PlacedJumps):
         return self._coefficients(OPTIONS.far_terms[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
-        """Correction of the mean of the right side's primitive on each zone (in half widths).
+        """Part of the mean of the right side's primitive that jumps, splines and poles cause.
 
-        `System.levels` uses it. The primitive is shifted so that its end values add up to zero. The
-        correction is its mean less the mean that the coefficients of the smooth part give.
+        One value for each zone, divided by its half width. The mean is over theta, and the
+        primitive is shifted so that its values at both ends add up to zero. `System.levels` adds
+        the part of the smooth remainder of the right side.
         """
         phi, s, q = self.phi, self.s, self.order
         sine, double = self.sine, np.sin(2 * phi)
@@ -360,9 +361,8 @@ class ForcingJumps(PlacedJumps):
         )
         square = (phi / 2 + double / 4) - 2 * s * sine + s * s * phi
         mean = np.where(q == 1, square / 2, cubic / 3) / np.pi
-        # The primitive of C_q (head of this file) that vanishes at t = 0 has two values at the
-        # ends. `ends_c` is half the sum of these values, and `mean_c` is the mean of this
-        # primitive.
+        # Both numbers belong to the primitive of C_q (head of this file) that vanishes at t = 0.
+        # `ends_c` is half the sum of its values at both ends, `mean_c` is its mean over theta.
         ends_c = np.where(q == 1, phi / 2, -s * phi + sine / 2) / np.pi
         mean_c = np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4) / np.pi
         parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)

@@ -134,8 +134,8 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
     slit while it is about as narrow.
     """
     kernel = equation.kernel
-    # A term of the right side with unknown amplitude may be singular between zones. Such a term
-    # cannot be used on a wide zone, which contains the gap.
+    # The right side, or a column (a term of unknown amplitude), may be singular between zones. Then
+    # no gap becomes a slit, because the wide zone around it would contain the singular point.
     general = len(equation.forcing.jumps.singular_at) > 0 or any(
         column.resolution.modes is None and not column.resolution.smooth_between
         for column in equation.columns
@@ -471,9 +471,9 @@ class Slits(Kept):
         return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
-        """U_(l-1) coefficients of functions on each slit, after a row of zeros for each slit.
+        """For each slit, a row of zeros and then the U_(l-1) coefficients of functions on the slit.
 
-        The first row of each slit stands for the condition on the integral of its slack.
+        The row of zeros is that of the condition on the integral of the slit's slack.
         """
         blocks = []
         for slit, (left, right) in zip(self.slits, self._angles, strict=True):

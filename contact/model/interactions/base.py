@@ -100,11 +100,11 @@ class Interaction(Named):
         )
 
     def columns(self, period: float | None, centre: float) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with unknown amplitudes. Positions count from the centre of the
-        strip, which is the period that is solved exactly.
+        """Terms of the right side with unknown amplitudes, as functions of the scaled position x.
 
+        centre: scaled position of the middle of the strip, the one period that is solved exactly.
         A model with a `strip` that does not define this method has one term, that of the nominal
-        pressure outside the strip.
+        pressure outside the strip and its copies.
         """
         return ()
 

@@ -63,8 +63,9 @@ class PlacedBody:
         return lo, hi
 
     def algebraic_rows(self) -> Array:
-        """Algebraic points of the body in the coordinate x common to both bodies. A mirror
-        exchanges their left and right coefficients.
+        """Rows of `algebraic_points`: place, exponent, coefficients on the left and on the right.
+
+        Places are in the coordinate x common to both bodies. A mirror exchanges left and right.
         """
         columns = [0, 1, 3, 2] if self.mirrored else slice(None)
         rows = np.array(self.body.algebraic_points, dtype=np.float64)[:, columns]

@@ -214,16 +214,18 @@ class AdhesiveDesign(GivenZones):
         n, ends = len(self.zones), self._extended.zones.ravel()
         hull = (float(ends[0]), float(ends[-1]))
         if self.period is None:
-            # With the middle and the half width of the hull, a point is x = middle + half (v +
-            # 1/v)/2 and an end is e = middle + half cos(phi). With `CutProduct._unit` = half/2, the
-            # factor of this end is (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
+            # X and R become series in powers of v, where x = middle + half (v + 1/v)/2. Here middle
+            # and half are those of the hull. An end is e = middle + half cos(phi). In units of
+            # `CutProduct._unit` = half/2, its factor in X^2 is
+            #     (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
+            # Hence X = v^n `root`, where `root` is a series in powers of 1/v.
             phi = 2.0 * np.arctan2(np.sqrt(ends[-1] - ends), np.sqrt(ends - ends[0]))
             root = exp_of_power_sums(np.array([np.sum(np.cos(k * phi)) for k in range(2 * n)])).real
             ratio = np.zeros(2 * n, dtype=np.longdouble)  # coefficients of v^(n-1), .., v^-n
             ratio[n - 1 :: -1] += 0.5 * self._smooth
             ratio[n - 1 : -1] += 0.5 * self._smooth
-            # With the same unit, unit/(x - e) is the series sum_k U_k(cos phi) v^(-k-1). The U_k
-            # are the Chebyshev polynomials of the second kind.
+            # Each pole of R, unit/(x - e), is the series sum_k U_k(cos phi) v^(-k-1), k >= 0. The
+            # U_k are the Chebyshev polynomials of the second kind.
             second, older = np.ones_like(phi), np.zeros_like(phi)
             for k in range(n):
                 ratio[n + k] += np.sum(self._poles * second)

@@ -279,9 +279,9 @@ class GivenZones(ExactContact):
 
     @property
     def approach(self) -> float | None:
-        """Approach [m], mean f - min f - mean gap with the profile f; None without a period.
+        """Approach [m]: -min f - mean gap, for the profile f of mean 0; None without a period.
 
-        The mean displacement is zero.
+        The displacement, too, has the mean 0.
         """
         return None if self.mean_gap is None else -self._least_height - self.mean_gap
 
@@ -381,9 +381,10 @@ class DesignedContact(GivenZones):
         exponents = np.concatenate([np.full(len(ends), 0.5), np.ones(len(roots))])
         n = len(self.zones)
         if self.period is None:
-            # With the middle and the half width of the hull, a point is x = middle + half (v +
-            # 1/v)/2. An end or a root of M is e = middle + half cos(phi). With `CutProduct._unit` =
-            # half/2, its factor is (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
+            # X M becomes a series in powers of v, where x = middle + half (v + 1/v)/2. Here middle
+            # and half are those of the hull. An end or a root of M is e = middle + half cos(phi).
+            # In units of `CutProduct._unit` = half/2, its factor in X^2 or M is
+            #     (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
             points = np.concatenate([ends, roots])
             phi = 2.0 * np.arctan2(np.sqrt(hull[1] - points), np.sqrt(points - hull[0]))
             power_sums = np.array([2.0 * np.sum(exponents * np.cos(k * phi)) for k in range(2 * n)])

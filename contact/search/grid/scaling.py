@@ -150,9 +150,9 @@ def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
         level: float | None = None,
         start: Window | None = None,
     ) -> Window:
-        """An interval [m] with the contact of these heights, at a load or at a level.
+        """An interval [m] that contains the contact of a body with the given heights.
 
-        The level is displacement plus height in the contact.
+        Either the load is given, or the level, which is displacement plus height in the contact.
         """
         start = start or first_window(profile)
         return find_window(height, response, load, level, profile.extent, start)

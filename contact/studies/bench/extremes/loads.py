@@ -37,8 +37,8 @@ def fractions() -> Iterator[Extreme]:
             group, f"wave, {rest:g}", partial(wave, rest), tan(angle) / (2 * angle), "tan(A)/2A"
         )
     for rest in (0.5, 1e-2, 1e-3, 1e-4, 1e-6):
-        # The solver gets the rounded load. The exact half width is therefore that of the rounded
-        # load.
+        # `near_full` rounds the mean pressure to a double, as the solver needs, and gives the exact
+        # half width for the rounded pressure.
         angle = 0.5 * pi * (1 - rest)
         yield Extreme(
             group,
