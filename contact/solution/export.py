@@ -252,7 +252,7 @@ def is_long(value: Any, longest: int = 64) -> bool:
 
 
 def _attributes(solution: Solution) -> dict[str, Any]:
-    """Attributes of the data set: version, units, scene, numbers and certificate of the solution.
+    """Attributes of the data set: version, units, scene, numbers and certificate.
 
     Numbers that are None are left out, as netCDF has no value for None.
     """

@@ -205,10 +205,7 @@ class DensityJumps(ForcingJumps):
 
     @cached_property
     def _totals(self) -> Array:
-        """Integral of each jump's density over the zone, divided by half width * height / pi.
-
-        w is the half width of the zone and h the height of the jump.
-        """
+        """Integral of each jump's density over the zone, divided by half width * height / pi."""
         count, alone = len(self.zone), replace(self, height=np.full(len(self.zone), np.pi))
         return np.pi * alone.coefficients(np.arange(count), np.arange(count), count, 1)[:, 0]
 

@@ -340,11 +340,11 @@ class ForcingJumps(PlacedJumps):
         return self._coefficients(OPTIONS.far_terms[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
-        """Part of the mean of the right side's primitive that jumps, splines and poles cause.
+        """What jumps, splines and poles contribute to the mean of the right side's primitive.
 
         One value for each zone, divided by its half width. The mean is over theta, and the
         primitive is shifted so that its values at both ends add up to zero. `System.levels` adds
-        the part of the smooth remainder of the right side.
+        the contribution of the smooth remainder of the right side.
         """
         phi, s, q = self.phi, self.s, self.order
         sine, double = self.sine, np.sin(2 * phi)
