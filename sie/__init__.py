@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from sie.equation.forcing import Forcing, Jumps, Resolution
     from sie.jumps.poles import AlgebraicPoints
     from sie.results.derivative import Derivative
+    from sie.results.gradient import Gradient
     from sie.results.moved_density import MovedDensity
     from sie.results.report import Report
     from sie.slits.density import SlitDensity
@@ -60,6 +61,7 @@ __all__ = [
     "FREE",
     "Forcing",
     "Free",
+    "Gradient",
     "Index",
     "Jumps",
     "Kept",
@@ -125,6 +127,7 @@ _HOMES = {
     "sie.ends.sources": "Answers answers",
     "sie.jumps.poles": "AlgebraicPoints",
     "sie.results.derivative": "Derivative",
+    "sie.results.gradient": "Gradient",
     "sie.results.moved_density": "MovedDensity",
     "sie.results.report": "Report",
     "sie.slits.density": "SlitDensity",

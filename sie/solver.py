@@ -22,6 +22,7 @@ from sie.equation.forcing import Forcing, Function
 from sie.results import figure, pickling
 from sie.results.capacity import capacity_of
 from sie.results.derivative import Change, Derivative, Linearized, without_slits
+from sie.results.gradient import Adjoint, Functional, Gradient
 from sie.results.report import Report
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 from sie.states.solve import SingularSystem
@@ -223,6 +224,55 @@ class Solution:
         change = Change.of(state, dg, values, dkernel, dends, dintensities)
         with np.errstate(all="ignore"):
             return Linearized(state, change).derivative()
+
+    def gradient(
+        self,
+        weight: Function | None = None,
+        *,
+        intensities: ArrayLike | None = None,
+        ends: ArrayLike | None = None,
+    ) -> Gradient:
+        """Derivatives of one functional of the solution by all data at once, by an adjoint solve.
+
+        The functional is the integral of weight(x) times the density, plus sums of intensities K at
+        singular ends and of positions of ends, with the given factors.
+
+        Parameters
+        ----------
+        weight : callable or None
+            weight(x), x (n,), smooth on each zone.
+        intensities : array_like (2, n) or None
+            Factors of the intensities; zero but for singular ends.
+        ends : array_like (n, 2) or None
+            Factors of the positions of the ends.
+
+        Returns
+        -------
+        Gradient
+            `values`, `ends`, `intensities`; call it with a change of the right side.
+
+        Raises
+        ------
+        ValueError
+            For wrong input, for symmetric zones, and for zones that are solved by an iteration.
+        SingularSystem
+            If the ends or the open value are not determined.
+
+        Examples
+        --------
+        The right end of a cylinder's contact under the load P, by P: 1 / (pi a).
+
+        >>> import numpy as np, sie
+        >>> hertz = sie.Equation(sie.cauchy(), lambda x: x, sie.Total(np.pi / 2))
+        >>> found = sie.solve(hertz, sie.Zones.of([[-0.9, 1.2]]))
+        >>> by_data = found.gradient(ends=[[0.0, 1.0]])
+        >>> float((np.pi * by_data.values[0][0]).round(9)), float(round(by_data(np.ones_like), 9))
+        (1.0, -1.0)
+        """
+        state = without_slits(self.state, self.value)
+        with np.errstate(all="ignore"):
+            functional = Functional.of(state, weight, intensities, ends)
+            return Adjoint(state).gradient(functional)
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the density over the zones, with matplotlib.

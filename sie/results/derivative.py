@@ -122,22 +122,22 @@ class Change:
     def of(
         cls,
         state: State,
-        dg: Forcing | Function | None,
-        values: Sequence[ArrayLike] | ArrayLike | None,
-        dkernel: Smooth | Regular | None,
-        dends: ArrayLike | None,
-        dintensities: ArrayLike | None,
+        dg: Forcing | Function | None = None,
+        values: Sequence[ArrayLike] | ArrayLike | None = None,
+        dkernel: Smooth | Regular | None = None,
+        dends: ArrayLike | None = None,
+        dintensities: ArrayLike | None = None,
     ) -> "Change":
         zones = state.density.zones
         forcing = _forcing(dg)
         if dkernel is not None:
             forcing = _with_kernel(forcing, _kernel_field(state.density, dkernel))
-        moved = _table("dends", dends, (len(zones), 2)).T * [[-1.0], [1.0]]
+        moved = table_of("dends", dends, (len(zones), 2)).T * [[-1.0], [1.0]]
         if np.any(moved[zones.moves]):
             raise ValueError("dends: free ends follow from the problem; give zero for them")
         if zones.symmetric and np.any(moved != moved[::-1, ::-1]):
             raise ValueError("dends: symmetric zones need motions that are mirror images")
-        k = _table("dintensities", dintensities, (2, len(zones)))
+        k = table_of("dintensities", dintensities, (2, len(zones)))
         if np.any(k[np.isnan(zones.intensities)]):
             raise ValueError("dintensities: the intensity at singular ends follows; give zero")
         rows, of_ends = _values(state.equation, zones, values)
@@ -150,7 +150,7 @@ class Change:
         return cls(forcing, rows, of_ends, moved, k)
 
 
-def _table(name: str, given: ArrayLike | None, shape: tuple[int, int]) -> Array:
+def table_of(name: str, given: ArrayLike | None, shape: tuple[int, int]) -> Array:
     """The given numbers as an array of the given shape; zeros for None."""
     table = np.zeros(shape) if given is None else inputs.table_of(name, given)
     if table.shape != shape or not np.isfinite(table).all():

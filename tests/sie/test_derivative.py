@@ -327,3 +327,66 @@ def test_wrong_changes_are_refused_with_their_reason():
     wide = sie.solve(of_width(0.0)[0], of_width(0.0)[1], value=1.0)
     with pytest.raises(ValueError, match="unknown"):
         wide.derivative(values=[1.0, 0.0])
+
+
+def integral(solution, weight, nodes=400):
+    """int weight phi dx by Gauss's rule in the angle."""
+    zones, theta = solution.zones, (np.arange(nodes) + 0.5) * np.pi / nodes
+    t = np.cos(theta)
+    return sum(
+        np.pi
+        * half
+        * np.mean(weight(middle + half * t) * solution.density.at_t(i, t) * np.sin(theta))
+        for i, (middle, half) in enumerate(zip(zones.middle, zones.half, strict=True))
+    )
+
+
+@pytest.mark.parametrize(
+    ("problem", "change", "x"),
+    [one for one in PROBLEMS if one[0] is not mirrored],
+    ids=lambda p: getattr(p, "__name__", ""),
+)
+def test_a_gradient_gives_the_derivative_of_its_functional(problem, change, x):
+    """One adjoint solve against differences of the functional in four solutions."""
+    equation, zones, more = problem(0.0)
+    found = sie.solve(equation, zones, tol=1e-12, **more)
+    rng = np.random.default_rng(5)
+    singular = np.isnan(zones.intensities)
+    of_k = np.where(singular, rng.uniform(-1, 1, singular.shape), 0.0)
+    of_ends = rng.uniform(-1, 1, (len(zones), 2))
+    weight = np.ones_like if problem is kinked else (lambda x: np.cos(3 * x) + x)
+
+    def functional(s):
+        equation, zones, more = problem(s)
+        one = sie.solve(equation, zones, tol=1e-12, **more)
+        edges = (of_k * np.array(one.density.intensities)).sum()
+        mean = one.density.total if problem is kinked else integral(one, weight)
+        return edges + (of_ends * one.zones.table).sum() + mean
+
+    j = [functional(k * STEP) for k in (-2, -1, 1, 2)]
+    difference = (j[0] - 8 * j[1] + 8 * j[2] - j[3]) / (12 * STEP)
+    by_data = found.gradient(weight, intensities=of_k, ends=of_ends)
+    names = (*equation.conditions, *equation.end_conditions)
+    given = change.get("values", [0.0] * len(names))
+    out = sum(
+        (row * value).sum() for row, value in zip(by_data.values, np.atleast_1d(given), strict=True)
+    )
+    out += (by_data.ends * change.get("dends", 0.0)).sum()
+    out += (by_data.intensities * change.get("dintensities", 0.0)).sum()
+    out += by_data(change.get("dg"), change.get("dkernel"))
+    assert abs(out - difference) < 1e-8 * max(abs(difference), 1.0)
+
+
+def test_a_gradient_that_is_not_defined_is_refused():
+    still = sie.Equation(sie.cauchy(), np.zeros_like, sie.ZoneTotals(1.0))
+    many = sie.Zones.of(1.3 * np.arange(60)[:, None] + [0.0, 1.0], *SINGULAR)
+    with pytest.raises(ValueError, match="iteration"):
+        sie.solve(still, many).gradient(np.cos)
+    equation, zones, _ = mirrored(0.0)
+    with pytest.raises(ValueError, match="symmetric=False"):
+        sie.solve(equation, zones).gradient(np.cos)
+    found = sie.solve(*free(0.0)[:2])
+    with pytest.raises(ValueError, match="singular ends"):
+        found.gradient(intensities=np.ones((2, 2)))
+    with pytest.raises(ValueError, match="weight must be a function"):
+        found.gradient(3.0)
