@@ -190,10 +190,12 @@ def _table_from_end(family: Family, count: int, distance: Array) -> Array:
 # the weight is w for p_n and (1 - t^2) w for q_n. Points zeta of the right half plane are given by
 # less = zeta - 1 and left = zeta + 1. The recurrence is that of f_n = F_n / p_n(1).
 def log_ratio(less: Number, left: Number) -> Number:
-    """log((zeta - 1) / (zeta + 1)), with all digits near zeta = 1 and far away."""
-    near = np.abs(less) < 2.0
+    """log((zeta - 1) / (zeta + 1)), with all digits near both ends and far away."""
+    near = np.minimum(np.abs(less), np.abs(left)) < 2.0
+    parts = (x[near] if np.iscomplexobj(x) else np.abs(x[near]) for x in (less, left))
+    above, below = (np.log(part) for part in parts)
     out = np.empty_like(less)
-    out[near] = np.log(less[near]) - np.log(left[near])
+    out[near] = above - below
     out[~near] = -2 * np.arctanh(2 / (less[~near] + left[~near]))
     return out
 

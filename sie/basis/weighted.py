@@ -335,6 +335,18 @@ class Weighted(Kept):
         """
         return _moments(self.kappa, count, length)
 
+    def first_moments(self, length: int) -> Array:
+        """The first column of `moments`, that of the weight w.
+
+        From S_0's transform: it is the power series of ((1 + rho) / (1 - rho))^(1 - 2 alpha).
+        """
+        twice = 2 * self.recurrence(1)[0][0]
+        out = np.ones(max(length, 2))
+        out[1] = twice
+        for l in range(1, length - 1):
+            out[l + 1] = (twice * out[l] + (l - 1) * out[l - 1]) / (l + 1)
+        return out[:length]
+
 
 def from_ends(points: Points) -> tuple[Number, Number]:
     """(zeta + 1, zeta - 1) of points off the interval, without cancellation."""

@@ -1,0 +1,340 @@
+r"""Densities whose right side in kappa phi + T phi = g jumps inside the interval, in closed form.
+
+With the weight w of `sie.basis.weighted` and a place s in (-1, 1) let
+
+    J_s(t) = total / pi  int_t^1 w(x) / (x - s) dx,       t > s,
+    J_s(t) = total / pi  int_(-1)^t w(x) / (s - x) dx,    t < s,
+    total = sin(pi alpha) (1 - s)^(1 - alpha) (1 + s)^alpha = int J_s dt.
+
+It vanishes at both ends and has a logarithm and a step at s:
+
+    (kappa + T) J_s = H(t - s) - h,    h = I_((1 - s)/2)(1 - alpha, alpha),
+
+H Heaviside's step, I the regularised incomplete beta function. With u = (1 + t)(1 - s) / ((1 - t)(1 +
+s)) and `lerch`, both sides of s are
+
+    J_s = sin(pi alpha)^2 / pi  u^(1 - alpha) lerch(1 - alpha, u),    t < s,
+    J_s = sin(pi alpha)^2 / pi  u^(-alpha) lerch(alpha, 1 / u),       t > s,
+
+and off the interval F is the integral of sin(pi alpha) / pi  y^(-alpha) / (1 + y) from (1 - s) / (1 +
+s) to -u(zeta). Its derivative is -total / pi F_0(zeta) / (zeta - s), with F_0 the transform of w.
+For kappa = 0 J_s is a logarithm. Jumps of derivatives of the right side have the densities (t - s)^k
+J_s:
+
+    (kappa + T) (t - s)^k J_s = (t - s)^k (H(t - s) - h) - sum_(j < k) P_j (t - s)^(k - 1 - j) / pi,
+
+P_j the integral of (t - s)^j J_s, which is total / (pi (j + 1)) times that of (t - s)^j w.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from sie.basis.data import DIGITS, Array, Kept
+from sie.basis.interval import InPlane, OnLine
+from sie.basis.jacobi import log_ratio
+from sie.basis.lerch import lerch
+from sie.basis.weighted import Points, Weighted, from_ends
+
+Number = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class JumpOptions:
+    """Where the transform is a closed form, and where a sum over moments."""
+
+    # |rho| below which a transform is a sum over Chebyshev moments. Nearer to the interval the
+    # closed form loses less than a digit. Insensitive: 0.2 to 0.5.
+    far: float = 0.35
+
+
+OPTIONS = JumpOptions()
+
+
+@dataclass(frozen=True, eq=False)
+class PowerJump(Kept):
+    """The densities (t - s)^k J_s of jumps (k = 0), kinks (k = 1), ... at places s.
+
+    The module's docstring has the formulas. All methods broadcast points against the places; `order`
+    is k. Intensities at the ends are zero.
+
+    Parameters
+    ----------
+    weighted : Weighted
+        The densities of the interval, with kappa.
+    left, right : ndarray
+        1 + s and 1 - s of the places.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from sie.basis.power_jump import PowerJump
+    >>> from sie.basis.weighted import Weighted
+    >>> jump = PowerJump(Weighted(0.0), np.array([1.0]), np.array([1.0]))  # a jump at t = 0
+    >>> jump.own(np.array([-0.5, 0.5])).round(12).tolist()
+    [-0.5, 0.5]
+    >>> value = jump.density(np.array([1.6]), np.array([0.4]), np.array([0.6]))
+    >>> (value - np.arccosh(1 / 0.6) / np.pi).round(14).tolist()
+    [0.0]
+    """
+
+    weighted: Weighted
+    left: Array
+    right: Array
+
+    @cached_property
+    def total(self) -> Array:
+        """Integral of J_s: sin(pi alpha) (1 - s)^(1 - alpha) (1 + s)^alpha."""
+        return self.weighted.mirrored.bounded_weight(self.left, self.right)
+
+    @cached_property
+    def levels(self) -> tuple[Array, Array]:
+        """(kappa + T) J_s to the left and to the right of s: -h and 1 - h, each with all digits."""
+        w = self.weighted
+        return (
+            -special.betainc(w.rest, w.alpha, 0.5 * self.right),
+            special.betainc(w.alpha, w.rest, 0.5 * self.left),
+        )
+
+    def own(self, away: Any, order: int = 0) -> Array:
+        """(kappa + T) (t - s)^k J_s on the interval; away: t - s."""
+        away, (before, beyond) = np.asarray(away, dtype=float), self.levels
+        return _multiplied(np.where(away > 0, beyond, before), away, self.powers(order))
+
+    def density(self, left: Any, right: Any, away: Any, order: int = 0) -> Array:
+        """(t - s)^k J_s on the interval; left, right, away: 1 + t, 1 - t and t - s."""
+        w = self.weighted
+        left, right, away, at_left, at_right = np.broadcast_arrays(
+            *(np.asarray(x, dtype=float) for x in (left, right, away, self.left, self.right))
+        )
+        out = np.empty(left.shape)
+        for here, a, near, far in (
+            (away <= 0, w.rest, left * at_right, right * at_left),
+            (away > 0, w.alpha, right * at_left, left * at_right),
+        ):
+            ratio, rest = near[here] / far[here], 2 * np.abs(away[here]) / far[here]
+            out[here] = ratio**a * lerch(a, ratio, rest)
+        out *= w.sine**2 / np.pi
+        return np.asarray(np.where(away == 0, 0.0, out) * away**order if order else out)
+
+    def integral_to(self, left: Any, right: Any, away: Any, order: int = 0) -> Array:
+        """Integral of (t - s)^k J_s from -1 to t.
+
+        By parts, as (t - s) J_s' is -total / pi times the weight w.
+        """
+        away, rest = np.asarray(away, dtype=float), np.asarray(0.0)
+        for c, factor in zip(
+            _monomials(self.weighted, order + 1), self._binomial(order), strict=True
+        ):
+            rest = rest + factor * self.weighted.integral_to(c, left, right)
+        edge = self.density(left, right, away, order) * away
+        return np.asarray(
+            (np.where(away == 0, 0.0, edge) + self.total / np.pi * rest) / (1 + order)
+        )
+
+    def powers(self, count: int) -> list[Array]:
+        """Integrals of (t - s)^j J_s, j = 0 ... count - 1."""
+        return [self.total * moment / (j + 1) for j, moment in enumerate(self._weights(count))]
+
+    def _weights(self, count: int) -> list[Array]:
+        """Integrals of (t - s)^j w over pi, j = 0 ... count - 1."""
+        by_t = _monomials(self.weighted, count)[:, 0]
+        return [
+            np.asarray(sum(m * f for m, f in zip(by_t[: j + 1], self._binomial(j), strict=True)))
+            for j in range(count)
+        ]
+
+    def _binomial(self, order: int) -> list[Array]:
+        """Coefficients of t^j, j = 0 ... k, in (t - s)^k."""
+        place = 0.5 * (self.left - self.right)
+        return [math.comb(order, j) * (-place) ** (order - j) for j in range(order + 1)]
+
+    def edge_slopes(self, order: int = 0) -> tuple[Array, Array]:
+        """Edge slopes A at the left and the right end, for the half width 1.
+
+        At a small distance d the density is A d^gamma, gamma = 1 - alpha at the left end and alpha
+        at the right one.
+        """
+        w = self.weighted
+        scale = w.sine**2 / np.pi
+        at_left = scale / w.rest * (0.5 * self.right / self.left) ** w.rest
+        at_right = scale / w.alpha * (0.5 * self.left / self.right) ** w.alpha
+        return (-self.left) ** order * at_left, self.right**order * at_right
+
+    def moments(self, length: int, order: int = 0) -> Array:
+        """Chebyshev coefficients (2 - delta_l0) / pi int (t - s)^k J_s T_l dt, l < `length`.
+
+        They are along a new last axis, and those of `Weighted.moments`.
+        """
+        size = length + order
+        means = np.empty((*self.left.shape, size))
+        for here, sign, half in self._halves(self.right <= self.left):
+            means[here] = half._means(size) * sign ** np.arange(size)
+        for _ in range(order):
+            by_t = means[..., 1:].copy()
+            by_t[..., 1:] = 0.5 * (means[..., 2:] + means[..., :-2])
+            means = by_t - 0.5 * (self.left - self.right)[..., None] * means[..., :-1]
+        means[..., 1:] *= 2
+        return np.asarray(means / np.pi)
+
+    def _means(self, length: int) -> Array:
+        """Integrals of J_s T_l over the interval, for places (P,) in the right half: (P, length).
+
+        The integrals n_l of -J_s' T_l obey (n_(l+1) + n_(l-1)) / 2 - s n_l = total / pi int w T_l.
+        The recurrence for differences of n_l uses 1 - s instead of s.
+        """
+        count = length + 2
+        weights = self.weighted.first_moments(count)
+        slopes = np.zeros((count, len(self.left)))
+        step = np.zeros(len(self.left))
+        for l in range(count - 1):
+            step = step + self.total * weights[l] - 2 * self.right * slopes[l]
+            slopes[l + 1] = slopes[l] + step
+        out = np.empty((length, len(self.left)))
+        order = np.arange(1.0, count)[:, None]
+        divided = slopes[1:] / order
+        out[0] = slopes[1]
+        out[1:] = 0.5 * divided[1:length]
+        out[2:] -= 0.5 * divided[: length - 2]
+        return out.T
+
+    def transform(self, points: Points, away: Number | None = None, order: int = 0) -> Number:
+        """Transform F of (t - s)^k J_s.
+
+        away: zeta - s. It is needed where a point is closer to s than to both ends.
+        """
+        return self._near_and_far(points, away, (order, 0))
+
+    def slope(self, points: Points, away: Number | None = None, order: int = 0) -> Number:
+        """Derivative by zeta of `transform`."""
+        return self._near_and_far(points, away, (order, 1))
+
+    def _near_and_far(self, points: Points, away: Number | None, what: tuple[int, int]) -> Number:
+        """Transform or slope; far away it is a sum over moments, where closed forms cancel.
+
+        what: (order, 1 for the slope and 0 for the transform).
+        """
+        left, less = from_ends(points)
+        if away is None:
+            away = np.where((left + less).real > 0, less + self.right, left - self.left)
+        left, less, away, at_left, at_right = np.broadcast_arrays(
+            left, less, away, self.left, self.right
+        )
+        out = np.empty(left.shape, dtype=less.dtype)
+        rho = _rho(left, less)
+        far = np.abs(rho) < OPTIONS.far
+        if far.any():
+            which = np.broadcast_to(np.arange(self.left.size).reshape(self.left.shape), far.shape)
+            out[far] = self._by_moments(which[far], left[far], less[far], what)
+        here = ~far
+        if here.any():
+            pairs = PowerJump(self.weighted, at_left[here], at_right[here])
+            of = pairs._near_slope if what[1] else pairs._near
+            out[here] = of(left[here], less[here], away[here], what[0])
+        return out
+
+    def _by_moments(
+        self, which: NDArray[np.intp], left: Number, less: Number, what: tuple[int, int]
+    ) -> Number:
+        """Transform or slope at points far away: sum m_l rho^l / sqrt(zeta^2 - 1)."""
+        length = int(np.ceil(-DIGITS / np.log(OPTIONS.far)))
+        table = self.moments(length, what[0]).reshape(-1, length)
+        rho = _rho(left, less)
+        root = 0.5 * (left + less) - rho
+        value, slope = np.zeros_like(rho), np.zeros_like(rho)
+        for l in range(length - 1, -1, -1):
+            value = value * rho + table[which, l]
+            slope = slope * rho + l * table[which, l]
+        if not what[1]:
+            return np.asarray(value / root)
+        return np.asarray(-(slope + 0.5 * (left + less) / root * value) / root**2)
+
+    def _near(self, left: Number, less: Number, away: Number, order: int) -> Number:
+        """Transform at pairs (P,) of a point and a place, in closed form."""
+        out = np.empty_like(less)
+        before, beyond = self.levels
+        # The smaller level is the constant, so that the transform keeps its digits where it is small.
+        for here, sign, half in self._halves(-before <= beyond):
+            if sign > 0:
+                out[here] = half._primitive(left[here], less[here], away[here])
+            else:
+                mirrored = (-np.conj(x[here]) for x in (less, left, away))
+                out[here] = -np.conj(half._primitive(*mirrored))
+        return _multiplied(out, away, self.powers(order))
+
+    def _near_slope(self, left: Number, less: Number, away: Number, order: int) -> Number:
+        """Slope of the transform at pairs (P,) of a point and a place, in closed form."""
+        points = InPlane(left, less) if np.iscomplexobj(less) else OnLine.of(left, -less)
+        weight = self.weighted.transform_of(np.ones(1), points)
+        if order == 0:
+            return np.asarray(-self.total / np.pi * weight / away)
+        # The density's derivative is k (t - s)^(k - 1) J_s - total / pi (t - s)^(k - 1) w.
+        weights = [np.pi * moment for moment in self._weights(order - 1)]
+        by_weight = _multiplied(weight, away, weights)
+        before = self._near(left, less, away, order - 1)
+        return np.asarray(order * before - self.total / np.pi * by_weight)
+
+    def _primitive(self, left: Number, less: Number, away: Number) -> Number:
+        """Transform of J_s at pairs (P,): the integral of the module's docstring."""
+        w, ratio = self.weighted, self.right / self.left
+        logarithm, from_minus_one = log_ratio(less, left), 2 * away / (less * self.left)
+        y = left / less * ratio
+        # Beside s the side is told by the distance from it, which has more digits than y.
+        size = np.abs(from_minus_one)
+        inside = np.where(size < 0.5, from_minus_one.real >= 0.5 * size**2, np.abs(y) <= 1)
+        out = self.levels[0] + np.zeros_like(less)
+        for here, a, sign in ((inside, w.rest, 1.0), (~inside, w.alpha, -1.0)):
+            x = -(y[here] ** sign)
+            power = np.exp(-sign * a * logarithm[here]) * ratio[here] ** (sign * a)
+            rest = from_minus_one[here] if sign > 0 else from_minus_one[here] / y[here]
+            part = w.sine / np.pi * power * lerch(a, x, rest)
+            out[here] += part if sign > 0 else 1 - part
+        return out
+
+    def _halves(
+        self, kept: NDArray[np.bool_]
+    ) -> Iterator[tuple[NDArray[np.bool_], float, "PowerJump"]]:
+        """Yield (mask, 1, places that are kept) and (mask, -1, mirror images of the others)."""
+        if kept.any():
+            yield kept, 1.0, PowerJump(self.weighted, self.left[kept], self.right[kept])
+        if not kept.all():
+            yield (
+                ~kept,
+                -1.0,
+                PowerJump(self.weighted.mirrored, self.right[~kept], self.left[~kept]),
+            )
+
+
+def _multiplied(transform: Number, away: Number, powers: list[Array]) -> Number:
+    """Transform of (t - s)^k f, from that of f, zeta - s and the integrals of (t - s)^j f, j < k."""
+    for power in powers:
+        transform = transform * away - power / np.pi
+    return transform
+
+
+def _monomials(weighted: Weighted, count: int) -> Array:
+    """Coefficients of t^j in p_n: the rows j = 0 ... count - 1 of a matrix."""
+    a, b = weighted.recurrence(count + 1)
+    out = np.zeros((count, count + 1))
+    out[:1, 0] = 1.0
+    for j in range(count - 1):
+        c, by_t = out[j], out[j + 1]
+        by_t += a * c
+        by_t[1:] += b[1:] * c[:-1]
+        by_t[1:2] += b[1:2] * c[:1]
+        by_t[:-1] += b[1:] * c[1:]
+    return out
+
+
+def _rho(left: Number, less: Number) -> Number:
+    """zeta - sqrt(zeta^2 - 1) from zeta + 1 and zeta - 1."""
+    if np.iscomplexobj(less):
+        return np.asarray(2 / (np.sqrt(left) + np.sqrt(less)) ** 2)
+    size = 2 / (np.sqrt(np.abs(left)) + np.sqrt(np.abs(less))) ** 2
+    return np.asarray(np.copysign(size, left))

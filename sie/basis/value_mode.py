@@ -1,0 +1,162 @@
+r"""Density of kappa phi + T phi = g with the value 1 at one end and 0 at the other, in closed form.
+
+At the left end it is V(t) = I_((1 - t)/2)(alpha, 1 - alpha), I the regularised incomplete beta
+function. Its derivative is -1/pi times the weight w of `sie.basis.weighted`. It has
+
+    (kappa + T) V = (log((1 + t) / 2) - psi(alpha) - gamma) / pi,
+    F(zeta) = -1/pi  int_u^1 (1 - v^(alpha - 1)) / (1 - v) dv,    u = (zeta - 1) / (zeta + 1),
+
+psi the digamma function and gamma Euler's constant. For kappa = 0 it is arccos(t) / pi. The density of
+the right end is the mirror image, with -kappa. The logarithm cancels that of whatever continues the
+density beyond the end.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from sie.basis.data import Array
+from sie.basis.jacobi import log_ratio
+from sie.basis.lerch import lerch, near_one
+from sie.basis.weighted import Points, Weighted, from_ends
+
+Number = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class ValueMode:
+    """The density with the value 1 at one end of (-1, 1) and 0 at the other.
+
+    Parameters
+    ----------
+    weighted : Weighted
+        The densities of the interval, with kappa.
+    at_left : bool
+        Whether the value at the left end is 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from sie.basis.value_mode import ValueMode
+    >>> from sie.basis.weighted import Weighted
+    >>> mode, t = ValueMode(Weighted(0.0)), np.array([-0.25, 0.0])
+    >>> (mode.density(1 + t, 1 - t) - np.arccos(t) / np.pi).round(14).tolist()
+    [0.0, 0.0]
+    >>> mode.own(1 + t, 1 - t).round(6).tolist()
+    [0.129064, 0.220636]
+    """
+
+    weighted: Weighted
+    at_left: bool = True
+
+    @property
+    def _half(self) -> Weighted:
+        """The densities of the interval, mirrored if the value 1 is at the right end."""
+        return self.weighted if self.at_left else self.weighted.mirrored
+
+    @property
+    def _sign(self) -> float:
+        return 1.0 if self.at_left else -1.0
+
+    def _sides(self, left: Any, right: Any) -> tuple[Array, Array]:
+        """Distances from the end with the value 1, and from the other one."""
+        left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
+        return (left, right) if self.at_left else (right, left)
+
+    @property
+    def total(self) -> float:
+        """Integral of the density over the interval."""
+        return 2 * self._half.rest
+
+    def density(self, left: Any, right: Any) -> Array:
+        """The density at places given by left = 1 + t and right = 1 - t."""
+        w, (near, far) = self._half, self._sides(left, right)
+        from_far = special.betainc(w.alpha, w.rest, 0.5 * far)
+        from_near = special.betainc(w.rest, w.alpha, 0.5 * near)
+        return np.asarray(np.where(far < near, from_far, 1 - from_near))
+
+    def own(self, left: Any, right: Any) -> Array:
+        """(kappa + T) of the density on the interval."""
+        near, _ = self._sides(left, right)
+        constant = float(special.digamma(self._half.alpha)) + float(np.euler_gamma)
+        return np.asarray(self._sign / np.pi * (np.log(0.5 * near) - constant))
+
+    def integral_to(self, left: Any, right: Any) -> Array:
+        """Integral of the density from -1 to t."""
+        w, (near, far) = self._half, self._sides(left, right)
+        a, b = w.recurrence(2)
+        by_weight = w.integral_to(np.array([1 + a[0], 2 * b[1]]), near, far)
+        value = near * self.density(left, right) + by_weight / np.pi
+        return np.asarray(value if self.at_left else self.total - value)
+
+    def edge_slopes(self) -> tuple[float, float]:
+        """Factors A of d^gamma at the left and the right end, for the half width 1.
+
+        gamma is 1 - alpha at the left end and alpha at the right one; the value 1 comes on top.
+        """
+        w = self._half
+        near = -w.sine / np.pi / w.rest * 0.5**w.rest
+        far = w.sine / np.pi / w.alpha * 0.5**w.alpha
+        return (near, far) if self.at_left else (far, near)
+
+    def moments(self, length: int) -> Array:
+        """Chebyshev coefficients (2 - delta_l0) / pi int V T_l dt, l < `length`.
+
+        They are those of `Weighted.moments`. By parts they follow from those of the weight.
+        """
+        weights = self._half.first_moments(length + 1)
+        weights[1:] *= 0.5
+        n = np.arange(1.0, length + 1)
+        # Integrals of w T_l over pi, less T_l(-1), over l.
+        divided = (weights[1:] - (1 - 2 * (n % 2))) / n
+        out = divided.copy()
+        out[1:] *= 0.5
+        out[2:] -= 0.5 * divided[: length - 2]
+        out[1:] *= 2
+        return np.asarray(out / np.pi * self._sign ** np.arange(length))
+
+    def transform(self, points: Points) -> Number:
+        """Transform F of the density off the interval."""
+        return self._mirrored(points, _transform, -1.0)
+
+    def slope(self, points: Points) -> Number:
+        """Derivative by zeta of `transform`."""
+
+        def of(w: Weighted, left: Number, less: Number) -> Number:
+            return np.asarray(np.expm1(-w.rest * log_ratio(less, left)) / (-np.pi * left))
+
+        return self._mirrored(points, of, 1.0)
+
+    def _mirrored(
+        self, points: Points, of: Callable[[Weighted, Number, Number], Number], sign: float
+    ) -> Number:
+        """A function of (weighted, zeta + 1, zeta - 1); for the right end of the mirror image."""
+        left, less = from_ends(points)
+        if self.at_left:
+            return of(self._half, left, less)
+        return np.asarray(sign * np.conj(of(self._half, -np.conj(less), -np.conj(left))))
+
+
+def _transform(w: Weighted, left: Number, less: Number) -> Number:
+    """Transform of the density with the value 1 at the left end."""
+    out, logarithm = np.empty_like(less), log_ratio(less, left)
+    rest = 2 / left
+    far, inside = np.abs(rest) <= 0.5, np.abs(less) <= np.abs(left)
+    out[far] = -rest[far] * near_one(w.alpha, rest[far])
+    # 1 / a is taken off both digamma(a) and the power's factor, since it is large for small a.
+    for here, a, sign in ((inside & ~far, w.alpha, 1.0), (~inside, w.rest, -1.0)):
+        power, to_end = logarithm[here] * sign, left[here]
+        ratio, beside = (less[here] / to_end, 2 / to_end)
+        if sign < 0:
+            ratio, beside = 1 / ratio, -2 / less[here]
+        series = np.exp((1 + a) * power) * lerch(1 + a, ratio, beside)
+        distance = np.log(to_end) if np.iscomplexobj(less) else np.log(np.abs(to_end))
+        if sign < 0 and np.iscomplexobj(less):
+            distance = distance - np.pi * 1j
+        constant = float(special.digamma(1 + a)) + float(np.euler_gamma) + np.log(2.0)
+        out[here] = constant - distance + np.expm1(a * power) / a + series
+    return np.asarray(-out / np.pi)
