@@ -96,11 +96,19 @@ class PowerJump(Kept):
     @cached_property
     def levels(self) -> tuple[Array, Array]:
         """(kappa + T) J_s to the left and to the right of s: -h and 1 - h, each with all digits."""
-        w = self.weighted
-        return (
-            -special.betainc(w.rest, w.alpha, 0.5 * self.right),
-            special.betainc(w.alpha, w.rest, 0.5 * self.left),
+        w, left, right = self.weighted, 0.5 * self.left, 0.5 * self.right
+        # Each is a function of the smaller distance, as the larger one lacks digits of it.
+        h = np.where(
+            right < left,
+            special.betainc(w.rest, w.alpha, right),
+            special.betaincc(w.alpha, w.rest, left),
         )
+        rest = np.where(
+            right < left,
+            special.betaincc(w.rest, w.alpha, right),
+            special.betainc(w.alpha, w.rest, left),
+        )
+        return -h, rest
 
     def own(self, away: Any, order: int = 0) -> Array:
         """(kappa + T) (t - s)^k J_s on the interval; away: t - s."""

@@ -198,8 +198,8 @@ class Weighted(Kept):
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         higher = self.values_q(c[1:] / np.arange(1, len(c)), left, right)
         from_left = special.betainc(self.rest, self.alpha, 0.5 * left)
-        from_right = special.betainc(self.alpha, self.rest, 0.5 * right)
-        first = np.where(left < right, from_left, 1 - from_right)
+        from_right = special.betaincc(self.alpha, self.rest, 0.5 * right)
+        first = np.where(left < right, from_left, from_right)
         return np.asarray(np.pi * c[0] * first - self.bounded_weight(left, right) * higher)
 
     def total(self, c: Array) -> float:
