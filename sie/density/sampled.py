@@ -14,6 +14,7 @@ import numpy as np
 from sie.basis import chebyshev, inputs
 from sie.basis.data import Array, widened
 from sie.basis.interval import root_weight
+from sie.basis.weight import needs_half
 from sie.basis.zones import Zones
 
 
@@ -150,6 +151,7 @@ def series_of(
         raise ValueError(f"the zones must be sie.Zones, got {type(zones).__name__}")
     if not (inputs.is_number(tol) and 0 < tol < 1):
         raise ValueError(f"tol must be a number between 0 and 1, got {inputs.shown(tol)}")
+    needs_half(zones.weight, "densities given as functions")
     rows = [_Sampled(f, zones, i).series(tol) for i in range(len(zones))]
     width = max(len(row) for row in rows)
     table = np.concatenate([widened(row[None], width) for row in rows])

@@ -30,7 +30,7 @@ of zones.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -95,6 +95,61 @@ class Moved:
         )
 
 
+@record
+class SingularDensities(Rows):
+    """The quantities that side conditions use, for the singular densities of J motions.
+
+    Each matrix has a column for each motion. Integrals with a weight count all modes of the weight,
+    also those beyond the modes of the zone. kept: cache of these modes, by weight and zone.
+    """
+
+    system: System
+    moved: Moved
+    kept: dict[tuple[Callable[[Array], Array], int], Array] = field(default_factory=dict)
+
+    @property
+    def zones(self) -> Zones:  # type: ignore[override]
+        return self.system.zones
+
+    def _of_zones(self, values: Array) -> Linear:
+        return values[self.zones.solved], np.zeros(len(self.zones.solved))
+
+    def totals(self) -> Linear:
+        return self._of_zones(np.zeros_like(self.moved.own_level))
+
+    def levels(self) -> Linear:
+        matrix, constants = self._of_zones(self.moved.own_level)
+        return matrix + self.system.levels()[0] @ self.moved.coefficients, constants
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        zones, out = self.zones, np.zeros_like(self.moved.own_level)
+        for i in zones.solved:
+            moments = self.kept.get((weight, int(i)))
+            if moments is None:
+                moments = self.system.moments(weight, i, 2 * MODES.first_nodes, degree)
+                self.kept[weight, int(i)] = moments
+            order = np.arange(len(moments))
+            both = np.array([moments @ (order * (1.0 - 2.0 * (order % 2))), moments @ order])
+            out[i] = -2.0 * np.pi * zones.half[i] * np.tensordot(both, self.moved.strength[:, i], 1)
+        return self._of_zones(out)
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        return self._of_zones(self.moved.own[0]), self._of_zones(self.moved.own[1])
+
+    def amplitude(self, k: int) -> Linear:
+        return np.zeros((1, self.moved.own_level.shape[1])), np.zeros(1)
+
+
+class AppliedMotions(Applied):
+    """The quantities that conditions use, for a response and for singular densities together."""
+
+    singular: SingularDensities
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        rows, constants = super().integrals(weight, degree)
+        return rows + self.singular.integrals(weight, degree)[0][:, None], constants
+
+
 class FreeEnds:
     """The free ends of a state as pairs (side, zone); of symmetric zones, only the right half."""
 
@@ -147,6 +202,7 @@ class IteratedMotions(FreeEnds):
         self.solver, self.system = solver, solver.system
         self.scale = solver.scale_of(state.folded_unknowns)
         self.width = self.zones.half[self.zone]
+        self.kept: dict[tuple[Callable[[Array], Array], int], Array] = {}
 
     def _applied(self, folded: Array, d: Array) -> tuple[Array, Array]:
         """Left sides of equation and conditions, and intensities K, for a response and motions d.
@@ -171,9 +227,9 @@ class IteratedMotions(FreeEnds):
             np.array(system.intensities_of(system.layout.padded(y)))
             + moved.own[:, self.zones.solved]
         )
-        view = Applied(
-            system, plain.y, plain.middle, plain.rest + moved.own_level[self.zones.solved], edges
-        )
+        rest = plain.rest + moved.own_level[self.zones.solved]
+        view = AppliedMotions(system, y, plain.middle, rest, edges)
+        view.singular = SingularDensities(system, moved, self.kept)
         asked = condition_rows(system.equation, view, 1)[0][:, 0]
         return np.concatenate((rows, asked)), edges
 
@@ -440,47 +496,6 @@ def rows_of_motions(state: State, matrix: Array, moved: Moved) -> Array:
     asked = condition_rows(state.equation, view, singular.shape[1])[0]
     rows[state.conditions_from :] = asked / state.condition_scale[:, None]
     return np.asarray(rows)
-
-
-@record
-class SingularDensities(Rows):
-    """The quantities that side conditions use, for the singular densities of J motions.
-
-    Each matrix has a column for each motion. Integrals with a weight count all modes of the weight,
-    also those beyond the modes of the zone.
-    """
-
-    system: System
-    moved: Moved
-
-    @property
-    def zones(self) -> Zones:  # type: ignore[override]
-        return self.system.zones
-
-    def _of_zones(self, values: Array) -> Linear:
-        return values[self.zones.solved], np.zeros(len(self.zones.solved))
-
-    def totals(self) -> Linear:
-        return self._of_zones(np.zeros_like(self.moved.own_level))
-
-    def levels(self) -> Linear:
-        matrix, constants = self._of_zones(self.moved.own_level)
-        return matrix + self.system.levels()[0] @ self.moved.coefficients, constants
-
-    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        zones, out = self.zones, np.zeros_like(self.moved.own_level)
-        for i in zones.solved:
-            moments = self.system.moments(weight, i, 2 * MODES.first_nodes, degree)
-            order = np.arange(len(moments))
-            both = np.array([moments @ (order * (1.0 - 2.0 * (order % 2))), moments @ order])
-            out[i] = -2.0 * np.pi * zones.half[i] * np.tensordot(both, self.moved.strength[:, i], 1)
-        return self._of_zones(out)
-
-    def intensities(self) -> tuple[Linear, Linear]:
-        return self._of_zones(self.moved.own[0]), self._of_zones(self.moved.own[1])
-
-    def amplitude(self, k: int) -> Linear:
-        return np.zeros((1, self.moved.own_level.shape[1])), np.zeros(1)
 
 
 def end_motions(state: State, change: Array) -> tuple[Array, Array]:

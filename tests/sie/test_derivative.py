@@ -263,16 +263,23 @@ def test_derivatives_add_up():
 @pytest.mark.parametrize(
     ("conditions", "right", "values"),
     [
-        (sie.ZoneTotals(1.0), sie.SINGULAR, [0.5]),
+        ((sie.ZoneTotals(1.0),), sie.SINGULAR, [0.5]),
         ((sie.Total(1.0), sie.EqualPotential()), sie.SINGULAR, [1.0, 0.0]),
         ((), sie.BOUNDED, None),
+        (
+            (sie.ZoneTotals(1.0), sie.Weighted(lambda x: np.cos(9 * x), 0.3)),
+            sie.SINGULAR,
+            [1.0, 0.5],
+        ),
     ],
 )
 def test_factors_and_iteration_give_the_same_derivative(conditions, right, values):
     rng = np.random.default_rng(3)
     ends = 1.3 * np.arange(60)[:, None] + [0.0, 1.0] + rng.uniform(-0.1, 0.1, (60, 2))
     g = sie.Forcing(np.sin, lambda x: -np.cos(x))
-    equation = sie.Equation(sie.cauchy(), g, conditions)
+    weighted = any(isinstance(one, sie.Weighted) for one in conditions)
+    columns = [lambda x: np.exp(-x / 10)] if weighted else []
+    equation = sie.Equation(sie.cauchy(), g, conditions, columns)
     zones, dends = sie.Zones.of(ends, sie.SINGULAR, right), rng.uniform(-1, 1, (60, 2))
     found = []
     for direct in (True, False):
