@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     )
     from sie.equation.equation import CountError, Equation
     from sie.equation.forcing import Forcing, Jumps, Resolution
+    from sie.graded.density import GradedDensity
     from sie.jumps.poles import AlgebraicPoints
     from sie.results.derivative import Derivative
     from sie.results.gradient import Gradient
@@ -61,6 +62,7 @@ __all__ = [
     "FREE",
     "Forcing",
     "Free",
+    "GradedDensity",
     "Gradient",
     "Index",
     "Jumps",
@@ -119,6 +121,7 @@ _HOMES = {
     "Weighted ZoneMoments ZoneTotals moment",
     "sie.equation.equation": "CountError Equation",
     "sie.equation.forcing": "Forcing Jumps Resolution",
+    "sie.graded.density": "GradedDensity",
     "sie.trees.lazy": "uncollected",
     "sie.trees.piecewise": "PiecewiseTransform",
     "sie.ends.motions": "EndRates end_motions end_rates",

@@ -10,6 +10,7 @@ import numpy as np
 from sie.basis.data import EPS, SUM_ROUNDING, record
 from sie.dense import modes
 from sie.ends.newton import Free
+from sie.graded.state import GradedState
 from sie.slits.system import AnyState, SlitState
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.state import LOOKS, THETA, State
@@ -45,6 +46,8 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
                 f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by "
                 f"{open_:.1e} of its width"
             )
+    if isinstance(state, GradedState):
+        return state.reason(tol)
     iteration, conditions, resolution = _parts(state)
     # The error of the iteration also enters `resolution`, multiplied by the number of modes. So it
     # is compared with a small fraction of `resolution`.
@@ -66,7 +69,7 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
     return _of_resolution(worst, tol)
 
 
-def _parts(state: AnyState) -> tuple[float, float, float]:
+def _parts(state: State | SlitState) -> tuple[float, float, float]:
     """Relative errors of the density due to (the iteration, round-off of rows, all other
     causes).
     """
@@ -95,7 +98,7 @@ class _Worst:
     terms: float
 
     @classmethod
-    def of(cls, state: AnyState) -> _Worst:
+    def of(cls, state: State | SlitState) -> _Worst:
         whole, zones = state.whole, state.density.zones
         solved = zones.solved if not isinstance(state, SlitState) else np.arange(len(zones))
         residuals = np.abs(state._residuals)
@@ -128,7 +131,7 @@ class _Worst:
         )
 
 
-def whole_zone(state: AnyState, piece: int) -> int:
+def whole_zone(state: State | SlitState, piece: int) -> int:
     """Index of the wide zone (zones joined across slits) that contains the zone `piece`."""
     return int(state.wide_of(np.array([piece]))[1][0])
 

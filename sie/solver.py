@@ -19,6 +19,7 @@ from sie.ends.newton import Free, find_ends
 from sie.ends.options import NewtonOptions, WarmStart
 from sie.equation.equation import Equation
 from sie.equation.forcing import Forcing, Function
+from sie.graded.state import GradedState
 from sie.results import figure, pickling
 from sie.results.capacity import capacity_of
 from sie.results.derivative import Change, Derivative, Linearized, without_slits
@@ -47,7 +48,7 @@ class Solution:
 
     Parameters
     ----------
-    density : Density or SlitDensity
+    density : Density, SlitDensity or GradedDensity
         The unknown function phi; call it at points of the line, see `Density`.
     zones : Zones
         The n zones, with the converged free ends; `zones.table` is the (n, 2) array of ends.
@@ -470,8 +471,9 @@ def _best(solutions: Iterator[Solution], tol: float) -> Solution:
 def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
     """Solutions on zones with fixed ends, first to the wanted tolerance and then to round-off."""
     for decay in (max(OPTIONS.parts[0] * tol, EPS), EPS):
-        yield _with_errors(solve_zones(equation, zones, decay))
-        if _unresolvable(equation, zones, tol):
+        state = solve_zones(equation, zones, decay)
+        yield _with_errors(state)
+        if not isinstance(state, GradedState) and _unresolvable(equation, zones, tol):
             break  # the first solution has the largest number of modes already
 
 

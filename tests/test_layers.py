@@ -20,7 +20,10 @@ ROOT = Path(__file__).parents[1]
 # From the ground up: what stands in a room, or in a file beside the rooms, imports from its own
 # room and those to its left only.
 ORDER = {
-    "sie": "basis trees jumps equation density dense fast states slits ends results reasons solver __init__",
+    "sie": """
+        basis trees jumps equation density dense fast states graded slits ends results reasons solver
+        __init__
+    """,
     "contact": """
         errors interrupts extras runtime model testing reference exact inverse axisymmetric
         formulation verify solution closed search localized adhesion solver sweeps explorer __init__ paper studies commands __main__

@@ -50,9 +50,9 @@ class ModeOptions:
     # nodes for each jump.
     nodes_per_piece: int = 4
     # Largest number of modes of a zone that are coupled to other zones. For a regular kernel that
-    # needs more modes, and next to narrow gaps with fixed ends, the last of `COUPLED_SIZES` applies
-    # instead. Zones with moving ends do not need more, since narrow gaps between them are treated
-    # as slits.
+    # needs more modes, and next to narrow gaps of fixed zones that have no graded coordinates (see
+    # `sie.graded`), the last of `COUPLED_SIZES` applies instead. Zones with moving ends do not need
+    # more, since narrow gaps between them are treated as slits.
     max_modes: int = 768
     # If the matrix would have more entries than this, no zone gets more than `max_modes` modes.
     max_matrix_numbers: float = 4e7

@@ -24,6 +24,8 @@ from sie.dense.system import System
 from sie.density.density import Density
 from sie.equation.conditions import Linear, Trial, asked
 from sie.equation.equation import Equation
+from sie.graded.density import GradedDensity
+from sie.graded.state import GradedState, is_graded, solve_graded
 from sie.slits.density import SlitDensity
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, merge
 from sie.states.base import Answered, Solver, density_of
@@ -520,8 +522,8 @@ class SlitState(Answered):
         return np.zeros((len(self.geometry.wide.solved), 0))
 
 
-AnyState = State | SlitState
-AnyDensity = Density | SlitDensity
+AnyState = State | SlitState | GradedState
+AnyDensity = Density | SlitDensity | GradedDensity
 
 
 def solve_zones(
@@ -558,6 +560,8 @@ def solve_zones(
     """
     equation.check_count(zones)
     sizes = first_sizes(equation, zones, tolerance) if sizes is None else sizes
+    if is_graded(equation, zones):
+        return solve_graded(equation, zones, tolerance, sizes)
     found = merge(equation, zones, sizes.joined)
     if found is None:
         return solve_fixed(equation, zones, tolerance, sizes)

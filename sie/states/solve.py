@@ -191,13 +191,7 @@ def _solve_once(
     matrix, right, scale = _rows(equation, system)
     if not all(np.all(np.isfinite(part)) for part in (samples.coefficients, right, matrix)):
         raise SingularSystem(_not_finite(equation, system))
-    solver = Factored.of(matrix)
-    # The rows of the side conditions have been divided by their sizes. So a reciprocal condition
-    # number below 4 `EPS` is zero within round-off.
-    singular = 4 * EPS
-    condition = _condition(solver, matrix)
-    if condition < singular and _condition(Factored.of(rows := _even(matrix)), rows) < singular:
-        raise SingularSystem(_singular(equation))
+    solver = regular_factors(equation, matrix)
     folded = solver(right)
     terms = np.hypot(root_of_squares(matrix, folded), right)
     last = matrix[:, system.last_unknowns]
@@ -206,10 +200,21 @@ def _solve_once(
         size_of_rows=_size_of_rows(system, terms),
         last=last,
         rows=matrix if zones.follow_ends else None,
-        reciprocal_condition=condition,
     )
     sizes.kernel_evaluations += matrix.size
     return _state(system, solver, folded, scale, samples, sizes)
+
+
+def regular_factors(equation: Equation, matrix: Array) -> Factored:
+    """The LU factors of a matrix whose rows are of size one; `SingularSystem` if it is singular."""
+    solver = Factored.of(matrix)
+    # The rows of the side conditions have been divided by their sizes. So a reciprocal condition
+    # number below 4 `EPS` is zero within round-off.
+    singular = 4 * EPS
+    condition = _condition(solver, matrix)
+    if condition < singular and _condition(Factored.of(rows := _even(matrix)), rows) < singular:
+        raise SingularSystem(_singular(equation))
+    return replace(solver, reciprocal_condition=condition)
 
 
 def _condition(solver: Factored, matrix: Array) -> float:
@@ -248,12 +253,16 @@ def _singular(equation: Equation) -> str:
 
 def _not_finite(equation: Equation, system: System) -> str:
     """Message that says which function of an equation is not finite on the zones, and where."""
-    zones, places = system.zones, [system.targets.x]
+    zones = system.zones
     # About as many Chebyshev nodes as the right side has coefficients are added on each zone. They
     # are similar to the nodes at which the right side was sampled.
     t = chebyshev.lobatto(max(16, system.g.shape[1] - 1))[0][1:-1]
-    places.append((zones.middle[:, None] + zones.half[:, None] * t).ravel())
-    x = np.concatenate(places)
+    more = (zones.middle[:, None] + zones.half[:, None] * t).ravel()
+    return not_finite(equation, np.concatenate((system.targets.x, more)))
+
+
+def not_finite(equation: Equation, x: Array) -> str:
+    """Message that says which function of an equation is not finite at places x, and where."""
     for name, part in (
         ("the right side", equation.forcing),
         *((f"column {k}", c) for k, c in enumerate(equation.columns)),

@@ -1,0 +1,429 @@
+"""Solutions on zones with graded coordinates: solving, stated errors, and responses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from sie.basis import chebyshev
+from sie.basis.data import EPS, HALF_DIGITS, SUM_ROUNDING, Array, Index, Kept, Mask, root_of_squares
+from sie.basis.zones import Zones
+from sie.dense import modes
+from sie.dense.lu import Factored
+from sie.dense.system import condition_rows
+from sie.equation.checks import check_functions
+from sie.equation.conditions import speaks_of_levels
+from sie.equation.equation import Equation
+from sie.graded.density import GradedDensity
+from sie.graded.system import OPTIONS, GradedSystem, exact_gaps, gradings_of
+from sie.states.options import OPTIONS as ERRORS
+from sie.states.rounding import primitive_rounding
+from sie.states.sizes import Sizes
+from sie.states.solve import SingularSystem, not_finite, regular_factors
+
+
+def is_graded(equation: Equation, zones: Zones) -> bool:
+    """Whether zones get graded coordinates: those with narrow gaps beside fixed ends do.
+
+    The right side must have no jumps or powers on the zones. Ends with a prescribed intensity that
+    is not zero must not move.
+    """
+    before, after = exact_gaps(zones, equation.kernel)
+    width = 2 * zones.half
+    fixed_left, fixed_right = ~zones.moves
+    # The gap after each zone is next to its right end and to the left end of the following zone.
+    fixed = fixed_right | np.roll(fixed_left, -1)
+    narrow = after < OPTIONS.max_gap * np.maximum(width, np.roll(width, -1))
+    if not np.any(narrow & fixed) or zones.follow_ends:
+        return False
+    plain = -np.log(EPS) / modes.decay(zones, equation.kernel)
+    if plain.sum() <= OPTIONS.min_plain_unknowns:
+        return False
+    jumps = equation.forcing.jumps_within(zones, equation.kernel)
+    if len(jumps) or len(jumps.poles):
+        return False
+    return int(_first_sizes(equation, zones).sum()) <= OPTIONS.max_unknowns
+
+
+def _first_sizes(equation: Equation, zones: Zones) -> Index:
+    """First number of modes of each zone.
+
+    Fields across a gap are singular at the distance pi/B from the axis of s. So Gauss's rule with n
+    nodes integrates them with an error of exp(-2 n asinh(pi/B)).
+    """
+    stretch = np.array([one.stretch for one in gradings_of(zones, equation.kernel)])
+    count = -np.log(EPS) / (2 * np.arcsinh(np.pi / stretch))
+    return _even(count + OPTIONS.extra_modes)
+
+
+def _even(count: Array) -> Index:
+    """Even numbers, none below the given ones."""
+    return 2 * np.ceil(0.5 * count).astype(np.intp)
+
+
+@dataclass(frozen=True, eq=False)
+class GradedState(Kept):
+    """The solution on zones with graded coordinates; it has the members of `State`.
+
+    density: the wanted function; solver: LU factors of the rows; conditions_from: index of the
+    first row of the side conditions; condition_scale: scales of these rows; row_sizes: root of the
+    sum of squares of each row's terms; sizes: numbers of modes, and counts of evaluations;
+    value_changes: changes of the side conditions' values, see `with_value`.
+    """
+
+    density: GradedDensity
+    solver: Factored = field(repr=False)
+    conditions_from: int
+    condition_scale: Array = field(repr=False)
+    row_sizes: Array = field(repr=False)
+    sizes: Sizes = field(repr=False)
+    value_changes: Array = field(repr=False)
+
+    @property
+    def system(self) -> GradedSystem:
+        return self.density.system
+
+    @property
+    def equation(self) -> Equation:
+        return self.system.equation
+
+    @property
+    def whole(self) -> Any:
+        """The solution on the zones without slits, which is this object itself."""
+        return self
+
+    def wide_of(self, zones: Index) -> tuple[Any, Index]:
+        """The solution on zones without slits (here itself), and the indices of the given zones in
+        it.
+        """
+        return self, zones
+
+    @property
+    def direct(self) -> Factored:
+        """The solver: LU factors of a matrix."""
+        return self.solver
+
+    @property
+    def kept(self) -> Index:
+        """Number of coefficients of each zone (Z,)."""
+        return self.system.sizes
+
+    @property
+    def truncation(self) -> Array:
+        """The same as `tails`: the right side has no coefficients of its own."""
+        return self.tails
+
+    @property
+    def iteration(self) -> None:
+        """The iterative solver: there is none."""
+        return None
+
+    @property
+    def iterated(self) -> bool:
+        """Whether the unknowns were computed by an iteration: they are not."""
+        return False
+
+    @property
+    def coupled(self) -> int:
+        """Number of unknowns of the system."""
+        return self.solver.size
+
+    @property
+    def unresolved(self) -> bool:
+        """Whether even the largest number of modes does not resolve the equation on the zones."""
+        return bool(
+            np.any((self.system.sizes >= OPTIONS.max_modes) & (self.tails > ERRORS.negligible))
+        )
+
+    def with_bounded_ends(self) -> GradedState:
+        """The same state with a density that has no terms in 1/sqrt(distance) at its free ends."""
+        return replace(self, density=self.density.with_bounded_ends())
+
+    # The methods below give solutions for other values of the side conditions.
+    @property
+    def condition_index(self) -> Index:
+        """Index of the first row of each side condition among the rows of all side conditions."""
+        counts = [c.count(self.density.zones) for c in self.equation.conditions]
+        return np.cumsum([0, *counts], dtype=np.intp)[:-1]
+
+    def values(self, condition: int = 0, change: float = 1.0) -> Array:
+        """Changes of all side conditions' values: `change` for the given condition, else zero."""
+        out = np.zeros(len(self.condition_scale))
+        out[self.condition_index[condition]] = change
+        return out
+
+    def response(self, values: Array, tolerance: float = 0.0) -> GradedDensity:
+        """The density caused by changes `values` of the side conditions, for a zero right side."""
+        return replace(self.density, unknowns=self._answer(values), bounded_ends=False)
+
+    def _answer(self, values: Array) -> Array:
+        """Changes of the unknowns by changes of the side conditions' values."""
+        right = np.zeros(self.solver.size)
+        right[self.conditions_from :] = values / self.condition_scale
+        return self.system.unfold(self.solver(right))
+
+    def with_value(self, condition: int, change: float) -> GradedState:
+        """The state after the value of one side condition has changed by `change`."""
+        values = self.values(condition, change)
+        density = replace(self.density, unknowns=self.density.unknowns + self._answer(values))
+        return replace(self, density=density, value_changes=self.value_changes + values)
+
+    @property
+    def levels(self) -> Array:
+        """Level of each solved zone, the mean of the potential minus the right side's primitive."""
+        rows, constants = self.system.levels()
+        return np.asarray(rows @ self.density.unknowns + constants)
+
+    def level_rates(self, values: Array) -> Array:
+        """Changes of `levels` that changes of the side conditions' values cause."""
+        return np.asarray(self.system.levels()[0] @ self._answer(values))
+
+    def right_side(self, x: Array) -> Array:
+        """The equation's right side at points, including its terms of unknown amplitude."""
+        columns = zip(self.density.amplitudes, self.equation.columns, strict=True)
+        return np.asarray(
+            self.equation.forcing.value(x)
+            + sum(amplitude * column.value(x) for amplitude, column in columns)
+        )
+
+    # The methods below estimate errors of the solution. Charges are the values of F.
+    @cached_property
+    def tails(self) -> Array:
+        """Last coefficients of each zone's series over its largest one (Z,)."""
+        c, out = np.abs(self.density.divided), np.zeros(len(self.density.zones))
+        for zone, n in enumerate(self.system.sizes.tolist()):
+            out[zone] = _ratio(c[zone, n - 4 : n].max(), c[zone].max())
+        return out
+
+    @property
+    def field_tail(self) -> float:
+        return float(self.tails.max())
+
+    @cached_property
+    def charge_sizes(self) -> Array:
+        """Largest coefficient of F on each zone (Z,)."""
+        return np.asarray(np.abs(self.density.coefficients).max(axis=1))
+
+    @property
+    def natural(self) -> Array:
+        """The largest coefficient of each zone's series except the first, which is the total."""
+        return np.asarray(np.abs(self.density.coefficients[:, 1:]).max(axis=1, initial=0.0))
+
+    @property
+    def linear_error(self) -> Array:
+        return np.zeros(len(self.density.zones))
+
+    @property
+    def noise(self) -> Array:
+        """Round-off of the right side: it is contained in the residual."""
+        return np.zeros(len(self.density.zones))
+
+    @cached_property
+    def residuals(self) -> Array:
+        """Size of the residual of each row of the equation, then of each side condition.
+
+        It is that of the interpolated charges on twice as many nodes, the largest of the row's own
+        node and of the new nodes on both sides of it. Close to a gap the terms of a row may be tiny,
+        and so is its residual.
+        """
+        system, zones = self.system, self.density.zones
+        finer = GradedSystem(self.equation, zones, 2 * system.sizes)
+        matrix, right = finer.equation_rows()
+        rows, values = condition_rows(self.equation, finer, finer.size)
+        unknowns = system.on_finer(self.density.unknowns, self.density.powers, finer)
+        wrong = np.abs(matrix @ unknowns - right)
+        out, start = [], 0
+        for zone in zones.solved.tolist():
+            count = system.row_count(zone)
+            row = start + 1 + 2 * np.arange(count)
+            after = np.minimum(row + 1, start + finer.row_count(zone) - 1)
+            out.append(np.maximum(np.maximum(wrong[row - 1], wrong[row]), wrong[after]))
+            start += finer.row_count(zone)
+        wrong = np.abs(rows @ unknowns - values - self.value_changes) / self.condition_scale
+        return np.concatenate((*out, wrong))
+
+    @cached_property
+    def missing(self) -> Array:
+        """Estimated sum of the neglected coefficients of each zone's series (Z,)."""
+        c, out = np.abs(self.density.divided), np.zeros(len(self.density.zones))
+        for zone, n in enumerate(self.system.sizes.tolist()):
+            last, before = c[zone, n - 4 : n].max(), c[zone, n // 2 - 2 : n // 2 + 2].max()
+            fall = min(last / before, 0.99) ** (2.0 / n) if before > 0.0 else 0.0
+            out[zone] = last * fall / (1 - fall)
+        return out
+
+    @cached_property
+    def _change_series(self) -> Array:
+        """Samples of random changes of each zone's series by errors of the rows (samples, Z, n)."""
+        system, chance = self.system, np.random.default_rng(0)
+        errors, rows = np.hypot(EPS * self.row_sizes, self.residuals), self.conditions_from
+        if any(speaks_of_levels(one, system.zones) for one in self.equation.conditions):
+            period = self.density.kernel.period
+            noise = primitive_rounding(self.equation.forcing, system.zones, period)
+            errors[rows:] = np.hypot(errors[rows:], noise / self.condition_scale)
+        shaken = errors[:, None] * chance.standard_normal((self.solver.size, ERRORS.samples))
+        changes = system.unfold(self.solver(shaken)).T
+        return ERRORS.safety * np.array(
+            [system.series(one, self.density.powers) for one in changes]
+        )
+
+    @cached_property
+    def _errors(self) -> tuple[Array, Array, Array]:
+        """(error of phi sqrt(1 - t^2), its size, error of charges) on each zone (3, Z)."""
+        system = self.system
+        errors, sizes, charges = np.zeros((3, len(system.zones)))
+        for zone, places in enumerate(system.sources):
+            grading, powers = system.gradings[zone], self.density.powers[:, zone]
+            scale = grading.scale(places, powers)
+            root = np.sqrt(places.from_a * places.from_b) / system.zones.half[zone] / places.rate
+            over = root / np.sqrt(places.left * places.right)
+            sizes[zone] = float((np.abs(self.density.unknowns[system.own(zone)]) * over).max())
+            changed = chebyshev.t_values(
+                self._change_series[:, zone, : system.sizes[zone]], int(system.sizes[zone])
+            )
+            wrong = scale * (np.abs(changed).max(axis=0) + self.missing[zone])
+            errors[zone], charges[zone] = float((wrong * over).max()), float(wrong.max())
+        return errors, sizes, charges
+
+    @property
+    def zone_sizes(self) -> Array:
+        """Largest value of the density times sqrt(1 - t^2) on each zone (Z,)."""
+        return self._errors[1]
+
+    @property
+    def size(self) -> float:
+        """Largest value of the density times sqrt(1 - t^2) on all zones."""
+        return float(self.zone_sizes.max())
+
+    @cached_property
+    def density_error(self) -> float:
+        """Estimated error of the density on these zones.
+
+        It is the sum of two: the error of the density times sqrt(1 - t^2) over its `size`, and the
+        error of charges over the largest one. The density next to a narrow gap may exceed that on
+        the rest of the zones by orders of magnitude, charges do not.
+        """
+        errors, sizes, charges = self._errors
+        return _ratio(errors.max(), sizes.max()) + _ratio(charges.max(), self.charge_sizes.max())
+
+    @cached_property
+    def zone_errors(self) -> Array:
+        """The same on each zone (Z,), relative to its own largest density and charge."""
+        errors, sizes, charges = self._errors
+        of_charges = zip(charges, self.charge_sizes, strict=True)
+        pairs = zip(zip(errors, sizes, strict=True), of_charges, strict=True)
+        return np.array([_ratio(*one) + _ratio(*other) for one, other in pairs])
+
+    @cached_property
+    def density_rounding(self) -> Array:
+        """Error of the density times sqrt(1 - t^2) on each zone (Z,) by errors of the rows."""
+        return self._errors[0]
+
+    def _intensity_errors(self, of_ends: Array) -> Array:
+        """Errors of K from errors of the zones' series at left and right ends (2, Z)."""
+        pairs = zip(self.system.gradings, self.density.powers.T, strict=True)
+        scale = np.array(
+            [one.scale(one.ends, powers) / np.sqrt(2 * one.end_rates) for one, powers in pairs]
+        ).T
+        return np.asarray(of_ends * scale)
+
+    @cached_property
+    def intensity_noise(self) -> Array:
+        """Error of the intensities K at the left and right ends by errors of the rows (2, Z)."""
+        c = self._change_series
+        signs = 1.0 - 2.0 * (np.arange(c.shape[2]) % 2)
+        at_ends = np.array([c @ signs, c.sum(axis=2)])
+        return self._intensity_errors(np.abs(at_ends).max(axis=1))
+
+    @cached_property
+    def intensity_truncation(self) -> Array:
+        """Error of the intensities K at the left and right ends by neglected coefficients (2, Z)."""
+        return self._intensity_errors(np.array([self.missing, self.missing]))
+
+    @cached_property
+    def end_truncation(self) -> Array:
+        """Truncation error of each moving end, relative to its zone's half width (Z, 2)."""
+        zones = self.density.zones
+        slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
+        return np.asarray(self.intensity_truncation / np.maximum(slopes, 1e-300) / zones.half).T
+
+    def reason(self, tol: float) -> str:
+        """The reason, as a message, for the largest part of the stated error."""
+        zone = int(np.argmax(self.tails * self.charge_sizes))
+        n = int(self.system.sizes[zone])
+        if self.tails[zone] > 0.1 * tol:
+            return (
+                f"on zone {zone} (counted from 0), which lies beside a narrow gap, the last of {n} "
+                f"modes is {self.tails[zone]:.1e} of the largest: the right side, a column or the "
+                "kernel varies too fast for them, is rounded or noisy, or jumps"
+            )
+        rounding = EPS * float(self.row_sizes.max())
+        return (
+            f"the zones lie beside narrow gaps: rounding of the size {rounding:.1e} in the rows of "
+            f"the equation and of the side conditions changes charges of the size "
+            f"{self.charge_sizes.max():.1e} by {float(self._errors[2].max()):.1e}"
+        )
+
+
+def _ratio(error: float, size: float) -> float:
+    """error / size, 0 where the size is 0."""
+    return float(error / size) if size > 0.0 else 0.0
+
+
+def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Sizes) -> GradedState:
+    """The solution on zones with graded coordinates.
+
+    Modes are added to zones until the last ones have decayed to the tolerance, or no longer decay.
+    """
+    if sizes.solves == 0:
+        check_functions(equation, zones)
+    enough = max(ERRORS.negligible * tolerance, SUM_ROUNDING)
+    count, last = _first_sizes(equation, zones), np.full(len(zones), np.inf)
+    while True:
+        if zones.symmetric:
+            count = np.maximum(count, count[::-1])
+        state = _solve_once(equation, zones, count, sizes)
+        tails = state.tails
+        # Tails that more modes do not halve are round-off.
+        more: Mask = (tails > enough) & (count < OPTIONS.max_modes) & (tails < 0.5 * last)
+        # Coefficients decay as a power of the mode. With few digits the power is not sure.
+        digits = np.log(np.clip(tails, enough, HALF_DIGITS**0.5))
+        wanted = _even(np.where(more, OPTIONS.growth * np.log(enough) / digits, 1.0) * count)
+        wanted = np.minimum(wanted, OPTIONS.max_modes)
+        if not more.any() or wanted.sum() > OPTIONS.max_unknowns:
+            return state
+        last, count = np.where(more, tails, last), wanted
+
+
+def _solve_once(equation: Equation, zones: Zones, count: Index, sizes: Sizes) -> GradedState:
+    """The solution with given numbers of modes."""
+    system = GradedSystem(equation, zones, count)
+    matrix, right = system.equation_rows()
+    rows, values = condition_rows(equation, system, system.size)
+    scale = np.abs(rows).max(axis=1, initial=0.0)
+    if np.any(scale == 0):
+        raise SingularSystem("a side condition does not depend on the density")
+    matrix = system.fold(np.concatenate((matrix, rows / scale[:, None])))
+    right = np.concatenate((right, values / scale))
+    if not (np.all(np.isfinite(matrix)) and np.all(np.isfinite(right))):
+        raise SingularSystem(not_finite(equation, system.source_x))
+    solver = regular_factors(equation, matrix)
+    y = solver(right)
+    # One step of iterative refinement makes the error of each row as small as the row's own terms
+    # (R. D. Skeel, Math. Comp. 35, 1980, 817-832), also where these are tiny beside a gap.
+    y = y + solver(right - matrix @ y)
+    sizes.solves += 1
+    sizes.profile_evaluations += system.nodes
+    sizes.kernel_evaluations += matrix.size
+    return GradedState(
+        GradedDensity(system, system.unfold(y)),
+        solver,
+        len(right) - len(scale),
+        scale,
+        np.hypot(root_of_squares(matrix, y), right),
+        sizes,
+        np.zeros(len(scale)),
+    )

@@ -1,0 +1,399 @@
+"""The rows of the equation on zones with graded coordinates.
+
+On each zone the density is F(s) / (sqrt(1 - s^2) dx/ds), with the graded coordinate s of
+`sie.graded.grading`. The unknowns are the values F_k of F at the n zeros s_k of T_n. They are the
+zone's charges: the integral of the density over it is pi/n sum F_k. By Gauss's rule, which holds
+for the principal value too at the n - 1 zeros s_r of U_(n-1) (F. Erdogan and G. D. Gupta, Quart.
+Appl. Math. 29, 1972, 525-534), the equation is
+
+    sum_k (F_k / n) (dx/ds)_r K(x_r, x_k) - (dx/ds)_r sum lambda C(x_r) = (dx/ds)_r g(x_r).
+
+The sum runs over the nodes of all zones. Rows are multiplied by dx/ds, so that all are of the size
+of charges. Differences x_r - x_k are formed from distances from ends and from the gaps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from sie.basis import chebyshev
+from sie.basis.data import SUM_ROUNDING, Array, Index, Kept, sum_error
+from sie.basis.kernels import Kernel
+from sie.basis.lag_table import regular_values
+from sie.basis.weight import needs_half
+from sie.basis.zones import Zones
+from sie.dense.modes import gaps, place_rounding
+from sie.dense.system import Layout
+from sie.equation.conditions import Linear, Rows
+from sie.equation.equation import Equation
+from sie.equation.forcing import Forcing
+from sie.graded.grading import Grading, Places, collocation, gauss
+
+
+@dataclass(frozen=True)
+class GradedOptions:
+    """When zones get graded coordinates, and how many unknowns they may have."""
+
+    # A gap beside a fixed end is narrow if it is below this fraction of the wider zone beside it.
+    # Plain series then need 200 modes or more, graded ones 50. Insensitive: twice or half of it
+    # changes times only.
+    max_gap: float = 0.005
+    # With at most so many unknowns plain coordinates are as fast, and their levels have more digits.
+    min_plain_unknowns: int = 900
+    # No gap counts as wider than this multiple of its zone, so that the coordinate is defined next
+    # to infinite gaps. From there on the coordinate is nearly linear.
+    max_grading_gap: float = 1.0
+    # Number of modes of a zone beyond those that its kernel needs, for the right side.
+    extra_modes: int = 8
+    # Where the modes of a zone do not suffice, their rate of decay gives the number for the next
+    # solution. It is multiplied by this margin.
+    growth: float = 1.1
+    # Largest number of modes of a zone, and of all zones. A matrix of that size takes some seconds.
+    max_modes: int = 1024
+    max_unknowns: int = 4000
+
+
+OPTIONS = GradedOptions()
+
+
+def gradings_of(zones: Zones, kernel: Kernel) -> list[Grading]:
+    """The graded coordinate of each zone, from the gaps on both of its sides."""
+    width = 2 * zones.half
+    least = np.finfo(float).tiny / np.finfo(float).eps
+    before, after = (
+        np.clip(gap, least, OPTIONS.max_grading_gap * width) for gap in exact_gaps(zones, kernel)
+    )
+    return [
+        Grading(*one) for one in zip(width.tolist(), before.tolist(), after.tolist(), strict=True)
+    ]
+
+
+def exact_gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
+    """The gaps on the left and on the right of each zone, to all digits of the ends."""
+    left, right = (gap.copy() for gap in gaps(zones, kernel))
+    between = difference(zones.a[1:], zones.b[:-1]) + (zones.rest[0, 1:] - zones.rest[1, :-1])
+    left[1:], right[:-1] = between, between
+    shifts = [shift for shift in kernel.poles if shift > 0]
+    if shifts:
+        border = difference(zones.a[:1], zones.b[-1:], -min(shifts))
+        left[0] = right[-1] = float(border[0] + zones.rest[0, 0] - zones.rest[1, -1])
+    return left, right
+
+
+def difference(x: Array, y: Array, shift: float = 0.0) -> Array:
+    """x - y - shift, rounded once only."""
+    first = x - y
+    both = first - shift
+    error = sum_error(x, -y) + sum_error(first, np.full_like(first, -shift))
+    return np.asarray(both + error)
+
+
+class GradedSystem(Rows, Kept):
+    """Matrix rows of the equation on graded zones, and quantities for side conditions (see `Rows`).
+
+    sizes: number of unknowns of each zone. Matrices have a column for each node of each zone, then
+    one for each column of the equation.
+    """
+
+    def __init__(self, equation: Equation, zones: Zones, sizes: Index) -> None:
+        needs_half(zones.weight, "graded coordinates")
+        self.equation, self.zones, self.sizes = equation, zones, sizes
+        self.gradings = gradings_of(zones, equation.kernel)
+        pairs = list(zip(self.gradings, sizes.tolist(), strict=True))
+        self.sources = [gauss(grading, n) for grading, n in pairs]
+        self.targets = [collocation(grading, n) for grading, n in pairs]
+        self.layout = Layout(sizes - 1, len(equation.columns))
+        self.offset, self.nodes, self.size = (
+            self.layout.offset,
+            self.layout.coefficients,
+            self.layout.size,
+        )
+
+    @property
+    def g(self) -> Array:
+        """Coefficients of the right side on each zone: none, its values at the nodes are used."""
+        return np.zeros((len(self.zones), 1))
+
+    @cached_property
+    def zone_of(self) -> Index:
+        """The zone of each source."""
+        return np.repeat(np.arange(len(self.zones)), self.sizes)
+
+    @cached_property
+    def weights(self) -> Array:
+        """1/n for each source, n the number of sources on its zone."""
+        return np.asarray(1.0 / self.sizes[self.zone_of])
+
+    @cached_property
+    def from_ends(self) -> tuple[Array, Array]:
+        """Distances of all sources from the left and from the right end of their zones."""
+        return (
+            np.concatenate([one.from_a for one in self.sources]),
+            np.concatenate([one.from_b for one in self.sources]),
+        )
+
+    @cached_property
+    def source_x(self) -> Array:
+        """Positions of all sources."""
+        return np.concatenate([self.positions(i, one) for i, one in enumerate(self.sources)])
+
+    def positions(self, zone: int, places: Places) -> Array:
+        """Positions x of places on a zone."""
+        start, away = self._rounded(zone, places)
+        return np.asarray(start + away)
+
+    def _rounded(self, zone: int, places: Places) -> tuple[Array, Array]:
+        """(position of the nearer end, distance from it with its sign) of places on a zone."""
+        zones, left = self.zones, places.from_a <= places.from_b
+        start = np.where(left, zones.a[zone], zones.b[zone])
+        rest = np.where(left, zones.rest[0, zone], zones.rest[1, zone])
+        return start, np.where(left, places.from_a, -places.from_b) + rest
+
+    # The methods below give the fields of all sources on one zone.
+    def lags(self, zone: int, places: Places, shift: float) -> Array:
+        """x - x' - shift for places x on a zone and all sources x' (places, sources).
+
+        Entries for the zone's own sources are meaningless if the shift is zero.
+        """
+        zones, z = self.zones, self.zone_of
+        ahead = difference(np.full(len(zones), zones.a[zone]), zones.b, shift)
+        behind = -difference(np.full(len(zones), zones.b[zone]), zones.a, shift)
+        ahead = ahead + (zones.rest[0, zone] - zones.rest[1])
+        behind = behind + (zones.rest[0] - zones.rest[1, zone])
+        from_a, from_b = self.from_ends
+        with np.errstate(invalid="ignore"):
+            return np.where(
+                (ahead >= 0)[z],
+                ahead[z] + from_b + places.from_a[:, None],
+                -(behind[z] + from_a + places.from_b[:, None]),
+            )
+
+    def own(self, zone: int) -> slice:
+        """The columns of a zone's own sources."""
+        return slice(int(self.offset[zone]), int(self.offset[zone] + self.sizes[zone]))
+
+    def fields(self, zone: int, places: Places) -> Array:
+        """dx/ds times the transform at places of a zone, for a unit of each F_k (places, sources).
+
+        The zone's own part is that of Gauss's rule, which is exact at collocation nodes only.
+        """
+        out = self.far_fields(zone, places)
+        grading, own = self.gradings[zone], self.own(zone)
+        out[:, own] += grading.kernel(places, self.sources[zone]) / self.sizes[zone]
+        return out
+
+    def far_fields(self, zone: int, places: Places) -> Array:
+        """`fields` without the zone's own pole."""
+        kernel, own = self.equation.kernel, self.own(zone)
+        out = np.zeros((len(places.u), self.nodes))
+        for shift in kernel.poles:
+            with np.errstate(divide="ignore"):
+                part = 1 / self.lags(zone, places, shift)
+            if shift == 0.0:
+                part[:, own] = 0.0
+            out += part
+        if kernel.regular is not None:
+            out += regular_values(kernel, self.positions(zone, places), self.source_x)
+        out *= places.rate[:, None] * self.weights
+        return out
+
+    def potentials(self, zone: int, places: Places) -> Array:
+        """Potential at places of a zone for a unit of each F_k, without log|s - s'| of its own."""
+        kernel, own = self.equation.kernel, self.own(zone)
+        out = np.zeros((len(places.u), self.nodes))
+        for shift in kernel.poles:
+            with np.errstate(divide="ignore"):
+                part = np.log(np.abs(self.lags(zone, places, shift)))
+            if shift == 0.0:
+                part[:, own] = self.gradings[zone].log_ratio(places, self.sources[zone])
+            out += part - np.log(kernel.datum)
+        if kernel.regular is not None:
+            if kernel.regular_potential is None:
+                raise ValueError("a condition on potentials needs the regular kernel's potential")
+            out += regular_values(kernel, self.positions(zone, places), self.source_x, True)
+        return out * self.weights
+
+    # The methods below assemble the equation on the solved zones.
+    def equation_rows(self) -> tuple[Array, Array]:
+        """(matrix, right side) of the equation at the collocation nodes that are kept."""
+        rows, values = [], []
+        for zone in self.zones.solved.tolist():
+            places = self.targets[zone]
+            places = places[: self.row_count(zone)]
+            matrix = np.zeros((len(places.u), self.size))
+            matrix[:, : self.nodes] = self.fields(zone, places)
+            x = self.positions(zone, places)
+            for k, column in enumerate(self.equation.columns):
+                matrix[:, self.nodes + k] = -places.rate * np.asarray(column.value(x))
+            rows.append(matrix)
+            values.append(places.rate * self.right_side(zone)[: len(places.u)])
+        return np.concatenate(rows), np.concatenate(values)
+
+    def row_count(self, zone: int) -> int:
+        """Number of rows of a solved zone.
+
+        On a zone about the centre of symmetry both sides are odd, so that its right half is enough.
+        """
+        count = int(self.sizes[zone]) - 1
+        return count // 2 if self.zones.central and zone == self.zones.solved[0] else count
+
+    def right_side(self, zone: int) -> Array:
+        """Values of the right side at the collocation nodes of a zone."""
+        places, forcing = self.targets[zone], self.equation.forcing
+        start, away = self._rounded(zone, places)
+        if float(place_rounding(self.zones, np.array([zone]))[0]) <= SUM_ROUNDING:
+            return np.asarray(forcing.value(start + away), dtype=float)
+        return forcing.sampled(start, away, lambda g: chebyshev.slopes(g) / places.rate)
+
+    # The methods below are those of `Rows`.
+    def _zero_rows(self) -> Array:
+        return np.zeros((len(self.zones.solved), self.size))
+
+    def _summed(self, values: Array) -> Linear:
+        """Integrals over the solved zones of the density times the given values at the sources."""
+        rows = self._zero_rows()
+        for row, zone in zip(rows, self.zones.solved, strict=True):
+            own = self.own(zone)
+            row[own] = np.pi * (self.weights * values)[own]
+        return rows, np.zeros(len(rows))
+
+    def totals(self) -> Linear:
+        return self._summed(np.ones(self.nodes))
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        values = np.asarray(weight(self.source_x), dtype=float)
+        return self._summed(np.broadcast_to(values, (self.nodes,)))
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        left, right = self._zero_rows(), self._zero_rows()
+        # Next to a bounded end the charges F vanish with the distance from the gap. So F is
+        # extrapolated to the end after it is divided by this distance.
+        powers = np.isfinite(self.zones.intensities).astype(float)
+        for place, zone in enumerate(self.zones.solved.tolist()):
+            n, grading = int(self.sizes[zone]), self.gradings[zone]
+            own = self.own(zone)
+            series = chebyshev.to_series(n)
+            series = series / grading.scale(self.sources[zone], powers[:, zone])[:, None]
+            at_ends = grading.scale(grading.ends, powers[:, zone])
+            scale = at_ends / np.sqrt(2 * grading.end_rates)
+            left[place, own] = scale[0] * (series @ (1.0 - 2.0 * (np.arange(n) % 2)))
+            right[place, own] = scale[1] * series.sum(axis=1)
+        none = np.zeros(len(left))
+        return (left, none), (right, none)
+
+    def amplitude(self, k: int) -> Linear:
+        row = np.zeros((1, self.size))
+        row[0, self.layout.amplitude(k)] = 1.0
+        return row, np.zeros(1)
+
+    def levels(self) -> Linear:
+        """Mean of the potential minus the right side's primitive on each solved zone.
+
+        The weight is 1 / sqrt(1 - s^2). For it, the mean of log|s - s'| is -log(2) at every s'.
+        """
+        return self._levels
+
+    @cached_property
+    def _levels(self) -> Linear:
+        rows, constants = self._zero_rows(), np.zeros(len(self.zones.solved))
+        for place, zone in enumerate(self.zones.solved.tolist()):
+            parts = [self.targets[zone], self.gradings[zone].ends]
+            n, own = self.sizes[zone], self.own(zone)
+            # Lobatto's rule, in which the ends have half the weight of the nodes between them.
+            for places, weight in zip(parts, (1.0 / n, 0.5 / n), strict=True):
+                x = self.positions(zone, places)
+                rows[place, : self.nodes] += weight * self.potentials(zone, places).sum(axis=0)
+                for k, column in enumerate(self.equation.columns):
+                    rows[place, self.nodes + k] -= weight * _primitive("every column", column, x)
+                constants[place] -= weight * _primitive("the right side", self.equation.forcing, x)
+            rows[place, own] -= np.log(2) * self.weights[own]
+        return rows, constants
+
+    # The methods below choose the unknowns that are solved for.
+    @cached_property
+    def source_of(self) -> Index:
+        """For each unknown, the one that it equals: itself, or that of the mirror image."""
+        out = np.arange(self.size)
+        if self.zones.symmetric:
+            mirrored = self.nodes - 1 - np.arange(self.nodes)
+            # Nodes run from right to left on each zone, zones from left to right.
+            zone = len(self.zones) - 1 - self.zone_of
+            inner = np.arange(self.nodes) - self.offset[self.zone_of]
+            mirrored = self.offset[zone] + self.sizes[zone] - 1 - inner
+            at_left = self.zone_of < self.zones.solved[0]
+            if self.zones.central:
+                at_left |= (self.zone_of == self.zones.solved[0]) & (
+                    inner > mirrored - self.offset[zone]
+                )
+            out[: self.nodes] = np.where(at_left, mirrored, out[: self.nodes])
+        return out
+
+    @cached_property
+    def kept(self) -> Index:
+        """The unknowns that are solved for."""
+        return np.flatnonzero(self.source_of == np.arange(self.size))
+
+    def fold(self, matrix: Array) -> Array:
+        """The matrix for the unknowns that are solved for."""
+        if not self.zones.symmetric:
+            return matrix
+        follow = np.setdiff1d(np.arange(self.size), self.kept)
+        matrix = matrix.copy()
+        matrix[:, self.source_of[follow]] += matrix[:, follow]
+        return np.asarray(matrix[:, self.kept])
+
+    def unfold(self, y: Array) -> Array:
+        """All unknowns from those that are solved for; the last axis of the result is theirs."""
+        out = np.zeros((self.size, *y.shape[1:]))
+        out[self.kept] = y
+        return np.asarray(out[self.source_of])
+
+    def series(self, unknowns: Array, powers: Array | None = None) -> Array:
+        """Chebyshev coefficients of F on each zone (zones, n), from the unknowns.
+
+        powers: coefficients are those of F divided by `Grading.scale` with these powers (2, zones).
+        """
+        out = np.zeros((len(self.zones), int(self.sizes.max())))
+        for zone, n in enumerate(self.sizes.tolist()):
+            values = unknowns[self.own(zone)]
+            if powers is not None:
+                values = values / self.gradings[zone].scale(self.sources[zone], powers[:, zone])
+            out[zone, :n] = values @ chebyshev.to_series(n)
+        return out
+
+    def powers_for(self, unknowns: Array) -> Array:
+        """Powers (2, zones) of the distances from both gaps by which F is divided before its series.
+
+        Round-off of a series is relative to its largest value. Next to a narrow gap of the relative
+        width e, F may be of the size of that on the rest of the zone, or fall as the distance. The
+        errors of the density times sqrt(1 - t^2) are then least without and with the division.
+        """
+        out = np.zeros((2, len(self.zones)))
+        for zone, grading in enumerate(self.gradings):
+            charges = np.abs(unknowns[self.own(zone)])
+            for side, gap in enumerate((grading.before, grading.after)):
+                divided = charges / grading.scale(self.sources[zone], np.eye(2)[side])
+                largest = divided.max() * np.sqrt(gap / grading.reach)
+                out[side, zone] = float(largest <= charges.max())
+        return out
+
+    def on_finer(self, unknowns: Array, powers: Array, finer: GradedSystem) -> Array:
+        """The unknowns at the nodes of a system with more of them on the same zones."""
+        out = np.zeros(finer.size)
+        out[finer.nodes :] = unknowns[self.nodes :]
+        series = self.series(unknowns, powers)
+        for zone, n in enumerate(finer.sizes.tolist()):
+            scale = finer.gradings[zone].scale(finer.sources[zone], powers[:, zone])
+            out[finer.own(zone)] = scale * chebyshev.t_values(series[zone, : self.sizes[zone]], n)
+        return out
+
+
+def _primitive(name: str, forcing: Forcing, x: Array) -> float:
+    """The sum of the primitive of a function of the right side at places x."""
+    if forcing.primitive is None:
+        raise ValueError(f"a condition on potentials needs the primitive of {name}")
+    return float(np.asarray(forcing.primitive(x), dtype=float).sum())
