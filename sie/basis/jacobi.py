@@ -33,7 +33,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Index
+from sie.basis.data import DIGITS, Array, Index
 
 Number = NDArray[Any]
 
@@ -49,8 +49,9 @@ class SweepOptions:
     # Growth rho^(-n) of round-off up to which the recurrence runs towards larger n.
     # Half of it halves the largest errors, and adds a third to the longest downward recurrence.
     max_growth: float = 10.0
-    # The error of the first ratio of a downward recurrence shrinks to exp(-2 * digits): round-off.
-    start_digits: float = 18.5
+    # Up to this number of points one downward recurrence serves all; else there are groups of
+    # points with similar numbers of steps. A step's overhead is that of some hundred points.
+    min_grouped: int = 200
 
 
 OPTIONS = SweepOptions()
@@ -203,7 +204,7 @@ def log_ratio(less: Number, left: Number) -> Number:
 def transform_table(family: Family, count: int, less: Number, left: Number) -> Number:
     """Transforms F_n, n = 0 ... count - 1, at points (P,): an array (P, count)."""
     out = np.empty((count, len(less)), dtype=less.dtype)
-    for here, last in _directions(count, less, left):
+    for here, last in _directions(count, less, left, all_terms=True):
         if last == 0:
             for n, value in enumerate(_upward(family, count, less[here], left[here])):
                 out[n, here] = value
@@ -223,7 +224,7 @@ def transform_sum(family: Family, c: Array, less: Number, left: Number) -> Numbe
     if len(c) == 0:
         return out
     scaled = c * family.at_one(len(c))
-    for here, last in _directions(len(c), less, left):
+    for here, last in _directions(len(c), less, left, all_terms=False):
         total = np.zeros(len(less[here]), dtype=less.dtype)
         if last == 0:
             for n, value in enumerate(_upward(family, len(c), less[here], left[here])):
@@ -238,20 +239,28 @@ def transform_sum(family: Family, c: Array, less: Number, left: Number) -> Numbe
     return out
 
 
-def _directions(count: int, less: Number, left: Number) -> Iterator[tuple[Index, int]]:
+def _directions(
+    count: int, less: Number, left: Number, all_terms: bool
+) -> Iterator[tuple[Index, int]]:
     """Yield (indices of points, first n of the downward recurrence; 0: the upward one is used).
 
-    Points are grouped by powers of two of the number of steps.
+    The error of the first ratio, at n = N, is in F_n by rho^(2 (N - n)) F_n, and N is so large that
+    this is round-off of F_0 for all n below `count`. Without `all_terms`, terms below round-off of
+    F_0 may be left out.
     """
     rate = 2 * np.log(np.abs(np.sqrt(less) + np.sqrt(left))) - np.log(2.0)
-    steps = np.zeros(len(less))
     down = rate * count >= np.log(OPTIONS.max_growth)
-    steps[down] = np.ceil(OPTIONS.start_digits / rate[down]) + 2
-    group = np.ceil(np.log2(np.maximum(steps, 1)))
+    if not down.all():
+        yield np.flatnonzero(~down), 0
+    points, rate = np.flatnonzero(down), rate[down]
+    if len(points) == 0:
+        return
+    terms = np.full(len(points), float(count)) if all_terms else np.minimum(count, DIGITS / rate)
+    last = np.ceil(np.maximum(terms, 0.5 * (terms + DIGITS / rate))) + 2
+    group = np.ceil(np.log2(last)) if len(points) > OPTIONS.min_grouped else np.zeros(len(points))
     for number in np.unique(group):
-        here = np.flatnonzero(group == number)
-        most = int(steps[here].max())
-        yield here, most and count + most
+        here = group == number
+        yield points[here], int(last[here].max())
 
 
 def _upward(family: Family, count: int, less: Number, left: Number) -> Iterator[Number]:
