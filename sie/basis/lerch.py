@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from sie.basis.data import Array
+from sie.basis.jacobi import log_ratio
 
 Number = NDArray[Any]
 
@@ -119,3 +120,28 @@ def _polynomial(c: Array, x: Number) -> Number:
     for coefficient in c[-2::-1]:
         out = out * x + coefficient
     return out
+
+
+def value_transform(alpha: float, rest: float, left: Number, less: Number) -> Number:
+    """-1/pi int_u^1 (1 - v^(alpha - 1)) / (1 - v) dv, u = (zeta - 1) / (zeta + 1).
+
+    It is a transform (see `sie.basis.value_mode`). left, less: zeta + 1 and zeta - 1, real or in the
+    closed upper half plane; rest: 1 - alpha.
+    """
+    out, logarithm = np.empty_like(less), log_ratio(less, left)
+    from_one = 2 / left
+    far, inside = np.abs(from_one) <= 0.5, np.abs(less) <= np.abs(left)
+    out[far] = -from_one[far] * near_one(alpha, from_one[far])
+    # 1 / a is taken off both digamma(a) and the power's factor, since it is large for small a.
+    for here, a, sign in ((inside & ~far, alpha, 1.0), (~inside, rest, -1.0)):
+        power, to_end = logarithm[here] * sign, left[here]
+        ratio, beside = (less[here] / to_end, 2 / to_end)
+        if sign < 0:
+            ratio, beside = 1 / ratio, -2 / less[here]
+        series = np.exp((1 + a) * power) * lerch(1 + a, ratio, beside)
+        distance = np.log(to_end) if np.iscomplexobj(less) else np.log(np.abs(to_end))
+        if sign < 0 and np.iscomplexobj(less):
+            distance = distance - np.pi * 1j
+        constant = float(special.digamma(1 + a)) + float(np.euler_gamma) + np.log(2.0)
+        out[here] = constant - distance + np.expm1(a * power) / a + series
+    return np.asarray(-out / np.pi)

@@ -21,7 +21,7 @@ from scipy import special
 
 from sie.basis.data import Array
 from sie.basis.jacobi import log_ratio
-from sie.basis.lerch import lerch, near_one
+from sie.basis.lerch import value_transform
 from sie.basis.weighted import Points, Weighted, from_ends
 
 Number = NDArray[Any]
@@ -121,7 +121,11 @@ class ValueMode:
 
     def transform(self, points: Points) -> Number:
         """Transform F of the density off the interval."""
-        return self._mirrored(points, _transform, -1.0)
+
+        def of(w: Weighted, left: Number, less: Number) -> Number:
+            return value_transform(w.alpha, w.rest, left, less)
+
+        return self._mirrored(points, of, -1.0)
 
     def slope(self, points: Points) -> Number:
         """Derivative by zeta of `transform`."""
@@ -139,24 +143,3 @@ class ValueMode:
         if self.at_left:
             return of(self._half, left, less)
         return np.asarray(sign * np.conj(of(self._half, -np.conj(less), -np.conj(left))))
-
-
-def _transform(w: Weighted, left: Number, less: Number) -> Number:
-    """Transform of the density with the value 1 at the left end."""
-    out, logarithm = np.empty_like(less), log_ratio(less, left)
-    rest = 2 / left
-    far, inside = np.abs(rest) <= 0.5, np.abs(less) <= np.abs(left)
-    out[far] = -rest[far] * near_one(w.alpha, rest[far])
-    # 1 / a is taken off both digamma(a) and the power's factor, since it is large for small a.
-    for here, a, sign in ((inside & ~far, w.alpha, 1.0), (~inside, w.rest, -1.0)):
-        power, to_end = logarithm[here] * sign, left[here]
-        ratio, beside = (less[here] / to_end, 2 / to_end)
-        if sign < 0:
-            ratio, beside = 1 / ratio, -2 / less[here]
-        series = np.exp((1 + a) * power) * lerch(1 + a, ratio, beside)
-        distance = np.log(to_end) if np.iscomplexobj(less) else np.log(np.abs(to_end))
-        if sign < 0 and np.iscomplexobj(less):
-            distance = distance - np.pi * 1j
-        constant = float(special.digamma(1 + a)) + float(np.euler_gamma) + np.log(2.0)
-        out[here] = constant - distance + np.expm1(a * power) / a + series
-    return np.asarray(-out / np.pi)

@@ -14,6 +14,9 @@ at a point zeta off the interval, F(zeta) = (1/pi) int S(t) / (zeta - t) dt.
     off it           S_0 -> (zeta - 1)^(alpha - 1) (zeta + 1)^(-alpha); S_n: minimal solution of the
                      recurrence of p_n (W. Gautschi, SIAM Review 9, 1967, 24-82)
     integral         of S_n from -1 to t is -(1 - t^2) w q_(n-1) / n for n > 0
+    potential        on the interval, of S_n: -P_n / n - kappa int S_n, P_n the polynomial p_n of 1 -
+                     alpha; S_0: log 2 + psi(1 - alpha) + gamma - kappa int S_0
+                     off it, of S_n: -1/n times the transform of (1 - t^2) w q_(n-1)
 
 N. I. Muskhelishvili, Singular Integral Equations, 1953, ch. 14; G. Szegő, Orthogonal Polynomials,
 4.62. Places are given by distances left = 1 + t and right = 1 - t, points off the interval by the
@@ -33,6 +36,7 @@ from scipy import special
 from sie.basis.data import Array, Kept
 from sie.basis.interval import InPlane, OnLine, Outside
 from sie.basis.jacobi import Family, log_ratio, transform_sum, transform_table
+from sie.basis.lerch import value_transform
 
 Number = NDArray[Any]
 Points = InPlane | OnLine | Outside
@@ -296,6 +300,50 @@ class Weighted(Kept):
         count = len(split.q)
         c = np.concatenate((np.zeros(1), -split.q * np.arange(1, count + 1)))
         return self._by_halves(points, of) + self.transform_of(c, points)
+
+    # The potential (1/pi) int phi(t) log|zeta - t| dt, the integral of the transform.
+    @cached_property
+    def level(self) -> float:
+        """The potential of S_0, plus kappa times its integral from -1 to t: a constant."""
+        return math.log(2.0) + float(special.digamma(self.rest)) + float(np.euler_gamma)
+
+    def own_potential(self, c: Array, left: Any, right: Any) -> Array:
+        """Potential of sum_n c_n S_n on the interval.
+
+        Plus kappa times the integral from -1 to t, it is `level` for n = 0 and -1/n times the
+        mirrored family's p_n for n > 0.
+        """
+        divided = c / np.maximum(np.arange(len(c)), 1)
+        divided[0] = 0.0
+        sums = self.singular.mirrored.sums(divided, left, right)
+        return np.asarray(c[0] * self.level - sums - self.kappa * self.integral_to(c, left, right))
+
+    def potentials(self, count: int, points: Points) -> Number:
+        """Potentials of S_n off the interval, n = 0 ... count - 1, along a new last axis.
+
+        At complex points they are analytic functions whose real part is the potential.
+        """
+
+        def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
+            table = transform_table(half.bounded, count - 1, less, left)
+            return np.asarray(table * sign ** np.arange(count - 1) / np.arange(1, count))
+
+        first = self._first_potential(points)[..., None]
+        if count == 1:
+            return first
+        return np.concatenate((first, -self._by_halves(points, of, (count - 1,))), axis=-1)
+
+    def potential_of(self, c: Array, points: Points) -> Number:
+        """Potential of sum_n c_n S_n off the interval; see `potentials`."""
+        q = -c[1:] / np.arange(1, len(c))
+        higher = self.split_transform(Split(0.0, 0.0, q), points)
+        return np.asarray(c[0] * self._first_potential(points) + higher)
+
+    def _first_potential(self, points: Points) -> Number:
+        """Potential of S_0: by parts, from the transform of its integral."""
+        left, less = from_ends(points)
+        distance = np.log(left if np.iscomplexobj(left) else np.abs(left))
+        return np.asarray(distance - np.pi * value_transform(self.alpha, self.rest, left, less))
 
     def _by_halves(
         self,

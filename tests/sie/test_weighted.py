@@ -255,3 +255,36 @@ def test_the_split_slope_is_the_derivative_of_the_split_transform():
         slope = (8 * (at(z + h) - at(z - h)) - (at(z + 2 * h) - at(z - 2 * h))) / (12 * h)
         points = InPlane(np.array([z + 1]), np.array([z - 1]))
         assert weighted.split_slope(split, points) == pytest.approx(slope, rel=1e-8)
+
+
+@pytest.mark.parametrize("kappa", KAPPAS)
+def test_potentials_are_continuous_and_their_slopes_are_transforms(kappa):
+    weighted, c = Weighted(kappa), RNG.standard_normal(12)
+    angle = np.linspace(0.05, 3.1, 20)
+    left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
+    upper = weighted.potential_of(c, InPlane.of(left, -right, np.zeros(20)))
+    own = weighted.own_potential(c, left, right)
+    scale = 1 / min(weighted.alpha, weighted.rest) + np.abs(upper).max()
+    assert upper.real == pytest.approx(own, abs=2e-14 * scale)
+    # The stream function jumps by the integral of the density to the right.
+    integral = weighted.total(c) - weighted.integral_to(c, left, right)
+    assert upper.imag == pytest.approx(integral, abs=2e-14 * scale)
+    turns = np.exp(2j * np.pi * np.arange(16) / 16)
+    for z, radius in ((0.3 + 0.4j, 0.05), (-1.4 + 0.9j, 0.1), (300j, 30.0)):
+        around = z + radius * turns
+        points = InPlane(around + 1, around - 1)
+        values = weighted.potential_of(c, points)
+        assert weighted.potentials(12, points) @ c == pytest.approx(values, abs=1e-13 * scale)
+        slope = (values / turns).mean() / radius
+        exact = weighted.transform_of(c, InPlane(np.array([z + 1]), np.array([z - 1])))
+        assert exact[0] == pytest.approx(slope, abs=1e-14 * scale / radius)
+    line = Outside(np.array([1.0, -1.0, -1.0]), np.array([0.2, 0.3, 5.0]))
+    ends = np.array([2.2, -0.3, -5.0]), np.array([0.2, -2.3, -7.0])
+    plane = weighted.potential_of(c, InPlane.of(*ends, np.zeros(3)))
+    assert weighted.potential_of(c, line) == pytest.approx(plane.real, abs=1e-13 * scale)
+
+
+def test_the_potential_of_the_first_kind():
+    weighted, points = Weighted(0.0), Outside(np.array([1.0, -1.0]), np.array([1e-9, 3.0]))
+    assert weighted.potentials(9, points) == pytest.approx(points.potentials(9, 1.0), abs=1e-14)
+    assert weighted.level == pytest.approx(-np.log(2), rel=1e-15)
