@@ -236,7 +236,8 @@ class Solution:
         """Derivatives of one functional of the solution by all data at once, by an adjoint solve.
 
         The functional is the integral of weight(x) times the density, plus sums of intensities K at
-        singular ends and of positions of ends, with the given factors.
+        singular ends and of positions of ends, with the given factors. A solution by iteration is
+        computed once more with a matrix.
 
         Parameters
         ----------
@@ -255,7 +256,7 @@ class Solution:
         Raises
         ------
         ValueError
-            For wrong input, for symmetric zones, and for zones that are solved by an iteration.
+            For wrong input, for symmetric zones, and for too many unknowns for a matrix.
         SingularSystem
             If the ends or the open value are not determined.
 
@@ -270,8 +271,8 @@ class Solution:
         >>> float((np.pi * by_data.values[0][0]).round(9)), float(round(by_data(np.ones_like), 9))
         (1.0, -1.0)
         """
-        state = without_slits(self.state, self.value)
         with np.errstate(all="ignore"):
+            state = without_slits(self.state, self.value, factors=True)
             functional = Functional.of(state, weight, intensities, ends)
             return Adjoint(state).gradient(functional)
 

@@ -40,7 +40,7 @@ from sie.jumps.right_side import ForcingJumps
 from sie.results.moved_density import MovedDensity
 from sie.slits.system import AnyState
 from sie.states.base import density_of
-from sie.states.solve import SingularSystem, rows_of, solve_fixed
+from sie.states.solve import SingularSystem, TooLarge, rows_of, solve_fixed
 from sie.states.state import State
 
 
@@ -253,15 +253,21 @@ def _kernel_field(density: Density, dkernel: Smooth | Regular) -> Forcing:
     return Forcing(field_of, None if potential is None else _KernelField(wider, potential))
 
 
-def without_slits(state: AnyState, value: float | None) -> State:
-    """The solution on the same zones without slits, from which derivatives follow."""
-    if isinstance(state, State):
+def without_slits(state: AnyState, value: float | None, factors: bool = False) -> State:
+    """The solution on the same zones without slits, from which derivatives follow.
+
+    factors: whether it must have LU factors; then an iterated solution is computed again.
+    """
+    if isinstance(state, State) and not (factors and state.iterated):
         return state.with_bounded_ends()
-    found = solve_fixed(state.equation, state.density.zones)
+    try:
+        found = solve_fixed(state.equation, state.density.zones, direct=factors)
+    except TooLarge as error:
+        raise ValueError(f"{error}: use `derivative`, one parameter at a time") from error
     opened = state.equation.open_condition
     if opened is not None:
         found = found.with_value(opened, value or 0.0)
-    if found.density_error > OPTIONS.max_error:
+    if not isinstance(state, State) and found.density_error > OPTIONS.max_error:
         raise ValueError(
             "gaps between the zones are too narrow for a derivative: without slits the error is "
             f"{found.density_error:.1e}"

@@ -45,11 +45,6 @@ class Functional:
     ) -> "Functional":
         inputs.function("the weight", weight, optional=True)
         zones = state.density.zones
-        if state.direct is None:
-            raise ValueError(
-                "a gradient needs the factors of a matrix, and so many zones are solved by an "
-                "iteration: use `derivative`, one parameter at a time"
-            )
         if zones.symmetric:
             raise ValueError("a gradient is for zones that are all solved: symmetric=False")
         of_k = table_of("intensities", intensities, (2, len(zones)))

@@ -384,11 +384,18 @@ def test_a_gradient_gives_the_derivative_of_its_functional(problem, change, x):
     assert abs(out - difference) < 1e-8 * max(abs(difference), 1.0)
 
 
-def test_a_gradient_that_is_not_defined_is_refused():
-    still = sie.Equation(sie.cauchy(), np.zeros_like, sie.ZoneTotals(1.0))
+def test_a_solution_by_iteration_has_a_gradient_too():
+    still = sie.Equation(sie.cauchy(), np.cos, sie.ZoneTotals(1.0))
     many = sie.Zones.of(1.3 * np.arange(60)[:, None] + [0.0, 1.0], *SINGULAR)
-    with pytest.raises(ValueError, match="iteration"):
-        sie.solve(still, many).gradient(np.cos)
+    found = sie.solve(still, many)
+    assert found.state.iterated
+    rng = np.random.default_rng(7)
+    of_k, dends = rng.uniform(-1, 1, (2, 60)), rng.uniform(-1, 1, (60, 2))
+    exact = (of_k * found.derivative(dends=dends).intensities).sum()
+    assert abs((found.gradient(intensities=of_k).ends * dends).sum() / exact - 1) < 1e-10
+
+
+def test_a_gradient_that_is_not_defined_is_refused():
     equation, zones, _ = mirrored(0.0)
     with pytest.raises(ValueError, match="symmetric=False"):
         sie.solve(equation, zones).gradient(np.cos)
