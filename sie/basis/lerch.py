@@ -1,7 +1,7 @@
-"""Lerch's function sum_n x^n / (n + a) in the closed unit disc, also close to its singularity x = 1.
+"""Incomplete beta functions, and Lerch's function close to its singularity.
 
-It is x^(-a) times the integral of y^(a - 1) / (1 - y) from 0 to x, an incomplete beta function whose
-second parameter is zero.
+Lerch's function sum_n x^n / (n + a) is x^(-a) times the integral of y^(a - 1) / (1 - y) from 0 to x.
+This is an incomplete beta function whose second parameter is zero. It has a logarithm at x = 1.
 """
 
 from dataclasses import dataclass
@@ -67,6 +67,18 @@ def lerch(a: float, x: Number, from_one: Number) -> Number:
         out[near] = power * (_constant(a) - np.log(rest) - rest * near_one(a, rest))
     if between.any():
         out[between] = _by_ray(a, x[between])
+    return out
+
+
+def beta_share(a: float, b: float, x: Any, rest: Any) -> Array:
+    """The regularised incomplete beta function I_x(a, b), with rest = 1 - x.
+
+    It is evaluated at the smaller one of x and 1 - x, because the larger one lacks digits of it.
+    """
+    x, rest = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(rest, dtype=float))
+    out, small = np.empty(x.shape), x <= rest
+    out[small] = special.betainc(a, b, x[small])
+    out[~small] = special.betaincc(b, a, rest[~small])
     return out
 
 

@@ -34,12 +34,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
 
 from sie.basis.data import DIGITS, Array, Kept
 from sie.basis.interval import InPlane, OnLine
 from sie.basis.jacobi import log_ratio
-from sie.basis.lerch import lerch
+from sie.basis.lerch import beta_share, lerch
 from sie.basis.weighted import Points, Weighted, from_ends
 
 Number = NDArray[Any]
@@ -97,18 +96,7 @@ class PowerJump(Kept):
     def levels(self) -> tuple[Array, Array]:
         """(kappa + T) J_s to the left and to the right of s: -h and 1 - h, each with all digits."""
         w, left, right = self.weighted, 0.5 * self.left, 0.5 * self.right
-        # Each is a function of the smaller distance, as the larger one lacks digits of it.
-        h = np.where(
-            right < left,
-            special.betainc(w.rest, w.alpha, right),
-            special.betaincc(w.alpha, w.rest, left),
-        )
-        rest = np.where(
-            right < left,
-            special.betaincc(w.rest, w.alpha, right),
-            special.betainc(w.alpha, w.rest, left),
-        )
-        return -h, rest
+        return -beta_share(w.rest, w.alpha, right, left), beta_share(w.alpha, w.rest, left, right)
 
     def own(self, away: Any, order: int = 0) -> Array:
         """(kappa + T) (t - s)^k J_s on the interval; away: t - s."""
@@ -231,20 +219,15 @@ class PowerJump(Kept):
         left, less = from_ends(points)
         if away is None:
             away = np.where((left + less).real > 0, less + self.right, left - self.left)
-        left, less, away, at_left, at_right = np.broadcast_arrays(
-            left, less, away, self.left, self.right
-        )
-        out = np.empty(left.shape, dtype=less.dtype)
-        rho = _rho(left, less)
-        far = np.abs(rho) < OPTIONS.far
+        which = np.arange(self.left.size).reshape(self.left.shape)
+        left, less, away, which = np.broadcast_arrays(left, less, away, which)
+        far = np.abs(_rho(left, less)) < OPTIONS.far
+        out, near = np.empty(left.shape, dtype=less.dtype), ~far
         if far.any():
-            which = np.broadcast_to(np.arange(self.left.size).reshape(self.left.shape), far.shape)
             out[far] = self._by_moments(which[far], left[far], less[far], what)
-        here = ~far
-        if here.any():
-            pairs = PowerJump(self.weighted, at_left[here], at_right[here])
-            of = pairs._near_slope if what[1] else pairs._near
-            out[here] = of(left[here], less[here], away[here], what[0])
+        if near.any():
+            of = self._near_slope if what[1] else self._near
+            out[near] = of(which[near], (left[near], less[near], away[near]), what[0])
         return out
 
     def _by_moments(
@@ -263,47 +246,39 @@ class PowerJump(Kept):
             return np.asarray(value / root)
         return np.asarray(-(slope + 0.5 * (left + less) / root * value) / root**2)
 
-    def _near(self, left: Number, less: Number, away: Number, order: int) -> Number:
-        """Transform at pairs (P,) of a point and a place, in closed form."""
-        out = np.empty_like(less)
-        before, beyond = self.levels
+    def _near(
+        self, which: NDArray[np.intp], point: tuple[Number, Number, Number], order: int
+    ) -> Number:
+        """Transform at pairs (P,) in closed form: zeta + 1, zeta - 1 and zeta - s of each.
+
+        which: the place of each pair.
+        """
+        out = np.empty_like(point[1])
+        at_left, at_right = np.ravel(self.left), np.ravel(self.right)
+        before, beyond = (np.ravel(level) for level in self.levels)
         # The smaller level is the constant, so that the transform keeps its digits where it is small.
-        for here, sign, half in self._halves(-before <= beyond):
-            if sign > 0:
-                out[here] = half._primitive(left[here], less[here], away[here])
-            else:
-                mirrored = (-np.conj(x[here]) for x in (less, left, away))
-                out[here] = -np.conj(half._primitive(*mirrored))
-        return _multiplied(out, away, self.powers(order))
+        kept = (-before <= beyond)[which]
+        at, pair = which[kept], tuple(x[kept] for x in point)
+        out[kept] = before[at] + _share(self.weighted, at_left[at], at_right[at], pair)
+        at, pair = which[~kept], tuple(-np.conj(point[i][~kept]) for i in (1, 0, 2))
+        mirrored = _share(self.weighted.mirrored, at_right[at], at_left[at], pair)
+        out[~kept] = beyond[at] - np.conj(mirrored)
+        powers = [np.ravel(power)[which] for power in self.powers(order)]
+        return _multiplied(out, point[2], powers)
 
-    def _near_slope(self, left: Number, less: Number, away: Number, order: int) -> Number:
-        """Slope of the transform at pairs (P,) of a point and a place, in closed form."""
+    def _near_slope(
+        self, which: NDArray[np.intp], point: tuple[Number, Number, Number], order: int
+    ) -> Number:
+        """Slope of the transform at pairs (P,) in closed form; arguments as for `_near`."""
+        left, less, away = point
         points = InPlane(left, less) if np.iscomplexobj(less) else OnLine.of(left, -less)
-        weight = self.weighted.transform_of(np.ones(1), points)
+        weight, scale = self.weighted.transform_of(np.ones(1), points), np.ravel(self.total) / np.pi
         if order == 0:
-            return np.asarray(-self.total / np.pi * weight / away)
+            return np.asarray(-scale[which] * weight / away)
         # The density's derivative is k (t - s)^(k - 1) J_s - total / pi (t - s)^(k - 1) w.
-        weights = [np.pi * moment for moment in self._weights(order - 1)]
+        weights = [np.pi * np.ravel(moment)[which] for moment in self._weights(order - 1)]
         by_weight = _multiplied(weight, away, weights)
-        before = self._near(left, less, away, order - 1)
-        return np.asarray(order * before - self.total / np.pi * by_weight)
-
-    def _primitive(self, left: Number, less: Number, away: Number) -> Number:
-        """Transform of J_s at pairs (P,): the integral of the module's docstring."""
-        w, ratio = self.weighted, self.right / self.left
-        logarithm, from_minus_one = log_ratio(less, left), 2 * away / (less * self.left)
-        y = left / less * ratio
-        # Beside s the side is told by the distance from it, which has more digits than y.
-        size = np.abs(from_minus_one)
-        inside = np.where(size < 0.5, from_minus_one.real >= 0.5 * size**2, np.abs(y) <= 1)
-        out = self.levels[0] + np.zeros_like(less)
-        for here, a, sign in ((inside, w.rest, 1.0), (~inside, w.alpha, -1.0)):
-            x = -(y[here] ** sign)
-            power = np.exp(-sign * a * logarithm[here]) * ratio[here] ** (sign * a)
-            rest = from_minus_one[here] if sign > 0 else from_minus_one[here] / y[here]
-            part = w.sine / np.pi * power * lerch(a, x, rest)
-            out[here] += part if sign > 0 else 1 - part
-        return out
+        return np.asarray(order * self._near(which, point, order - 1) - scale[which] * by_weight)
 
     def _halves(
         self, kept: NDArray[np.bool_]
@@ -317,6 +292,27 @@ class PowerJump(Kept):
                 -1.0,
                 PowerJump(self.weighted.mirrored, self.right[~kept], self.left[~kept]),
             )
+
+
+def _share(w: Weighted, at_left: Array, at_right: Array, point: tuple[Number, ...]) -> Number:
+    """sin(pi alpha) / pi int_0^(-u) y^(-alpha) / (1 + y) dy at pairs (P,); see the docstring above.
+
+    at_left, at_right: 1 + s and 1 - s; point: zeta + 1, zeta - 1 and zeta - s. It is 0 ... 1 on the
+    line off the interval.
+    """
+    left, less, away = point
+    ratio = at_right / at_left
+    logarithm, from_minus_one = log_ratio(less, left), 2 * away / (less * at_left)
+    y, out = left / less * ratio, np.empty_like(less)
+    # Beside s the side is told by the distance from it, which has more digits than y.
+    size = np.abs(from_minus_one)
+    inside = np.where(size < 0.5, from_minus_one.real >= 0.5 * size**2, np.abs(y) <= 1)
+    for here, a, sign in ((inside, w.rest, 1.0), (~inside, w.alpha, -1.0)):
+        rest = from_minus_one[here] if sign > 0 else from_minus_one[here] / y[here]
+        power = np.exp(-sign * a * logarithm[here]) * ratio[here] ** (sign * a)
+        part = w.sine / np.pi * power * lerch(a, -(y[here] ** sign), rest)
+        out[here] = part if sign > 0 else 1 - part
+    return out
 
 
 def _multiplied(transform: Number, away: Number, powers: list[Array]) -> Number:

@@ -21,7 +21,7 @@ from scipy import special
 
 from sie.basis.data import Array
 from sie.basis.jacobi import log_ratio
-from sie.basis.lerch import value_transform
+from sie.basis.lerch import beta_share, value_transform
 from sie.basis.weighted import Points, Weighted, from_ends
 
 Number = NDArray[Any]
@@ -75,9 +75,7 @@ class ValueMode:
     def density(self, left: Any, right: Any) -> Array:
         """The density at places given by left = 1 + t and right = 1 - t."""
         w, (near, far) = self._half, self._sides(left, right)
-        from_far = special.betainc(w.alpha, w.rest, 0.5 * far)
-        from_near = special.betaincc(w.rest, w.alpha, 0.5 * near)
-        return np.asarray(np.where(far < near, from_far, from_near))
+        return beta_share(w.alpha, w.rest, 0.5 * far, 0.5 * near)
 
     def own(self, left: Any, right: Any) -> Array:
         """(kappa + T) of the density on the interval."""

@@ -36,7 +36,7 @@ from scipy import special
 from sie.basis.data import Array, Kept
 from sie.basis.interval import InPlane, OnLine, Outside
 from sie.basis.jacobi import Family, log_ratio, transform_sum, transform_table
-from sie.basis.lerch import value_transform
+from sie.basis.lerch import beta_share, value_transform
 
 Number = NDArray[Any]
 Points = InPlane | OnLine | Outside
@@ -201,9 +201,7 @@ class Weighted(Kept):
         """Integral of sum_n c_n S_n from -1 to t."""
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         higher = self.values_q(c[1:] / np.arange(1, len(c)), left, right)
-        from_left = special.betainc(self.rest, self.alpha, 0.5 * left)
-        from_right = special.betaincc(self.alpha, self.rest, 0.5 * right)
-        first = np.where(left < right, from_left, from_right)
+        first = beta_share(self.rest, self.alpha, 0.5 * left, 0.5 * right)
         return np.asarray(np.pi * c[0] * first - self.bounded_weight(left, right) * higher)
 
     def total(self, c: Array) -> float:
