@@ -13,6 +13,7 @@ from sie.ends.motions import DirectMotions, IteratedMotions, motions_of
 from sie.ends.options import NewtonOptions
 from sie.ends.step_models import StepAtJumps, corner_distances, gap_steps, logarithms_in_gaps
 from sie.equation.equation import Equation
+from sie.graded.state import GradedState
 from sie.slits.system import AnyDensity, AnyState
 from sie.states.state import State
 
@@ -197,7 +198,7 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     if state.equation.forcing.resolution.exact_places:
         return np.zeros((2, len(zones)))
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
-    if state.density.slit_count or not np.isfinite(corners).any():
+    if state.density.slit_count or isinstance(state, GradedState) or not np.isfinite(corners).any():
         return rounding
     # If an end is at a corner up to round-off, the exact distance from the corner determines the
     # end.

@@ -27,6 +27,7 @@ from sie.basis.lag_table import regular_values
 from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.zones import Zones
 from sie.density.base import DensityBase
+from sie.density.density import Density
 from sie.graded.grading import Places
 from sie.graded.system import GradedSystem
 from sie.jumps.right_side import ForcingJumps
@@ -47,23 +48,25 @@ class GradedDensity(DensityBase):
     bounded_ends : bool
         Whether round-off traces of 1/sqrt(d) at free ends are removed; see
         `Density.with_bounded_ends`.
+    forced : bool
+        Whether the density includes that of the right side's jumps; a response does not.
 
     Examples
     --------
-    Two plates at one potential, 1e-9 of their width apart.
+    Plates in tandem, 1e-12 of their width apart; F(z) = 1 - sqrt((z - b) (z - b') / (z - a) (z -
+    a')) with leading edges a, a' and trailing edges b, b'.
 
     >>> import numpy as np, sie
-    >>> still = sie.Forcing(np.zeros_like, np.zeros_like)
-    >>> plates = sie.Zones.of([[-1.0, -5e-10], [5e-10, 1.0]], sie.SINGULAR, sie.SINGULAR)
-    >>> charge = sie.Equation(sie.cauchy(), still, (sie.Total(1.0), sie.EqualPotential()))
-    >>> density = sie.solve(charge, plates).density
-    >>> type(density).__name__, density.totals.round(12).tolist()
-    ('GradedDensity', [0.5, 0.5])
+    >>> plates = sie.Zones.of([[-1.0, 0.0], [1e-12, 1.0]], sie.SINGULAR, sie.BOUNDED)
+    >>> density = sie.solve(sie.Equation(sie.cauchy(), np.ones_like), plates).density
+    >>> type(density).__name__, float(round(density.total / np.pi, 10))
+    ('GradedDensity', 1.0)
     """
 
     system: GradedSystem = field(repr=False)
     unknowns: Array = field(repr=False)
     bounded_ends: bool = False
+    forced: bool = True
 
     @property
     def zones(self) -> Zones:
@@ -90,8 +93,15 @@ class GradedDensity(DensityBase):
 
     @property
     def jumps(self) -> ForcingJumps:
-        """The jumps within the zones: there are none in this class."""
-        return ForcingJumps.none()
+        """The jumps within the zones."""
+        closed = self.system.closed
+        return closed.jumps if self.forced and closed is not None else ForcingJumps.none()
+
+    @property
+    def closed(self) -> Density | None:
+        """The density of the jumps, in closed form; None if there are none."""
+        closed = self.system.closed
+        return closed.density if self.forced and closed is not None else None
 
     @property
     def amplitudes(self) -> Array:
@@ -153,7 +163,11 @@ class GradedDensity(DensityBase):
         left, right = np.maximum(places.left, 0.0), np.maximum(places.right, 0.0)
         psi = interval.values_on(self._series, row, left, right, self.zones.bounded)
         scale = self.system.gradings[zone].scale(places, self.powers[:, zone])
-        return np.asarray(psi * (scale / places.rate))
+        out = np.asarray(psi * (scale / places.rate))
+        if self.closed is None:
+            return out
+        half = self.zones.half[zone]
+        return out + self.closed.at(zone, places.from_a / half, places.from_b / half)
 
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         of, lefts, rights = np.broadcast_arrays(
@@ -191,12 +205,15 @@ class GradedDensity(DensityBase):
             angle = interval.theta(np.maximum(places.left, 0.0), np.maximum(places.right, 0.0))
             row = np.full(angle.shape, i, dtype=np.intp)
             out[here] = interval.integral_on(self.coefficients, row, angle)
+        if self.closed is not None:
+            out += self.closed.integral_at(zone, interval.theta(left, right))
         return out
 
     @cached_property
     def totals(self) -> Array:
         """Integral of the density over each zone (Z,)."""
-        return np.asarray(np.pi * self.coefficients[:, 0])
+        out = np.asarray(np.pi * self.coefficients[:, 0])
+        return out if self.closed is None else out + self.closed.totals
 
     @property
     def total(self) -> float:
@@ -205,7 +222,8 @@ class GradedDensity(DensityBase):
 
     def moment(self, about: float = 0.0) -> float:
         """Integral of (x - about) times the density."""
-        return float(np.pi * self.charges @ (self.system.source_x - about))
+        out = float(np.pi * self.charges @ (self.system.source_x - about))
+        return out if self.closed is None else out + self.closed.moment(about)
 
     @cached_property
     def _end_rates(self) -> Array:
@@ -244,7 +262,8 @@ class GradedDensity(DensityBase):
             [0.75 * grading.end_bends - grading.scale_bends(powers) for grading, powers in pairs]
         ).T
         outward = bends * np.array([[-1.0], [1.0]])
-        left, right = self._end_scales * (slopes + k * outward) / self._end_rates**1.5
+        out = self._end_scales * (slopes + k * outward) / self._end_rates**1.5
+        left, right = out if self.closed is None else out + np.array(self.closed.edge_slopes)
         return left, right
 
     @cached_property
@@ -301,11 +320,14 @@ class GradedDensity(DensityBase):
 
     def _transform_at(self, x: Array) -> Array:
         """Transform at real points of one period."""
-        return self._poles_at(x, "transform") + self._regular_at(x, self.kernel.regular)
+        out = self._poles_at(x, "transform") + self._regular_at(x, self.kernel.regular)
+        return out if self.closed is None else out + self.closed.transform(x)
 
     def _potential_at(self, x: Array) -> Array:
         """Potential at real points of one period."""
-        return self._poles_at(x, "potential") + self._regular_at(x, self.kernel.regular_potential)
+        out = self._poles_at(x, "potential")
+        out = out + self._regular_at(x, self.kernel.regular_potential)
+        return out if self.closed is None else out + self.closed.potential(x)
 
     def _poles_at(self, x: Array, what: What) -> Array:
         """Field of the kernel's poles at real points."""
@@ -425,8 +447,9 @@ class GradedPlane:
             turns = np.full(len(x), float(sum(shift > 0 for shift in kernel.poles)))
             if kernel.period is not None:
                 turns += np.round((x - place) / kernel.period)
-            out = out - 1j * density.total * turns
-        return np.where(z.imag < 0, np.conj(out), out)
+            out = out - 1j * np.pi * density.charges.sum() * turns
+        out = np.where(z.imag < 0, np.conj(out), out)
+        return out if density.closed is None else out + density.closed.plane(z, what)
 
     def _upper(self, x: Array, y: Array, what: What) -> Complex:
         """A field at points x + i y, y >= 0, of one period."""

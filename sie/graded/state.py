@@ -28,8 +28,8 @@ from sie.states.solve import SingularSystem, not_finite, regular_factors
 def is_graded(equation: Equation, zones: Zones) -> bool:
     """Whether zones get graded coordinates: those with narrow gaps beside fixed ends do.
 
-    The right side must have no jumps or powers on the zones. Ends with a prescribed intensity that
-    is not zero must not move.
+    Ends with a prescribed intensity that is not zero must not move, and there must not be too many
+    unknowns.
     """
     before, after = exact_gaps(zones, equation.kernel)
     width = 2 * zones.half
@@ -41,9 +41,6 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
         return False
     plain = -np.log(EPS) / modes.decay(zones, equation.kernel)
     if plain.sum() <= OPTIONS.min_plain_unknowns:
-        return False
-    jumps = equation.forcing.jumps_within(zones, equation.kernel)
-    if len(jumps) or len(jumps.poles):
         return False
     return int(_first_sizes(equation, zones).sum()) <= OPTIONS.max_unknowns
 
@@ -157,7 +154,9 @@ class GradedState(Kept):
 
     def response(self, values: Array, tolerance: float = 0.0) -> GradedDensity:
         """The density caused by changes `values` of the side conditions, for a zero right side."""
-        return replace(self.density, unknowns=self._answer(values), bounded_ends=False)
+        return replace(
+            self.density, unknowns=self._answer(values), bounded_ends=False, forced=False
+        )
 
     def _answer(self, values: Array) -> Array:
         """Changes of the unknowns by changes of the side conditions' values."""
@@ -204,8 +203,17 @@ class GradedState(Kept):
 
     @cached_property
     def charge_sizes(self) -> Array:
-        """Largest coefficient of F on each zone (Z,)."""
-        return np.asarray(np.abs(self.density.coefficients).max(axis=1))
+        """Largest value of the density times sqrt(1 - s^2) dx/ds on each zone (Z,)."""
+        out = np.zeros(len(self.density.zones))
+        for zone, places in enumerate(self.system.sources):
+            charges = self._values(zone) * places.rate * np.sqrt(places.left * places.right)
+            out[zone] = np.abs(charges).max()
+        return out
+
+    def _values(self, zone: int) -> Array:
+        """The density at the nodes of a zone; 0 where it is infinite."""
+        values = self.density.on(zone, self.system.sources[zone])
+        return np.where(np.isfinite(values), values, 0.0)
 
     @property
     def natural(self) -> Array:
@@ -230,7 +238,7 @@ class GradedState(Kept):
         and so is its residual.
         """
         system, zones = self.system, self.density.zones
-        finer = GradedSystem(self.equation, zones, 2 * system.sizes)
+        finer = GradedSystem(self.equation, zones, 2 * system.sizes, self.density.jumps)
         matrix, right = finer.equation_rows()
         rows, values = condition_rows(self.equation, finer, finer.size)
         unknowns = system.on_finer(self.density.unknowns, self.density.powers, finer)
@@ -280,7 +288,7 @@ class GradedState(Kept):
             scale = grading.scale(places, powers)
             root = np.sqrt(places.from_a * places.from_b) / system.zones.half[zone] / places.rate
             over = root / np.sqrt(places.left * places.right)
-            sizes[zone] = float((np.abs(self.density.unknowns[system.own(zone)]) * over).max())
+            sizes[zone] = float((np.abs(self._values(zone)) * root * places.rate).max())
             changed = chebyshev.t_values(
                 self._change_series[:, zone, : system.sizes[zone]], int(system.sizes[zone])
             )
@@ -380,12 +388,13 @@ def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Size
     """
     if sizes.solves == 0:
         check_functions(equation, zones)
+    jumps = equation.forcing.jumps_within(zones, equation.kernel)
     enough = max(ERRORS.negligible * tolerance, SUM_ROUNDING)
     count, last = _first_sizes(equation, zones), np.full(len(zones), np.inf)
     while True:
         if zones.symmetric:
             count = np.maximum(count, count[::-1])
-        state = _solve_once(equation, zones, count, sizes)
+        state = _solve_once(equation, GradedSystem(equation, zones, count, jumps), sizes)
         tails = state.tails
         # Tails that more modes do not halve are round-off.
         more: Mask = (tails > enough) & (count < OPTIONS.max_modes) & (tails < 0.5 * last)
@@ -398,9 +407,8 @@ def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Size
         last, count = np.where(more, tails, last), wanted
 
 
-def _solve_once(equation: Equation, zones: Zones, count: Index, sizes: Sizes) -> GradedState:
-    """The solution with given numbers of modes."""
-    system = GradedSystem(equation, zones, count)
+def _solve_once(equation: Equation, system: GradedSystem, sizes: Sizes) -> GradedState:
+    """The solution of an assembled system."""
     matrix, right = system.equation_rows()
     rows, values = condition_rows(equation, system, system.size)
     scale = np.abs(rows).max(axis=1, initial=0.0)

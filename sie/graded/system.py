@@ -31,7 +31,9 @@ from sie.dense.system import Layout
 from sie.equation.conditions import Linear, Rows
 from sie.equation.equation import Equation
 from sie.equation.forcing import Forcing
+from sie.graded.closed_parts import ClosedParts, Seen
 from sie.graded.grading import Grading, Places, collocation, gauss
+from sie.jumps.right_side import ForcingJumps
 
 
 @dataclass(frozen=True)
@@ -95,12 +97,14 @@ def difference(x: Array, y: Array, shift: float = 0.0) -> Array:
 class GradedSystem(Rows, Kept):
     """Matrix rows of the equation on graded zones, and quantities for side conditions (see `Rows`).
 
-    sizes: number of unknowns of each zone. Matrices have a column for each node of each zone, then
+    sizes: number of unknowns of each zone; jumps: jumps of the right side in the zones, whose
+    densities are not among the unknowns. Matrices have a column for each node of each zone, then
     one for each column of the equation.
     """
 
-    def __init__(self, equation: Equation, zones: Zones, sizes: Index) -> None:
+    def __init__(self, equation: Equation, zones: Zones, sizes: Index, jumps: ForcingJumps) -> None:
         needs_half(zones.weight, "graded coordinates")
+        self.closed = ClosedParts(zones, equation.kernel, jumps) if len(jumps) else None
         self.equation, self.zones, self.sizes = equation, zones, sizes
         self.gradings = gradings_of(zones, equation.kernel)
         pairs = list(zip(self.gradings, sizes.tolist(), strict=True))
@@ -112,11 +116,6 @@ class GradedSystem(Rows, Kept):
             self.layout.coefficients,
             self.layout.size,
         )
-
-    @property
-    def g(self) -> Array:
-        """Coefficients of the right side on each zone: none, its values at the nodes are used."""
-        return np.zeros((len(self.zones), 1))
 
     @cached_property
     def zone_of(self) -> Index:
@@ -154,17 +153,24 @@ class GradedSystem(Rows, Kept):
         return start, np.where(left, places.from_a, -places.from_b) + rest
 
     # The methods below give the fields of all sources on one zone.
+    def gaps_from(self, zone: int, shift: float) -> tuple[Array, Array]:
+        """Distances of a zone from all zones moved by `shift`, to its left and to its right (Z,).
+
+        They are negative on the other side, and for the zone itself.
+        """
+        zones = self.zones
+        ahead = difference(np.full(len(zones), zones.a[zone]), zones.b, shift)
+        behind = -difference(np.full(len(zones), zones.b[zone]), zones.a, shift)
+        ahead = ahead + (zones.rest[0, zone] - zones.rest[1])
+        return ahead, behind + (zones.rest[0] - zones.rest[1, zone])
+
     def lags(self, zone: int, places: Places, shift: float) -> Array:
         """x - x' - shift for places x on a zone and all sources x' (places, sources).
 
         Entries for the zone's own sources are meaningless if the shift is zero.
         """
-        zones, z = self.zones, self.zone_of
-        ahead = difference(np.full(len(zones), zones.a[zone]), zones.b, shift)
-        behind = -difference(np.full(len(zones), zones.b[zone]), zones.a, shift)
-        ahead = ahead + (zones.rest[0, zone] - zones.rest[1])
-        behind = behind + (zones.rest[0] - zones.rest[1, zone])
-        from_a, from_b = self.from_ends
+        ahead, behind = self.gaps_from(zone, shift)
+        z, (from_a, from_b) = self.zone_of, self.from_ends
         with np.errstate(invalid="ignore"):
             return np.where(
                 (ahead >= 0)[z],
@@ -242,12 +248,31 @@ class GradedSystem(Rows, Kept):
         return count // 2 if self.zones.central and zone == self.zones.solved[0] else count
 
     def right_side(self, zone: int) -> Array:
-        """Values of the right side at the collocation nodes of a zone."""
+        """Right side at the collocation nodes of a zone, without the fields of the jumps."""
         places, forcing = self.targets[zone], self.equation.forcing
         start, away = self._rounded(zone, places)
+        closed = self.closed
+        smooth = 0.0 if closed is None else closed.smooth_part(zone, places)
         if float(place_rounding(self.zones, np.array([zone]))[0]) <= SUM_ROUNDING:
-            return np.asarray(forcing.value(start + away), dtype=float)
-        return forcing.sampled(start, away, lambda g: chebyshev.slopes(g) / places.rate)
+            values = np.asarray(forcing.value(start + away), dtype=float)
+        else:
+            values = forcing.sampled(
+                start, away, lambda g: chebyshev.slopes(g + smooth) / places.rate
+            )
+        if closed is None:
+            return values
+        return values + smooth - closed.transforms(zone, places, start + away, self._seen(zone))
+
+    def _seen(self, zone: int) -> list[Seen]:
+        """The zones with jumps, and their images, as they are seen from a zone."""
+        assert self.closed is not None
+        out = []
+        for shift in self.equation.kernel.poles:
+            ahead, behind = self.gaps_from(zone, shift)
+            for i in self.closed.named:
+                gap = float(max(ahead[i], behind[i]))
+                out.append(Seen(i, shift, gap, bool(ahead[i] >= 0), i == zone and shift == 0.0))
+        return out
 
     # The methods below are those of `Rows`.
     def _zero_rows(self) -> Array:
@@ -262,11 +287,17 @@ class GradedSystem(Rows, Kept):
         return rows, np.zeros(len(rows))
 
     def totals(self) -> Linear:
-        return self._summed(np.ones(self.nodes))
+        rows, constants = self._summed(np.ones(self.nodes))
+        if self.closed is not None:
+            constants = self.closed.density.totals[self.zones.solved]
+        return rows, constants
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         values = np.asarray(weight(self.source_x), dtype=float)
-        return self._summed(np.broadcast_to(values, (self.nodes,)))
+        rows, constants = self._summed(np.broadcast_to(values, (self.nodes,)))
+        if self.closed is not None:
+            constants = self.closed.integrals(weight)[self.zones.solved]
+        return rows, constants
 
     def intensities(self) -> tuple[Linear, Linear]:
         left, right = self._zero_rows(), self._zero_rows()
@@ -310,6 +341,9 @@ class GradedSystem(Rows, Kept):
                 for k, column in enumerate(self.equation.columns):
                     rows[place, self.nodes + k] -= weight * _primitive("every column", column, x)
                 constants[place] -= weight * _primitive("the right side", self.equation.forcing, x)
+                if self.closed is not None:
+                    of_jumps = self.closed.potentials(zone, places, x, self._seen(zone))
+                    constants[place] += weight * float(of_jumps.sum())
             rows[place, own] -= np.log(2) * self.weights[own]
         return rows, constants
 

@@ -280,6 +280,84 @@ def test_graded_and_plain_coordinates_agree_where_both_resolve_the_gap(kernel, m
     assert slopes[0] == pytest.approx(slopes[1], rel=1e-7)
 
 
+def bent(x):
+    return np.where(x > 0.4, 1.0, 0.0) + 0.3 * np.abs(x + 0.5) + np.maximum(x - 1.1, 0.0) ** 2
+
+
+def height(x):
+    above = np.maximum(x - 1.1, 0.0) ** 3 / 3
+    return np.maximum(x - 0.4, 0.0) + 0.15 * (x + 0.5) * np.abs(x + 0.5) + above
+
+
+def log_slope(x):
+    return np.cos(x) + (x - 0.4) / np.pi * np.log(np.abs(x - 0.4))
+
+
+def power(x):
+    return np.cos(x) + np.abs(x - 0.4) ** 0.6
+
+
+ROUGH = {
+    "jumps": sie.Forcing(bent, height, sie.Jumps([0.4, -0.5, 1.1], [1.0, 0.6, 2.0], [0, 1, 2])),
+    "jumps of the density": sie.Forcing(
+        np.cos, jumps=sie.Jumps([0.4, -0.5], [1.0, 0.6], [0, 0], of_density=True)
+    ),
+    "a kink of the density": sie.Forcing(
+        log_slope, jumps=sie.Jumps([0.4], [1.0], [1], of_density=True)
+    ),
+    "powers": sie.Forcing(
+        power, jumps=sie.Jumps(algebraic=sie.AlgebraicPoints([0.4], [0.6], [1.0], [1.0]))
+    ),
+}
+
+
+@pytest.mark.parametrize("kernel", ["Cauchy", "Hilbert", "smooth"])
+@pytest.mark.parametrize("kind", ROUGH)
+def test_jumps_and_powers_agree_with_plain_coordinates(kind, kernel, monkeypatch):
+    forcing = ROUGH[kind]
+    conditions = (sie.ZoneTotals(0.2),)
+    if forcing.primitive is not None:
+        conditions = (sie.moment(0.3), sie.EqualPotential(), sie.Total(0.1))
+    column = () if forcing.primitive is None else (sie.Forcing(lambda x: x, lambda x: 0.5 * x**2),)
+    equation = sie.Equation(KERNELS[kernel], forcing, conditions, column)
+    zones = sie.Zones.of([[-1.0, 0.0], [1e-3, 0.7], [0.9, 1.5]], S, S)
+    found = sie.solve(equation, zones)
+    monkeypatch.setattr("sie.slits.system.is_graded", lambda *_: False)
+    plain = sie.solve(equation, zones)
+    one, other = found.density, plain.density
+    assert isinstance(one, sie.GradedDensity) and isinstance(other, sie.Density)
+    assert one.totals == pytest.approx(other.totals, abs=1e-11)
+    assert np.array(one.intensities) == pytest.approx(np.array(other.intensities), rel=1e-9)
+    assert np.array(one.edge_slopes) == pytest.approx(np.array(other.edge_slopes), rel=1e-5)
+    x = np.array([-1.7, -0.999, -0.3, -1e-4, 5e-4, 1.1e-3, 0.4001, 0.69, 0.8, 1.2, 1.9])
+    assert one(x) == pytest.approx(other(x), rel=1e-9)
+    assert one.transform(x) == pytest.approx(other.transform(x), rel=1e-9, abs=1e-9)
+    assert one.moment(0.3) == pytest.approx(other.moment(0.3), abs=1e-11)
+    if kernel == "smooth":
+        return
+    z = np.array([-0.4 + 1e-5j, 5e-4 + 1e-4j, 0.3 - 0.2j, 1.1e-3 + 1e-6j, -1.8 + 0.5j, 0.5 + 0j])
+    assert one.transform(z) == pytest.approx(other.transform(z), rel=1e-9)
+    assert one.potential(z) == pytest.approx(other.potential(z), rel=1e-9, abs=1e-11)
+
+
+@pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_a_step_of_the_pressure_on_cracks_obeys_the_reciprocal_theorem(gap):
+    """For right sides G', H' and totals zero, int G phi_H = int H phi_G; here G = x and H =
+    max(x - s, 0), whose integral with phi_G is that of the opening from s on.
+    """
+    k, s = 0.5 * gap, 0.4
+    zones = sie.Zones.of([[-1.0, -k], [k, 1.0]], S, S)
+    step = sie.Forcing(lambda x: np.where(x > s, 1.0, 0.0), jumps=sie.Jumps([s], [1.0], 0))
+    stepped = sie.solve(sie.Equation(sie.cauchy(), step, sie.ZoneTotals(0.0)), zones)
+    even = sie.solve(sie.Equation(sie.cauchy(), np.ones_like, sie.ZoneTotals(0.0)), zones)
+    assert isinstance(stepped.density, sie.GradedDensity) and stepped.error < 1e-10
+    y, weight = np.polynomial.legendre.leggauss(60)
+    root = 0.5 * (1 + y)  # the opening has a root at the crack's end
+    opening = -even.density.integral(1.0 - (1.0 - s) * root**2)
+    wanted = float(np.sum(opening * (1.0 - s) * root * weight))
+    assert stepped.density.moment() == pytest.approx(wanted, rel=1e-12)
+
+
 @pytest.mark.parametrize("gap", [1e-5, 1e-10])
 def test_fields_beside_the_gap_are_those_of_the_closed_form(gap):
     """F = 1 - (z^2 - c) / (sqrt(z^2 - k^2) sqrt(z^2 - 1)) of two cracks, from 1e-3 gaps on."""

@@ -1,0 +1,118 @@
+"""The closed-form density of jumps on graded zones, and its fields at places of the zones.
+
+Jumps and powers of the right side, and jumps of the density, have densities in closed form (see
+`sie.jumps`). They are functions of x and vanish at the ends of their zone. What remains of the right
+side is smooth on each zone. Fields on other zones are evaluated from distances from ends and gaps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+
+from sie.basis import chebyshev
+from sie.basis.data import HALF_DIGITS, Array, Kept, record
+from sie.basis.interval import OnLine
+from sie.basis.kernels import Kernel
+from sie.basis.sums import OPTIONS as SUMS
+from sie.basis.zones import Zones
+from sie.dense.modes import OPTIONS as MODES
+from sie.density.density import Density
+from sie.density.series import by_quadrature
+from sie.graded.grading import Places
+from sie.jumps.right_side import ForcingJumps
+
+
+@record
+class ClosedParts(Kept):
+    """The densities of the jumps on all zones."""
+
+    zones: Zones
+    kernel: Kernel
+    jumps: ForcingJumps
+
+    @cached_property
+    def density(self) -> Density:
+        """The sum of the jumps' densities."""
+        table = np.zeros((len(self.zones), SUMS.max_direct_terms))
+        return Density(self.zones, self.kernel, table, self.jumps, np.zeros(0))
+
+    @cached_property
+    def named(self) -> list[int]:
+        """The zones with jumps."""
+        return sorted(self.jumps.by_zone)
+
+    def smooth_part(self, zone: int, places: Places) -> Array:
+        """The function whose sum with the right side is smooth, at places of a zone."""
+        left = places.from_a / self.zones.half[zone]
+        return self.jumps.smooth_part(np.full(len(left), zone, dtype=np.intp), left)
+
+    def transforms(self, zone: int, places: Places, x: Array, seen: list[Seen]) -> Array:
+        """Transform at places of a zone, without the closed form of the zone's own jumps.
+
+        seen: the zones with jumps and their images, see `Seen`.
+        """
+        out = np.zeros(len(x))
+        for one in seen:
+            if one.shift != 0.0 or one.zone != zone:
+                row = np.full(len(x), one.zone, dtype=np.intp)
+                out += self.jumps.transform(row, one.on_line(self.zones, places))
+        regular = self.kernel.regular
+        return out if regular is None else out + by_quadrature(self.density.quadrature, x, regular)
+
+    def potentials(self, zone: int, places: Places, x: Array, seen: list[Seen]) -> Array:
+        """Potential at places of a zone."""
+        out, totals = np.zeros(len(x)), self.density.sharp_totals
+        for one in seen:
+            row, half = np.full(len(x), one.zone, dtype=np.intp), self.zones.half[one.zone]
+            sharp = self.jumps.sharp_potential(row, one.on_line(self.zones, places))
+            out += half * (sharp + totals[one.zone] * np.log(half / self.kernel.datum))
+        regular = self.kernel.regular_potential
+        return out if regular is None else out + by_quadrature(self.density.quadrature, x, regular)
+
+    def integrals(self, weight: Callable[[Array], Array]) -> Array:
+        """Integral of a weight times the density over each zone (Z,)."""
+        out, size = np.zeros(len(self.zones)), SUMS.max_direct_terms
+        for zone in self.named:
+            while True:
+                x = self.zones.middle[zone] + self.zones.half[zone] * chebyshev.gauss(size)
+                values = np.asarray(weight(x), dtype=float)
+                means = chebyshev.t_means(np.broadcast_to(values, x.shape))
+                # The coefficients of the density decay too, so that half of the digits suffice.
+                if (
+                    np.abs(means[-8:]).max() <= HALF_DIGITS**1.5 * np.abs(means).max()
+                    or size >= MODES.max_nodes
+                ):
+                    break
+                size *= 2
+            table = self.jumps.t_coefficients(self.zones, size)[zone]
+            out[zone] = np.pi * self.zones.half[zone] * float(means @ table)
+        return out
+
+
+@record
+class Seen:
+    """A zone with jumps, moved by `shift`, as it is seen from the places of another zone.
+
+    gap: distance between the two zones; ahead: whether the places are to the right of it. For the
+    places' own zone without a shift, both are meaningless.
+    """
+
+    zone: int
+    shift: float
+    gap: float
+    ahead: bool
+    is_own: bool
+
+    def on_line(self, zones: Zones, places: Places) -> OnLine:
+        """The places in the coordinate of the zone with jumps."""
+        half = zones.half[self.zone]
+        if self.is_own:
+            return OnLine.of(places.from_a / half, places.from_b / half)
+        if self.ahead:
+            past = (self.gap + places.from_a) / half
+            return OnLine.of(2 + past, -past)
+        past = (self.gap + places.from_b) / half
+        return OnLine.of(-past, 2 + past)
