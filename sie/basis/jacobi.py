@@ -110,7 +110,7 @@ class Family:
     def _halves(
         self, left: Array, right: Array
     ) -> Iterator[tuple["Family", float, Array, NDArray[np.bool_]]]:
-        """Yield (family, sign, distance from its end t = 1, mask) for both halves of the interval."""
+        """Yield (family, sign, distance from its end t = 1, mask) for each half of the interval."""
         beyond = right <= left
         for family, sign, distance, here in (
             (self, 1.0, right, beyond),

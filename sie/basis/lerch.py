@@ -1,7 +1,7 @@
 """Incomplete beta functions, and Lerch's function close to its singularity.
 
-Lerch's function sum_n x^n / (n + a) is x^(-a) times the integral of y^(a - 1) / (1 - y) from 0 to x.
-This is an incomplete beta function whose second parameter is zero. It has a logarithm at x = 1.
+Lerch's function sum_n x^n / (n + a) is x^(-a) times the integral of y^(a - 1) / (1 - y) from 0 to
+x. This is an incomplete beta function whose second parameter is zero. It has a logarithm at x = 1.
 """
 
 from dataclasses import dataclass
@@ -137,8 +137,8 @@ def _polynomial(c: Array, x: Number) -> Number:
 def value_transform(alpha: float, rest: float, left: Number, less: Number) -> Number:
     """-1/pi int_u^1 (1 - v^(alpha - 1)) / (1 - v) dv, u = (zeta - 1) / (zeta + 1).
 
-    It is a transform (see `sie.basis.value_mode`). left, less: zeta + 1 and zeta - 1, real or in the
-    closed upper half plane; rest: 1 - alpha.
+    It is a transform (see `sie.basis.value_mode`). rest: 1 - alpha; left, less: zeta + 1 and
+    zeta - 1, real or in the closed upper half plane.
     """
     out, logarithm = np.empty_like(less), log_ratio(less, left)
     from_one = 2 / left

@@ -10,16 +10,19 @@ It vanishes at both ends and has a logarithm and a step at s:
 
     (kappa + T) J_s = H(t - s) - h,    h = I_((1 - s)/2)(1 - alpha, alpha),
 
-H Heaviside's step, I the regularised incomplete beta function. With u = (1 + t)(1 - s) / ((1 - t)(1 +
-s)) and `lerch`, both sides of s are
+H Heaviside's step, I the regularised incomplete beta function. With `lerch` and
+
+    u = (1 + t)(1 - s) / ((1 - t)(1 + s))
+
+it is on both sides of s
 
     J_s = sin(pi alpha)^2 / pi  u^(1 - alpha) lerch(1 - alpha, u),    t < s,
     J_s = sin(pi alpha)^2 / pi  u^(-alpha) lerch(alpha, 1 / u),       t > s,
 
-and off the interval F is the integral of sin(pi alpha) / pi  y^(-alpha) / (1 + y) from (1 - s) / (1 +
-s) to -u(zeta). Its derivative is -total / pi F_0(zeta) / (zeta - s), with F_0 the transform of w.
-For kappa = 0 J_s is a logarithm. Jumps of derivatives of the right side have the densities (t - s)^k
-J_s:
+and off the interval F is the integral of sin(pi alpha) / pi  y^(-alpha) / (1 + y) from
+(1 - s) / (1 + s) to -u(zeta). Its derivative is -total / pi F_0(zeta) / (zeta - s), with F_0 the
+transform of w. For kappa = 0 J_s is a logarithm. Jumps of derivatives of the right side have the
+densities (t - s)^k J_s:
 
     (kappa + T) (t - s)^k J_s = (t - s)^k (H(t - s) - h) - sum_(j < k) P_j (t - s)^(k - 1 - j) / pi,
 
@@ -60,8 +63,8 @@ OPTIONS = JumpOptions()
 class PowerJump(Kept):
     """The densities (t - s)^k J_s of jumps (k = 0), kinks (k = 1), ... at places s.
 
-    The module's docstring has the formulas. All methods broadcast points against the places; `order`
-    is k. Intensities at the ends are zero.
+    The module's docstring has the formulas. All methods broadcast points against the places, and
+    `order` is k. Intensities at the ends are zero.
 
     Parameters
     ----------
@@ -256,7 +259,7 @@ class PowerJump(Kept):
         out = np.empty_like(point[1])
         at_left, at_right = np.ravel(self.left), np.ravel(self.right)
         before, beyond = (np.ravel(level) for level in self.levels)
-        # The smaller level is the constant, so that the transform keeps its digits where it is small.
+        # The smaller level is the constant: so a small transform keeps its digits.
         kept = (-before <= beyond)[which]
         at, pair = which[kept], tuple(x[kept] for x in point)
         out[kept] = before[at] + _share(self.weighted, at_left[at], at_right[at], pair)
@@ -305,7 +308,7 @@ def _share(w: Weighted, at_left: Array, at_right: Array, point: tuple[Number, ..
     logarithm, from_minus_one = log_ratio(less, left), 2 * away / (less * at_left)
     y, out = left / less * ratio, np.empty_like(less)
     # Beside s the side is told by the distance from it, which has more digits than y.
-    size = np.abs(from_minus_one)
+    size = np.minimum(np.abs(from_minus_one), 1.0)
     inside = np.where(size < 0.5, from_minus_one.real >= 0.5 * size**2, np.abs(y) <= 1)
     for here, a, sign in ((inside, w.rest, 1.0), (~inside, w.alpha, -1.0)):
         rest = from_minus_one[here] if sign > 0 else from_minus_one[here] / y[here]
@@ -316,7 +319,7 @@ def _share(w: Weighted, at_left: Array, at_right: Array, point: tuple[Number, ..
 
 
 def _multiplied(transform: Number, away: Number, powers: list[Array]) -> Number:
-    """Transform of (t - s)^k f, from that of f, zeta - s and the integrals of (t - s)^j f, j < k."""
+    """Transform of (t - s)^k f from that of f, zeta - s and the integrals of (t - s)^j f, j < k."""
     for power in powers:
         transform = transform * away - power / np.pi
     return transform

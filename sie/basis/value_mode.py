@@ -6,9 +6,9 @@ function. Its derivative is -1/pi times the weight w of `sie.basis.weighted`. It
     (kappa + T) V = (log((1 + t) / 2) - psi(alpha) - gamma) / pi,
     F(zeta) = -1/pi  int_u^1 (1 - v^(alpha - 1)) / (1 - v) dv,    u = (zeta - 1) / (zeta + 1),
 
-psi the digamma function and gamma Euler's constant. For kappa = 0 it is arccos(t) / pi. The density of
-the right end is the mirror image, with -kappa. The logarithm cancels that of whatever continues the
-density beyond the end.
+psi the digamma function and gamma Euler's constant. For kappa = 0 it is arccos(t) / pi. The density
+of the right end is the mirror image, with -kappa. The logarithm cancels that of whatever continues
+the density beyond the end.
 """
 
 from collections.abc import Callable

@@ -14,8 +14,8 @@ at a point zeta off the interval, F(zeta) = (1/pi) int S(t) / (zeta - t) dt.
     off it           S_0 -> (zeta - 1)^(alpha - 1) (zeta + 1)^(-alpha); S_n: minimal solution of the
                      recurrence of p_n (W. Gautschi, SIAM Review 9, 1967, 24-82)
     integral         of S_n from -1 to t is -(1 - t^2) w q_(n-1) / n for n > 0
-    potential        on the interval, of S_n: -P_n / n - kappa int S_n, P_n the polynomial p_n of 1 -
-                     alpha; S_0: log 2 + psi(1 - alpha) + gamma - kappa int S_0
+    potential        on the interval, of S_n: -P_n / n - kappa int S_n, with the polynomial P_n
+                     that is p_n for 1 - alpha; S_0: log 2 + psi(1 - alpha) + gamma - kappa int S_0
                      off it, of S_n: -1/n times the transform of (1 - t^2) w q_(n-1)
 
 N. I. Muskhelishvili, Singular Integral Equations, 1953, ch. 14; G. Szegő, Orthogonal Polynomials,

@@ -1,5 +1,6 @@
-"""Densities of jumps and of given end values for the second-kind equation: against quadrature in many
-digits, and by their laws.
+"""Densities of jumps and of given end values for the second-kind equation.
+
+They are held against quadrature in many digits, and by their laws.
 """
 
 import mpmath as mp
@@ -73,7 +74,7 @@ def test_the_transform_of_a_jump_is_its_integral(kappa, order):
         scale = mp.sin(mp.pi * a) ** 2 / mp.pi / b
         return scale * low**b * mp.hyp2f1(1, b, 1 + b, low) * away**order
 
-    def integral(z, step):
+    def integral(z):
         def left(x):
             d = x ** (1 / (1 - a))
             return density(d, 2 - d) / (z + 1 - d) * x ** (1 / (1 - a) - 1) / (1 - a)
@@ -86,11 +87,11 @@ def test_the_transform_of_a_jump_is_its_integral(kappa, order):
         return (halves + mp.quad(right, [0, (1 - mp.mpf(place)) ** a])) / mp.pi
 
     for z in (1.2, 0.25 + 0.4j):
-        exact = complex(integral(mp.mpmathify(z), None))
+        exact = complex(integral(mp.mpmathify(z)))
         scale = float(jump.total[0])
         assert abs(jump.transform(in_plane(np.array([z])), order=order)[0] - exact) < 1e-14 * scale
     line = OnLine.of(np.array([-0.1]), np.array([2.1]))
-    exact = complex(integral(mp.mpf(-1.1), None))
+    exact = complex(integral(mp.mpf(-1.1)))
     assert jump.transform(line, order=order)[0] == pytest.approx(exact.real, abs=1e-14)
 
 

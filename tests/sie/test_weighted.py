@@ -212,7 +212,7 @@ def test_a_split_density_is_the_same_and_vanishes_at_bounded_ends(kappa):
 
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_intensities_and_edge_slopes_are_the_first_terms_at_the_ends(kappa):
-    """Times d^(1 - gamma) the density is K + A d up to d^2; at 1e-5 half widths this has no part."""
+    """Times d^(1 - gamma) the density is K + A d up to d^2, which is small at 1e-5 half widths."""
     weighted, c = Weighted(kappa), np.array([0.3, -0.7, 0.2, 0.5])
     d = np.array([1e-5, 3e-5])
     for k, slope, sides, gamma in zip(
