@@ -23,6 +23,7 @@ from sie.graded.state import GradedState
 from sie.results import figure, pickling
 from sie.results.capacity import capacity_of
 from sie.results.derivative import Change, Derivative, Linearized, without_slits
+from sie.results.graded_derivative import GradedLinearized
 from sie.results.gradient import Adjoint, Functional, Gradient
 from sie.results.report import Report
 from sie.slits.system import AnyDensity, AnyState, solve_zones
@@ -204,8 +205,9 @@ class Solution:
         Raises
         ------
         ValueError
-            For wrong input, for functions that are not resolved, and for gaps between free ends
-            that are too narrow for a solution without slits.
+            For wrong input, for functions that are not resolved, and for gaps that are too narrow
+            for a solution without slits. Beside narrow gaps at fixed ends that is so for dends and
+            dkernel only.
         SingularSystem
             If the ends or the open value are not determined, as at a turning point of the load.
 
@@ -221,9 +223,12 @@ class Solution:
         >>> np.abs(longer.intensities).round(12).tolist()
         [[0.25], [0.25]]
         """
-        state = without_slits(self.state, self.value)
-        change = Change.of(state, dg, values, dkernel, dends, dintensities)
         with np.errstate(all="ignore"):
+            if isinstance(self.state, GradedState) and dends is None and dkernel is None:
+                change = Change.of(self.state, dg, values, dintensities=dintensities)
+                return GradedLinearized(self.state, change).derivative()
+            state = without_slits(self.state, self.value)
+            change = Change.of(state, dg, values, dkernel, dends, dintensities)
             return Linearized(state, change).derivative()
 
     def gradient(

@@ -14,7 +14,7 @@ d^(-3/2) are the singular densities of `sie.ends.motions`; free ends with anothe
 move so that it is kept.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -36,9 +36,11 @@ from sie.equation.conditions import Rows, ZoneMoments, asked
 from sie.equation.equation import Equation
 from sie.equation.forcing import Forcing, Function
 from sie.fast.system import Applied, IterativeSystem
+from sie.graded.density import GradedDensity
+from sie.graded.system import GradedSystem
 from sie.jumps.right_side import ForcingJumps
 from sie.results.moved_density import MovedDensity
-from sie.slits.system import AnyState
+from sie.slits.system import AnyDensity, AnyState
 from sie.states.base import density_of
 from sie.states.solve import SingularSystem, TooLarge, rows_of, solve_fixed
 from sie.states.state import State
@@ -52,7 +54,7 @@ class DerivativeOptions:
     # the given solution's usual tolerance, the derivative has at least half of its digits.
     max_tail: float = 1e-8
     # Largest stated error of a solution without slits, from which a derivative is computed where
-    # the solution itself has slits.
+    # the solution itself has slits or graded coordinates.
     max_error: float = 1e-8
     # Least and largest number of nodes on a zone for the change of the kernel. It is doubled until
     # the field no longer changes.
@@ -71,7 +73,7 @@ class Derivative:
 
     Attributes
     ----------
-    density : Density or MovedDensity
+    density : Density, MovedDensity or GradedDensity
         Derivative of the density at fixed x. It is singular at free ends. Its transform is the
         derivative of the transform at fixed points off the zones, without the part that a change
         of the kernel adds.
@@ -96,7 +98,7 @@ class Derivative:
     ([[-1.0, 1.0]], 1.0)
     """
 
-    density: Density | MovedDensity
+    density: Density | MovedDensity | GradedDensity
     ends: Array
     intensities: Array
     amplitudes: Array
@@ -121,7 +123,7 @@ class Change:
     @classmethod
     def of(
         cls,
-        state: State,
+        state: AnyState,
         dg: Forcing | Function | None = None,
         values: Sequence[ArrayLike] | ArrayLike | None = None,
         dkernel: Smooth | Regular | None = None,
@@ -131,7 +133,9 @@ class Change:
         zones = state.density.zones
         forcing = _forcing(dg)
         if dkernel is not None:
-            forcing = _with_kernel(forcing, _kernel_field(state.density, dkernel))
+            density = state.density
+            assert isinstance(density, Density), "only solutions without slits come here"
+            forcing = _with_kernel(forcing, _kernel_field(density, dkernel))
         moved = table_of("dends", dends, (len(zones), 2)).T * [[-1.0], [1.0]]
         if np.any(moved[zones.moves]):
             raise ValueError("dends: free ends follow from the problem; give zero for them")
@@ -148,6 +152,14 @@ class Change:
                 "the condition by sie.Weighted or sie.moment"
             )
         return cls(forcing, rows, of_ends, moved, k)
+
+    def held(self, zones: Zones) -> list[float]:
+        """Changes of the prescribed intensities at fixed ends, in the order of their rows."""
+        return [
+            float(self.intensities[side, zones.solved[p]])
+            for side, places in enumerate(zones.fixed_bounded)
+            for p in places
+        ]
 
 
 def table_of(name: str, given: ArrayLike | None, shape: tuple[int, int]) -> Array:
@@ -269,10 +281,60 @@ def without_slits(state: AnyState, value: float | None, factors: bool = False) -
         found = found.with_value(opened, value or 0.0)
     if not isinstance(state, State) and found.density_error > OPTIONS.max_error:
         raise ValueError(
-            "gaps between the zones are too narrow for a derivative: without slits the error is "
-            f"{found.density_error:.1e}"
+            "gaps between the zones are too narrow for this derivative: without slits and graded "
+            f"coordinates the error of the solution is {found.density_error:.1e}"
         )
     return found.with_bounded_ends()
+
+
+def known_parts(system: System | GradedSystem, view: Rows, size: int) -> Array:
+    """The parts of all side conditions of a system that do not depend on the unknowns (rows,).
+
+    view: the quantities that conditions use, with matrices of `size` columns.
+    """
+    parts = [asked(one, view, size)[1] for one in system.equation.conditions]
+    if any(system.zones.fixed_bounded):
+        pairs = zip(system.zones.fixed_bounded, view.intensities(), strict=True)
+        parts += [constants[chosen] for chosen, (_, constants) in pairs]
+    return np.concatenate([np.zeros(0), *parts])
+
+
+def end_rates_of(density: AnyDensity, lack: Array) -> Array:
+    """Outward motions (2, Z) of the free ends that change their intensity, zero before, by `lack`.
+
+    density: the solution, whose edge slopes count.
+    """
+    zones = density.zones
+    slopes = np.array(density.edge_slopes)
+    if np.any(slopes[zones.moves] == 0.0):
+        raise SingularSystem("beside a free end the density does not grow as sqrt(distance)")
+    rates = zones.weight.end_step(-lack, np.where(zones.moves, slopes, 1.0))
+    return np.where(zones.moves, rates, 0.0)
+
+
+def with_open_value(
+    answer: Callable[[Array], tuple[Array, Array]],
+    right: Array,
+    unit: Array,
+    equation: Equation,
+    zones: Zones,
+    change: "Change",
+) -> tuple[Array, Array, float | None]:
+    """(unknowns, outward motions, derivative of the open value or None) for given right sides.
+
+    answer: unknowns and motions for a right side; unit: right side for a unit of the open value,
+    which the condition on the ends determines.
+    """
+    y, outward = answer(right)
+    if equation.open_condition is None:
+        return y, outward, None
+    more_y, more_outward = answer(right + unit)
+    normal = np.array(equation.end_conditions[0].residual(zones)[1:])
+    rate = float((normal * (more_outward - outward)).sum())
+    if rate == 0.0:
+        raise SingularSystem("the condition on the ends does not depend on the open value")
+    value = (change.of_ends - float((normal * outward).sum())) / rate
+    return y + value * (more_y - y), outward + value * (more_outward - outward), value
 
 
 class Linearized:
@@ -310,12 +372,7 @@ class Linearized:
         """Right sides of all rows, without the effect of moving ends."""
         state, zones = self.state, self.zones
         out = np.zeros(state.solver.size)
-        held = [
-            self.change.intensities[side, zones.solved[p]]
-            for side, places in enumerate(zones.fixed_bounded)
-            for p in places
-        ]
-        rows = np.concatenate((self.change.values, held))
+        rows = np.concatenate((self.change.values, self.change.held(zones)))
         if self.changed is not None:
             equation_right, constants = self._constants(self.changed)
             out[: state.conditions_from] = equation_right
@@ -332,15 +389,7 @@ class Linearized:
             view, size = Applied(system, np.zeros(size), none, none), 1
         else:
             equation_right = system.equation_rows()[1]
-        parts = [asked(one, view, size)[1] for one in system.equation.conditions]
-        if any(self.zones.fixed_bounded):
-            parts += [
-                constants[chosen]
-                for chosen, (_, constants) in zip(
-                    self.zones.fixed_bounded, view.intensities(), strict=True
-                )
-            ]
-        return equation_right, np.concatenate([np.zeros(0), *parts])
+        return equation_right, known_parts(system, view, size)
 
     def unknowns(self, right: Array, outward: Array) -> Array:
         """The unknowns for given right sides and motions of ends with an intensity (2, Z)."""
@@ -381,26 +430,16 @@ class Linearized:
                 raise SingularSystem("some motion of the ends leaves the intensities as they are")
             outward = outward + motions.spread(found)
             return self.unknowns(right, outward), outward
-        slopes = np.array(self.state.density.edge_slopes)
-        if np.any(slopes[zones.moves] == 0.0):
-            raise SingularSystem("beside a free end the density does not grow as sqrt(distance)")
-        rates = zones.weight.end_step(-lack, np.where(zones.moves, slopes, 1.0))
-        return y, outward + np.where(zones.moves, rates, 0.0)
+        return y, outward + end_rates_of(self.state.density, lack)
 
     def derivative(self) -> Derivative:
-        y, outward = self.answer(self.right)
-        equation, value = self.state.equation, None
-        opened = equation.open_condition
+        state, opened = self.state, self.state.equation.open_condition
+        unit = np.zeros(len(self.right))
         if opened is not None:
-            unit = self.state.right_of(self.state.values(opened))
-            more_y, more_outward = self.answer(self.right + unit)
-            normal = np.array(equation.end_conditions[0].residual(self.zones)[1:])
-            rate = float((normal * (more_outward - outward)).sum())
-            if rate == 0.0:
-                raise SingularSystem("the condition on the ends does not depend on the open value")
-            value = (self.change.of_ends - float((normal * outward).sum())) / rate
-            y, outward = y + value * (more_y - y), outward + value * (more_outward - outward)
-        return self._assembled(y, outward, value)
+            unit = state.right_of(state.values(opened))
+        return self._assembled(
+            *with_open_value(self.answer, self.right, unit, state.equation, self.zones, self.change)
+        )
 
     def _assembled(self, y: Array, outward: Array, value: float | None) -> Derivative:
         zones, plain = self.zones, self.density(y)

@@ -310,6 +310,74 @@ def test_two_zones_of_a_quartic_profile_follow_their_load(load):
     assert np.abs(ends / [[-a, -b], [b, a]] - 1).max() < 1e-7
 
 
+CLOSE = [[-2.0, -1e-7], [1e-7, 2.0]]
+
+
+def close_plates(s):
+    g = sie.Forcing(
+        lambda x: np.cos(x) + s * np.sin(2 * x), lambda x: np.sin(x) - s * np.cos(2 * x) / 2
+    )
+    equation = sie.Equation(sie.cauchy(), g, (sie.Total(1.0 + s), sie.EqualPotential()))
+    return equation, sie.Zones.of(CLOSE, *SINGULAR)
+
+
+def close_cracks(s):
+    conditions = sie.ZoneTotals(s), sie.Amplitude(0, 0.1 + s)
+    g = sie.Forcing(lambda x: np.cos(x) + s * np.sin(2 * x))
+    equation = sie.Equation(sie.hilbert(5.0), g, conditions, np.exp)
+    return equation, sie.Zones.of(CLOSE, *SINGULAR)
+
+
+def close_punches(s):
+    g = sie.Forcing(lambda x: 1.2 * x + 0.9 + s * np.sin(2 * x))
+    equation = sie.Equation(sie.cauchy(), g, sie.ZoneTotals((1.0, 0.7)))
+    zones = [[-2.5, -1e-7], [1e-7, 2.0]]
+    kinds = [sie.FREE, sie.SINGULAR], [sie.SINGULAR, sie.FREE]
+    return equation, sie.Zones.of(zones, *kinds)
+
+
+@pytest.mark.parametrize(
+    ("problem", "values"),
+    [(close_plates, [1.0, 0.0]), (close_cracks, [1.0, 1.0]), (close_punches, None)],
+)
+def test_derivatives_beside_narrow_gaps_are_the_limits_of_differences(problem, values):
+    h = 1e-3
+    around = [sie.solve(*problem(k * h), tol=1e-8) for k in (-2, -1, 1, 2)]
+    found = sie.solve(*problem(0.0), tol=1e-8)
+    assert type(found.density) is sie.GradedDensity
+    dg = sie.Forcing(lambda x: np.sin(2 * x), lambda x: -np.cos(2 * x) / 2)
+    derivative = found.derivative(dg, values=values)
+    x = np.array([-1.5, -1e-3, 0.3, 1.5])
+    for exact, of in [
+        (derivative.density(x), lambda one: one.density(x)),
+        (derivative.density.transform(PLANE), lambda one: one.density.transform(PLANE)),
+        (derivative.intensities, lambda one: np.array(one.density.intensities)),
+        (derivative.ends, lambda one: one.zones.table),
+        (derivative.amplitudes, lambda one: one.amplitudes),
+    ]:
+        j = [np.asarray(of(one)) for one in around]
+        difference = (j[0] - 8 * j[1] + 8 * j[2] - j[3]) / (12 * h)
+        size = max(np.abs(difference).max(initial=0.0), 1.0)
+        assert np.abs(exact - difference).max(initial=0.0) < 1e-7 * size
+    with pytest.raises(ValueError, match="too narrow"):
+        found.derivative(dends=[[-1.0, 0.0], [0.0, 0.0]])
+
+
+def test_the_capacity_of_plates_that_nearly_touch():
+    found = sie.solve(
+        sie.Equation(
+            sie.cauchy(),
+            sie.Forcing(np.zeros_like, np.zeros_like),
+            (sie.Total(1.0), sie.EqualPotential()),
+        ),
+        sie.Zones.of([[-1.0, -1e-7], [1e-7, 1.0]], *SINGULAR),
+        tol=1e-8,
+    )
+    assert abs(found.capacity - 0.5) < 1e-8
+    lines = str(found.report()).splitlines()
+    assert len(lines) == 5 and np.abs(found.residual([-0.5, 1e-5])).max() < 1e-9
+
+
 def test_wrong_changes_are_refused_with_their_reason():
     equation, zones, _ = cracks(0.0)
     found = sie.solve(equation, zones)

@@ -1,0 +1,80 @@
+"""The derivative of a solution on zones with graded coordinates, whose fixed ends stay in place."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sie.basis.data import Array
+from sie.equation.checks import check_functions
+from sie.equation.forcing import Forcing
+from sie.graded.density import GradedDensity
+from sie.graded.state import GradedState
+from sie.graded.system import GradedSystem
+from sie.results.derivative import (
+    OPTIONS,
+    Change,
+    Derivative,
+    end_rates_of,
+    known_parts,
+    with_open_value,
+)
+
+
+class GradedLinearized:
+    """The equations for the derivative of a solution beside narrow gaps.
+
+    The rows are those of `sie.graded.system`, whose right sides are values at nodes.
+    """
+
+    def __init__(self, state: GradedState, change: Change) -> None:
+        self.state, self.change = state.with_bounded_ends(), change
+        self.zones, self.system = state.density.zones, state.system
+        rows = np.concatenate((change.values, change.held(self.zones)))
+        out = np.zeros(state.solver.size)
+        if change.forcing is not None:
+            system = self._changed_system(change.forcing)
+            out[: state.conditions_from] = system.equation_rows()[1]
+            rows = rows - known_parts(system, system, system.size)
+        out[state.conditions_from :] = rows / state.condition_scale
+        if not np.isfinite(out).all():
+            raise ValueError("the change of the right side is not finite on the zones")
+        self.right = out
+
+    def _changed_system(self, forcing: Forcing) -> GradedSystem:
+        """The system with the change of the right side in place of the right side."""
+        equation = replace(self.system.equation, forcing=forcing)
+        check_functions(equation, self.zones)
+        if len(forcing.jumps_within(self.zones, equation.kernel)):
+            raise ValueError("beside narrow gaps the right side and its change must be smooth")
+        return GradedSystem(equation, self.zones, self.system.sizes)
+
+    def density(self, y: Array) -> GradedDensity:
+        """The density with the unknowns y."""
+        return replace(self.state.density, unknowns=y, bounded_ends=False)
+
+    def answer(self, right: Array) -> tuple[Array, Array]:
+        """(unknowns, outward motions of all ends) for given right sides of the rows."""
+        y = self.system.unfold(self.state.solver(right))
+        k = np.array(self.density(y).intensities)
+        return y, end_rates_of(self.state.density, self.change.intensities - k)
+
+    def derivative(self) -> Derivative:
+        state, zones = self.state, self.zones
+        opened = state.equation.open_condition
+        unit = np.zeros(len(self.right))
+        if opened is not None:
+            unit[state.conditions_from :] = state.values(opened) / state.condition_scale
+        y, outward, value = with_open_value(
+            self.answer, self.right, unit, state.equation, zones, self.change
+        )
+        density = self.density(y)
+        for zone, n in enumerate(self.system.sizes.tolist()):
+            c = np.abs(density.divided[zone, :n])
+            if c[-4:].max() > OPTIONS.max_tail * c.max():
+                raise ValueError(
+                    f"the change of the right side is not resolved on zone {zone} (counted from 0)"
+                )
+        given = np.isnan(zones.intensities)
+        k = np.where(given, np.array(density.intensities), self.change.intensities)
+        ends = (outward * [[-1.0], [1.0]]).T
+        return Derivative(density, ends, k, density.amplitudes, value)
