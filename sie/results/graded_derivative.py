@@ -29,10 +29,11 @@ class GradedLinearized:
     def __init__(self, state: GradedState, change: Change) -> None:
         self.state, self.change = state.with_bounded_ends(), change
         self.zones, self.system = state.density.zones, state.system
+        self.changed: GradedSystem | None = None
         rows = np.concatenate((change.values, change.held(self.zones)))
         out = np.zeros(state.solver.size)
         if change.forcing is not None:
-            system = self._changed_system(change.forcing)
+            self.changed = system = self._changed_system(change.forcing)
             out[: state.conditions_from] = system.equation_rows()[1]
             rows = rows - known_parts(system, system, system.size)
         out[state.conditions_from :] = rows / state.condition_scale
@@ -44,13 +45,14 @@ class GradedLinearized:
         """The system with the change of the right side in place of the right side."""
         equation = replace(self.system.equation, forcing=forcing)
         check_functions(equation, self.zones)
-        if len(forcing.jumps_within(self.zones, equation.kernel)):
-            raise ValueError("beside narrow gaps the right side and its change must be smooth")
-        return GradedSystem(equation, self.zones, self.system.sizes)
+        jumps = forcing.jumps_within(self.zones, equation.kernel)
+        return GradedSystem(equation, self.zones, self.system.sizes, jumps)
 
     def density(self, y: Array) -> GradedDensity:
-        """The density with the unknowns y."""
-        return replace(self.state.density, unknowns=y, bounded_ends=False)
+        """The density with the unknowns y, and with the jumps of the change of the right side."""
+        forced = self.changed is not None
+        system = self.changed or self.system
+        return GradedDensity(system, y, bounded_ends=False, forced=forced)
 
     def answer(self, right: Array) -> tuple[Array, Array]:
         """(unknowns, outward motions of all ends) for given right sides of the rows."""

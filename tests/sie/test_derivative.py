@@ -336,9 +336,19 @@ def close_punches(s):
     return equation, sie.Zones.of(zones, *kinds)
 
 
+def close_kinks(s):
+    g = sie.Forcing(lambda x: np.cos(x) + s * np.sign(x - 0.1), jumps=sie.Jumps([0.1], [2.0 * s]))
+    return sie.Equation(sie.cauchy(), g, sie.ZoneTotals(0.3)), sie.Zones.of(CLOSE, *SINGULAR)
+
+
 @pytest.mark.parametrize(
     ("problem", "values"),
-    [(close_plates, [1.0, 0.0]), (close_cracks, [1.0, 1.0]), (close_punches, None)],
+    [
+        (close_kinks, None),
+        (close_plates, [1.0, 0.0]),
+        (close_cracks, [1.0, 1.0]),
+        (close_punches, None),
+    ],
 )
 def test_derivatives_beside_narrow_gaps_are_the_limits_of_differences(problem, values):
     h = 1e-3
@@ -346,6 +356,7 @@ def test_derivatives_beside_narrow_gaps_are_the_limits_of_differences(problem, v
     found = sie.solve(*problem(0.0), tol=1e-8)
     assert type(found.density) is sie.GradedDensity
     dg = sie.Forcing(lambda x: np.sin(2 * x), lambda x: -np.cos(2 * x) / 2)
+    dg = KINK if problem is close_kinks else dg
     derivative = found.derivative(dg, values=values)
     x = np.array([-1.5, -1e-3, 0.3, 1.5])
     for exact, of in [
