@@ -173,7 +173,9 @@ class ClosedFields(ZoneFields):
     def stiffness(self) -> float | None:
         if not self.scene.operator.has_approach:
             return None
-        return -math.pi * self._unit / self._even_level
+        level = self._even_level
+        # Next to full contact the level of a punch may be below the last digit.
+        return -math.pi * self._unit / level if level else math.inf
 
     @cached_property
     def mean_gap(self) -> float:

@@ -29,7 +29,7 @@ from sie.basis.zones import Zones
 from sie.density.base import DensityBase
 from sie.density.density import Density
 from sie.graded.grading import Places
-from sie.graded.system import GradedSystem
+from sie.graded.system import GradedSystem, resolving_sizes
 from sie.jumps.right_side import ForcingJumps
 
 
@@ -108,9 +108,30 @@ class GradedDensity(DensityBase):
         return self.unknowns[self.system.nodes :]
 
     @cached_property
+    def fine(self) -> tuple[GradedSystem, Array]:
+        """The system with so many nodes that they resolve psi itself, and the unknowns there.
+
+        Where psi is divided by `Grading.scale` before its series, the scale is singular at the
+        distance pi/B from the axis of s, so that psi needs more nodes than the quotient.
+        """
+        system, divided = self.system, self.powers.any(axis=0)
+        most = np.maximum(system.sizes, resolving_sizes(system.gradings))
+        sizes = np.where(divided, most, system.sizes)
+        if np.all(sizes == system.sizes):
+            return system, self.unknowns
+        jumps = self.system.closed.jumps if self.system.closed else ForcingJumps.none()
+        finer = GradedSystem(system.equation, system.zones, sizes, jumps)
+        return finer, system.on_finer(self.unknowns, self.powers, finer)
+
+    @property
+    def nodes(self) -> GradedSystem:
+        """The system whose nodes are the sources of fields."""
+        return self.fine[0]
+
+    @cached_property
     def coefficients(self) -> Array:
         """Coefficients c_l of psi = sum c_l T_l / sqrt(1 - s^2) on each zone (Z, n)."""
-        return self.system.series(self.unknowns)
+        return self.nodes.series(self.fine[1])
 
     @cached_property
     def sampling(self) -> Index:
@@ -148,8 +169,9 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def charges(self) -> Array:
-        """F_k / n at each node."""
-        return np.asarray(self.unknowns[: self.system.nodes] * self.system.weights)
+        """F_k / n at each source of fields."""
+        system, unknowns = self.fine
+        return np.asarray(unknowns[: system.nodes] * system.weights)
 
     # The methods below give values and integrals of the density on the zones.
     def places(self, zone: int, left: Array, right: Array) -> Places:
@@ -222,7 +244,7 @@ class GradedDensity(DensityBase):
 
     def moment(self, about: float = 0.0) -> float:
         """Integral of (x - about) times the density."""
-        out = float(np.pi * self.charges @ (self.system.source_x - about))
+        out = float(np.pi * self.charges @ (self.nodes.source_x - about))
         return out if self.closed is None else out + self.closed.moment(about)
 
     @cached_property
@@ -305,8 +327,8 @@ class GradedDensity(DensityBase):
     # The methods below give the transform and the potential.
     def _smooth(self, zone: int, places: Places) -> NDArray[Any]:
         """The sum over R(s, s_k) of the head of this file."""
-        matrix = self.system.gradings[zone].smooth_kernel(places, self.system.sources[zone])
-        return np.asarray(matrix @ self.charges[self.system.own(zone)])
+        matrix = self.system.gradings[zone].smooth_kernel(places, self.nodes.sources[zone])
+        return np.asarray(matrix @ self.charges[self.nodes.own(zone)])
 
     def _on_line(self, x: Array, potential: bool) -> Array:
         flat = self.into_period(x).ravel()
@@ -316,7 +338,7 @@ class GradedDensity(DensityBase):
     @property
     def block(self) -> int:
         """Number of points that are evaluated together, so that tables of pairs fit into memory."""
-        return max(1, BLOCKS.memory_pairs // self.system.nodes)
+        return max(1, BLOCKS.memory_pairs // self.nodes.nodes)
 
     def _transform_at(self, x: Array) -> Array:
         """Transform at real points of one period."""
@@ -342,7 +364,7 @@ class GradedDensity(DensityBase):
         if regular is None:
             return 0.0
         potential = regular is not self.kernel.regular
-        values = regular_values(self.kernel, x, self.system.source_x, potential)
+        values = regular_values(self.kernel, x, self.nodes.source_x, potential)
         return np.asarray(values @ self.charges)
 
     def from_ends(self, zone: int, x: Array) -> tuple[Array, Array]:
@@ -361,7 +383,7 @@ class GradedDensity(DensityBase):
 
     def _near(self, zone: int, from_a: Any, from_b: Any) -> Mask:
         """Whether places are so close to a zone that Gauss's rule for 1 / (x - x') is not exact."""
-        grading, n = self.system.gradings[zone], int(self.system.sizes[zone])
+        grading, n = self.system.gradings[zone], int(self.nodes.sizes[zone])
         # The rule's error is rho^(2 n) in s, with rho = |s - sqrt(s^2 - 1)|.
         excess = excess_of(0.5 * DIGITS / n)
         real = np.real(from_a) > -grading.before, np.real(from_b) > -grading.after
@@ -372,7 +394,7 @@ class GradedDensity(DensityBase):
 
     def _far(self, zone: int, from_a: Any, from_b: Any, what: What) -> NDArray[Any]:
         """Field of one zone by Gauss's rule."""
-        sources, charges = self.system.sources[zone], self.charges[self.system.own(zone)]
+        sources, charges = self.nodes.sources[zone], self.charges[self.nodes.own(zone)]
         beyond_b = (np.real(from_b) < 0.5 * np.real(from_a + from_b))[:, None]
         lag = np.where(beyond_b, sources.from_b - from_b[:, None], from_a[:, None] - sources.from_a)
         if what == "transform":
@@ -401,8 +423,8 @@ class GradedDensity(DensityBase):
                 closed[on] = interval.own_potential(
                     divided, row[on], some.left, some.right, np.ones(len(row[on]))
                 )
-            grading, sources = self.system.gradings[zone], self.system.sources[zone]
-            charges = self.charges[self.system.own(zone)]
+            grading, sources = self.system.gradings[zone], self.nodes.sources[zone]
+            charges = self.charges[self.nodes.own(zone)]
             rest = (grading.log_ratio(places, sources) - np.log(self.kernel.datum)) @ charges
             return np.asarray(closed + rest)
         closed = interval.transform_of(*self._psi, seen, row)
@@ -413,10 +435,10 @@ class GradedDensity(DensityBase):
         if what == "transform":
             return np.asarray(both / places.rate)
         slope = interval.transform_slope_of(*self._psi, seen, row)
-        grading, sources = self.system.gradings[zone], self.system.sources[zone]
+        grading, sources = self.system.gradings[zone], self.nodes.sources[zone]
         slope = (
             slope
-            + grading.smooth_kernel_slope(places, sources) @ (self.charges[self.system.own(zone)])
+            + grading.smooth_kernel_slope(places, sources) @ (self.charges[self.nodes.own(zone)])
         )
         bend = grading.stretch * np.tanh(0.5 * places.u)
         return np.asarray((slope + bend * both) / places.rate**2)
@@ -462,7 +484,7 @@ class GradedPlane:
         regular = self._regular(what)
         if regular is not None:
             points: Any = complex_of(x, y)
-            out += np.asarray(regular(points[:, None], density.system.source_x)) @ density.charges
+            out += np.asarray(regular(points[:, None], density.nodes.source_x)) @ density.charges
         return out
 
     def _regular(self, what: What) -> Regular | None:

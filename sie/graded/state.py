@@ -18,7 +18,14 @@ from sie.equation.checks import check_functions
 from sie.equation.conditions import speaks_of_levels
 from sie.equation.equation import Equation
 from sie.graded.density import GradedDensity
-from sie.graded.system import OPTIONS, GradedSystem, exact_gaps, gradings_of
+from sie.graded.system import (
+    OPTIONS,
+    GradedSystem,
+    even_sizes,
+    exact_gaps,
+    first_sizes,
+    gradings_of,
+)
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.rounding import primitive_rounding
 from sie.states.sizes import Sizes
@@ -42,23 +49,7 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
     plain = -np.log(EPS) / modes.decay(zones, equation.kernel)
     if plain.sum() <= OPTIONS.min_plain_unknowns:
         return False
-    return int(_first_sizes(equation, zones).sum()) <= OPTIONS.max_unknowns
-
-
-def _first_sizes(equation: Equation, zones: Zones) -> Index:
-    """First number of modes of each zone.
-
-    Fields across a gap are singular at the distance pi/B from the axis of s. So Gauss's rule with n
-    nodes integrates them with an error of exp(-2 n asinh(pi/B)).
-    """
-    stretch = np.array([one.stretch for one in gradings_of(zones, equation.kernel)])
-    count = -np.log(EPS) / (2 * np.arcsinh(np.pi / stretch))
-    return _even(count + OPTIONS.extra_modes)
-
-
-def _even(count: Array) -> Index:
-    """Even numbers, none below the given ones."""
-    return 2 * np.ceil(0.5 * count).astype(np.intp)
+    return int(first_sizes(gradings_of(zones, equation.kernel)).sum()) <= OPTIONS.max_unknowns
 
 
 @dataclass(frozen=True, eq=False)
@@ -390,7 +381,7 @@ def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Size
         check_functions(equation, zones)
     jumps = equation.forcing.jumps_within(zones, equation.kernel)
     enough = max(ERRORS.negligible * tolerance, SUM_ROUNDING)
-    count, last = _first_sizes(equation, zones), np.full(len(zones), np.inf)
+    count, last = first_sizes(gradings_of(zones, equation.kernel)), np.full(len(zones), np.inf)
     while True:
         if zones.symmetric:
             count = np.maximum(count, count[::-1])
@@ -400,7 +391,7 @@ def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Size
         more: Mask = (tails > enough) & (count < OPTIONS.max_modes) & (tails < 0.5 * last)
         # Coefficients decay as a power of the mode. With few digits the power is not sure.
         digits = np.log(np.clip(tails, enough, HALF_DIGITS**0.5))
-        wanted = _even(np.where(more, OPTIONS.growth * np.log(enough) / digits, 1.0) * count)
+        wanted = even_sizes(np.where(more, OPTIONS.growth * np.log(enough) / digits, 1.0) * count)
         wanted = np.minimum(wanted, OPTIONS.max_modes)
         if not more.any() or wanted.sum() > OPTIONS.max_unknowns:
             return state

@@ -21,7 +21,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import SUM_ROUNDING, Array, Index, Kept, sum_error
+from sie.basis.data import EPS, SUM_ROUNDING, Array, Index, Kept, sum_error
 from sie.basis.kernels import Kernel
 from sie.basis.lag_table import regular_values
 from sie.basis.weight import needs_half
@@ -72,6 +72,27 @@ def gradings_of(zones: Zones, kernel: Kernel) -> list[Grading]:
     return [
         Grading(*one) for one in zip(width.tolist(), before.tolist(), after.tolist(), strict=True)
     ]
+
+
+def resolving_sizes(gradings: list[Grading]) -> Index:
+    """Number of modes of each zone that resolve functions singular at the distance pi/B from it."""
+    stretch = np.array([one.stretch for one in gradings])
+    return even_sizes(-np.log(EPS) / np.arcsinh(np.pi / stretch) + OPTIONS.extra_modes)
+
+
+def first_sizes(gradings: list[Grading]) -> Index:
+    """First number of modes of each zone.
+
+    Fields across a gap are singular at the distance pi/B from the axis of s. So Gauss's rule with n
+    nodes integrates them with an error of exp(-2 n asinh(pi/B)).
+    """
+    stretch = np.array([one.stretch for one in gradings])
+    return even_sizes(-np.log(EPS) / (2 * np.arcsinh(np.pi / stretch)) + OPTIONS.extra_modes)
+
+
+def even_sizes(count: Array) -> Index:
+    """Even numbers, none below the given ones."""
+    return 2 * np.ceil(0.5 * count).astype(np.intp)
 
 
 def exact_gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:

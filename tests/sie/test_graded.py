@@ -358,6 +358,22 @@ def test_a_step_of_the_pressure_on_cracks_obeys_the_reciprocal_theorem(gap):
     assert stepped.density.moment() == pytest.approx(wanted, rel=1e-12)
 
 
+@pytest.mark.parametrize("gap", [1e-4, 1e-7, 1e-11])
+def test_equation_and_level_hold_at_all_places_of_the_zones(gap):
+    """Also where the charges fall towards the gap, so that they are divided before their series."""
+    t = np.concatenate((np.linspace(-0.97, 0.97, 23), [1 - 1e-3, 1 - 1e-5]))
+    row = sie.Equation(sie.hilbert(1.0), sie.Forcing(still, still), sie.Total(1.0))
+    found = sie.solve(row, sie.Zones.of([[0.0, 1.0 - gap]], S, S))
+    x = 0.5 * (1 - gap) * (1 + t)
+    assert found.density.potential(x) == pytest.approx(np.full(len(t), found.levels[0]), abs=2e-14)
+    assert found.density.transform(x) == pytest.approx(np.zeros(len(t)), abs=1e-11)
+    pair = sie.Zones.of([[-1.0, 0.0], [gap, 2.0]], S, B)
+    plates = sie.solve(sie.Equation(sie.cauchy(), np.ones_like), pair)
+    assert isinstance(plates.density, sie.GradedDensity)
+    assert plates.density.transform(t[t < 0]) == pytest.approx(np.ones(np.sum(t < 0)), abs=1e-11)
+    assert plates.residual(1 + t) == pytest.approx(np.zeros(len(t)), abs=1e-11)
+
+
 @pytest.mark.parametrize("gap", [1e-5, 1e-10])
 def test_fields_beside_the_gap_are_those_of_the_closed_form(gap):
     """F = 1 - (z^2 - c) / (sqrt(z^2 - k^2) sqrt(z^2 - 1)) of two cracks, from 1e-3 gaps on."""
