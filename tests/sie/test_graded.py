@@ -363,9 +363,10 @@ def test_equation_and_level_hold_at_all_places_of_the_zones(gap):
     """Also where the charges fall towards the gap, so that they are divided before their series."""
     t = np.concatenate((np.linspace(-0.97, 0.97, 23), [1 - 1e-3, 1 - 1e-5]))
     row = sie.Equation(sie.hilbert(1.0), sie.Forcing(still, still), sie.Total(1.0))
-    found = sie.solve(row, sie.Zones.of([[0.0, 1.0 - gap]], S, S))
+    tol = max(1e-10, 1e-12 / gap**0.5)  # round-off of the potential over the narrow gap
+    found = sie.solve(row, sie.Zones.of([[0.0, 1.0 - gap]], S, S), tol)
     x = 0.5 * (1 - gap) * (1 + t)
-    assert found.density.potential(x) == pytest.approx(np.full(len(t), found.levels[0]), abs=2e-14)
+    assert found.density.potential(x) == pytest.approx(np.full(len(t), found.levels[0]), abs=1e-13)
     assert found.density.transform(x) == pytest.approx(np.zeros(len(t)), abs=1e-11)
     pair = sie.Zones.of([[-1.0, 0.0], [gap, 2.0]], S, B)
     plates = sie.solve(sie.Equation(sie.cauchy(), np.ones_like), pair)
