@@ -150,7 +150,7 @@ def _causes(worst: _Worst) -> dict[str, float]:
     grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
     return {
         "right side": float(state.truncation[zone]) if unfallen else 0.0,
-        "neighbour": math.exp(-fall * m) if fall < modes.ALONE else 0.0,
+        "neighbour": math.exp(-fall * m) if math.isfinite(fall) else 0.0,
         "places": rounded,
         "fields": float(state.tails[zone]) if equation.grows and grown else 0.0,
     }

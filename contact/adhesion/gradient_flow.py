@@ -172,7 +172,8 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
             # After a failed step, the motion is returned as inf, so that the ends do not count as
             # at rest.
             return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
-        limit, back_again = _shorter(here, limit, step, np.where(passed, 0.5, 0.9)), back_again + 1
+        limit = _shorter(here, limit, step, np.where(passed, _chord(here, ahead), 0.9))
+        back_again += 1
     raise NotConverged("no step of the ends keeps to the branch")
 
 
@@ -184,6 +185,17 @@ def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array
     if here.growth >= 0.0:
         return np.asarray(float(np.min(by)) * limit * float((np.abs(step) / limit).max()))
     return np.asarray(by * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths)))
+
+
+def _chord(here: State, ahead: State) -> Array:
+    """Fraction (2n,) of a step at which each residual vanishes by linear interpolation.
+
+    It is at least `MOVES.least_part`, and 1/2 for residuals that have not changed their signs.
+    """
+    before, after = here.whole.residual, ahead.whole.residual
+    part = np.full(len(before), 0.5)
+    np.divide(before, before - after, out=part, where=before * after < 0.0)
+    return np.maximum(part, MOVES.least_part)
 
 
 def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:

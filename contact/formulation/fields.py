@@ -105,7 +105,6 @@ class ZoneFields(sie.Kept):
     state: sie.AnyState = field(repr=False)
     amplitude_rate: float = 0.0
     centring: float = 0.0
-    pressure_bound = math.inf
     cohesive = np.zeros((0, 2))
     borne_beside = 0.0
 
@@ -516,6 +515,10 @@ class ZoneFields(sie.Kept):
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         return self.density.at_t(zone, t) * self.problem.units.pressure
+
+    @property
+    def pressure_bound(self) -> float:
+        return self.density.upper_bound * self.problem.units.pressure
 
     @cached_property
     def max_pressure(self) -> float:

@@ -106,7 +106,7 @@ class Fields(Protocol):
 
     @property
     def pressure_bound(self) -> float:
-        """An upper bound of the pressure [Pa] that needs no computation; inf if none is known."""
+        """An upper bound of the pressure [Pa] that takes little time; inf if none is known."""
 
     @property
     def gap_rounding(self) -> float:

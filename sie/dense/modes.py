@@ -65,9 +65,6 @@ class ModeOptions:
 
 OPTIONS = ModeOptions()
 
-# Decay rate that is used for a zone without neighbours: exp(-ALONE) is the smallest normal
-# floating-point number.
-ALONE = -math.log(np.finfo(float).tiny)
 COUPLED_SIZES = np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 12]).ravel()))
 
 
@@ -181,9 +178,7 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
     """
     by = decay(zones, kernel)
     most_here = OPTIONS.max_modes if zones.moves.any() else COUPLED_SIZES[-1]
-    want = np.minimum(
-        np.where(by < ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here
-    )
+    want = np.minimum(-np.log(tolerance) / np.maximum(by, 1e-3), most_here)
     # If the matrix is too large, the number of modes is reduced first for zones with the most
     # modes.
     while (
@@ -198,10 +193,10 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
 def decay(zones: Zones, kernel: Kernel) -> Array:
     """Decay rate of the coefficients of the other zones' field on each zone (Z,).
 
-    It is -log(rho) of the nearest end of another zone or image.
+    It is -log(rho) of the nearest end of another zone or image, and inf if there is none.
     """
     left, right = gaps(zones, kernel)
-    return decay_rate(np.minimum(np.minimum(left, right) / zones.half, 1e300))
+    return decay_rate(np.minimum(left, right) / zones.half)
 
 
 def least_distance() -> float:

@@ -1,5 +1,6 @@
 """Base of densities: places on the line and in the plane, with or without slits."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Self
@@ -30,6 +31,11 @@ class DensityBase(Kept):
         @property
         def plane(self) -> Callable[[Complex, What], Complex]:
             """The fields of the density at complex points."""
+
+    @property
+    def upper_bound(self) -> float:
+        """An upper bound of the density on all zones that takes little time; inf if none is known."""
+        return math.inf
 
     def with_bounded_ends(self) -> Self:
         """This density without the terms in 1/sqrt(distance) that round-off causes at free ends.

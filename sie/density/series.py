@@ -4,6 +4,7 @@
 is integrated by quadrature.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev, interval
-from sie.basis.data import Array, Index, widened
+from sie.basis.data import EPS, Array, Index, widened
 from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.lag_table import regular_values
 from sie.basis.sums import OPTIONS as BLOCKS
@@ -72,6 +73,18 @@ class Series(DensityBase):
     def bounded(self) -> tuple[Array, Array, Array]:
         """Series (alpha, beta, u): (alpha + beta t) / X + X sum u_k U_k, with X = sqrt(1 - t^2)."""
         return *self.singular, chebyshev.bounded_part(self.coefficients)[2]
+
+    @property
+    def upper_bound(self) -> float:
+        """An upper bound of the density on all zones; inf if there are jumps or infinite values.
+
+        The bounded part of the density is sum u_k sin (k + 1) theta, which is at most sum |u_k|.
+        """
+        alpha, beta, series = self.bounded
+        rounding = EPS * np.abs(self.coefficients).sum(axis=1)
+        if len(self.jumps) or np.any(alpha + np.abs(beta) > rounding):
+            return math.inf
+        return float(np.abs(series).sum(axis=1).max())
 
     @cached_property
     def sampling(self) -> Index:
