@@ -38,13 +38,15 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
     Ends with a prescribed intensity that is not zero must not move, and there must not be too many
     unknowns.
     """
+    fixed_left, fixed_right = ~zones.moves
+    if zones.follow_ends or not (fixed_left.any() or fixed_right.any()):
+        return False
     before, after = exact_gaps(zones, equation.kernel)
     width = 2 * zones.half
-    fixed_left, fixed_right = ~zones.moves
     # The gap after each zone is next to its right end and to the left end of the following zone.
     fixed = fixed_right | np.roll(fixed_left, -1)
     narrow = after < OPTIONS.max_gap * np.maximum(width, np.roll(width, -1))
-    if not np.any(narrow & fixed) or zones.follow_ends:
+    if not np.any(narrow & fixed):
         return False
     plain = -np.log(EPS) / modes.decay(zones, equation.kernel)
     if plain.sum() <= OPTIONS.min_plain_unknowns:
