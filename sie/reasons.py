@@ -11,6 +11,7 @@ from sie.basis.data import EPS, SUM_ROUNDING, record
 from sie.dense import modes
 from sie.ends.newton import Free
 from sie.graded.state import GradedState
+from sie.second_kind.state import SecondKindState
 from sie.slits.system import AnyState, SlitState
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.state import LOOKS, THETA, State
@@ -48,6 +49,8 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
             )
     if isinstance(state, GradedState):
         return state.reason(tol)
+    if isinstance(state, SecondKindState):
+        return state.reason()
     iteration, conditions, resolution = _parts(state)
     # The error of the iteration also enters `resolution`, multiplied by the number of modes. So it
     # is compared with a small fraction of `resolution`.

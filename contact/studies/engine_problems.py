@@ -1,6 +1,6 @@
 r"""Equations of known solution for the engine alone: true errors against stated ones.
 
-    python -m contact.studies.engine_problems FIRST COUNT [--tol 1e-10]
+    python -m contact.studies.engine_problems FIRST COUNT [--tol 1e-10] [--second-kind]
 
 Widths and gaps of the zones vary over up to ten decades. Ends are singular, bounded, free or have a
 prescribed intensity. Conditions are totals, totals of zones or differences of levels. The kernel is
@@ -10,7 +10,10 @@ the zones, and the function y(x) = x, or y(x) = sin(pi x/L) with a period, it is
     phi = +-P |Y|,     Y = prod y(x - e)^(+-1/2)  (-: singular),     P = prod y(x - r).
 
 P has so many roots r that the right side g is constant or linear. g follows from P Y far away and
-from the smooth part of the kernel. Totals and levels are integrals from an end a to an end b, by
+from the smooth part of the kernel. `--second-kind` adds kappa phi to the equation. Then the exponent
+at a right end is alpha or alpha - 1, and at a left end 1 - alpha or -alpha, with cot(pi alpha) =
+kappa, and phi has the factor sin(pi times the exponent at the right end). P may have poles, so that
+g has them, too. Totals and levels are integrals from an end a to an end b, by
 the trapezoidal rule in s = log((x - a)/(b - x)), whose convergence does not depend on the gaps (M.
 Mori, Publ. RIMS 41, 2005, 897-935).
 
@@ -79,8 +82,9 @@ def angles(count: int = 9) -> Array:
 class Design:
     """A designed density phi = +-P |Y| on given zones, with P and Y of the head of this module.
 
-    `ends` and `signs` are (n, 2). The signs are twice the exponents at the ends: -1 singular, 1
-    bounded. `roots` and `factor` are those of P. Without a period the zones lie on a line.
+    `ends` and `signs` are (n, 2); the signs are -1 for singular and 1 for bounded ends. `roots`,
+    `pole` (and its conjugate) and `factor` are those of P. Without a period the zones lie on a line.
+    `kappa` (n,) is the factor of the density in the equation.
     """
 
     ends: Array
@@ -88,6 +92,19 @@ class Design:
     roots: Array
     factor: float
     period: float | None
+    kappa: Array
+    pole: complex | None = None
+
+    @property
+    def powers(self) -> Array:
+        """The exponents of the density at the ends (n, 2)."""
+        alpha, rest = np.arctan2(1.0, [self.kappa, -self.kappa]) / np.pi
+        return np.column_stack((rest, alpha)) - (self.signs < 0)
+
+    @property
+    def heights(self) -> Array:
+        """The factor of P |Y| on each zone (n,), without the sign `orientation`."""
+        return np.asarray(-np.sin(np.pi * self.powers[:, 1]))
 
     def y(self, distance: Array) -> Array:
         """y(x) at distances x, in extended precision: x, or sin(pi x/L) with a period L."""
@@ -105,10 +122,11 @@ class Design:
         out = np.full(np.broadcast(start, away).shape, np.longdouble(self.factor))
         for root in self.roots:
             out = out * self.y((start - np.longdouble(root)) + away)
-        for number, (e, sign) in enumerate(zip(self.ends.ravel(), self.signs.ravel(), strict=True)):
+        if self.pole is not None:
+            out = out / np.abs(start + away - np.clongdouble(self.pole)) ** 2
+        for number, (e, power) in enumerate(zip(self.ends.ravel(), self.powers.ravel(), strict=True)):
             if number != skipped:
-                size = np.sqrt(np.abs(self.y((start - np.longdouble(e)) + away)))
-                out = out * size if sign > 0 else out / size
+                out = out * np.abs(self.y((start - np.longdouble(e)) + away)) ** power
         return out
 
     def orientation(self, zone: int) -> int:
@@ -124,7 +142,7 @@ class Design:
         left, right = (b - a) * np.cos(angle / 2) ** 2, (b - a) * np.sin(angle / 2) ** 2
         start, away = np.where(left < right, a, b), np.where(left < right, left, -right)
         return np.asarray(
-            -self.orientation(zone) * self.signs[zone, 1] * self.product(start, away), dtype=float
+            self.orientation(zone) * self.heights[zone] * self.product(start, away), dtype=float
         )
 
     def integral(
@@ -132,14 +150,18 @@ class Design:
         a: float,
         b: float,
         weight: Callable[[Array], Array] = np.ones_like,
-        step: float = 0.4,
-        nodes: int = 230,
     ) -> float:
         """Integral of a weight times the product P |Y| (module head), from the end a to the end b.
 
-        The trapezoidal rule in s has an error of about exp(-2 pi^2/step) = 1e-21 by its step, and
-        of about exp(-step nodes/2) = 1e-20 by its last node.
+        The trapezoidal rule in s has an error of about exp(-2 pi h/step) by its step, with h = pi,
+        or the imaginary part of s at a pole of P. The error by its last node is about exp(-46), for
+        the exponent with the slowest decay.
         """
+        step = 0.4
+        if self.pole is not None:
+            height = abs(np.angle((self.pole - a) / (b - self.pole)))
+            step = min(step, 2 * np.pi * height / 46)
+        nodes = int(np.ceil(46 / step / min(0.5, 1 + float(self.powers.min()))))
         s = step * np.arange(-nodes, nodes + 1, dtype=np.longdouble)
         width = np.longdouble(b) - np.longdouble(a)
         left, right = width / (1 + np.exp(-s)), width / (1 + np.exp(s))
@@ -153,7 +175,7 @@ class Design:
     def total(self, zone: int, weight: Callable[[Array], Array] = np.ones_like) -> float:
         """Integral of the density times a weight over a zone."""
         a, b = self.ends[zone].tolist()
-        return -self.orientation(zone) * int(self.signs[zone, 1]) * self.integral(a, b, weight)
+        return self.orientation(zone) * float(self.heights[zone]) * self.integral(a, b, weight)
 
     def step(self, zone: int) -> float:
         """Constant potential (level) of the next zone minus that of this zone."""
@@ -163,26 +185,47 @@ class Design:
         """Intensity K of the density at an end; 0 if the density is bounded at this end."""
         if self.signs[zone, side] > 0:
             return 0.0
-        scale = 1.0 if self.period is None else np.sqrt(self.period / np.pi)
+        scale = 1.0 if self.period is None else (np.pi / self.period) ** self.powers[zone, side]
         size = float(self.product(self.ends[zone, side], np.zeros(()), 2 * zone + side))
-        return -self.orientation(zone) * int(self.signs[zone, 1]) * scale * size
+        return float(self.orientation(zone) * self.heights[zone] * scale * size)
 
     def polynomial(self) -> list[float]:
         """Coefficients, lowest power first, of the right side for a kernel without a smooth part.
 
         The right side is minus the polynomial part of P Y (head of this module) far away.
         """
+        shift = float(self.roots.sum() + (self.powers * self.ends).sum())
         if self.period is not None:
-            turn = np.pi / self.period * (self.roots.sum() + 0.5 * (self.signs * self.ends).sum())
-            return [float(-self.factor * np.cos(turn))]
-        if len(self.roots) + self.signs.sum() / 2 < 0:
+            return [float(-self.factor * np.cos(np.pi / self.period * shift))]
+        degree = len(self.roots) + round(self.powers.sum())
+        if self.pole is not None:
+            degree, shift = degree - 2, shift - 2 * self.pole.real
+        if degree < 0:
             return [0.0]
-        if len(self.roots) + self.signs.sum() / 2 == 0:
-            return [-self.factor]
-        return [
-            self.factor * float(self.roots.sum() + 0.5 * (self.signs * self.ends).sum()),
-            -self.factor,
-        ]
+        return [-self.factor] if degree == 0 else [self.factor * shift, -self.factor]
+
+    @property
+    def residue(self) -> complex:
+        """The residue of P Y (head of this module) at the pole above the line."""
+        assert self.pole is not None
+        out = np.clongdouble(self.factor / (2j * self.pole.imag))
+        for root in self.roots:
+            out = out * (self.pole - root)
+        for e, power in zip(self.ends.ravel(), self.powers.ravel(), strict=True):
+            out = out * np.clongdouble(self.pole - e) ** np.longdouble(power)
+        return complex(out)
+
+    def poles(self, x: Array) -> Array:
+        """The part of the right side that the poles of P cause."""
+        if self.pole is None:
+            return np.zeros(np.shape(x))
+        return np.asarray(-2 * (self.residue / (x - self.pole)).real)
+
+    def poles_rise(self, x: Array) -> Array:
+        """An antiderivative of `poles`."""
+        if self.pole is None:
+            return np.zeros(np.shape(x))
+        return np.asarray(-2 * (self.residue * np.log(x - self.pole)).real)
 
 
 @dataclass(frozen=True)
@@ -194,7 +237,7 @@ class Problem:
     start: sie.Zones
 
 
-def problem(seed: int) -> Problem:
+def problem(seed: int, second_kind: bool = False) -> Problem:
     """Return the random problem of a seed: its zones, kinds of ends, kernel and conditions."""
     rng = np.random.default_rng([41, seed])
     moving = rng.random() < 0.4
@@ -217,8 +260,18 @@ def problem(seed: int) -> Problem:
     roots = rng.choice(ends.mean(axis=1), degree) + rng.normal(size=degree) * rng.choice(
         widths, degree
     )
-    design = Design(ends, signs, roots, float(rng.normal() * 10.0 ** rng.uniform(-3, 3)), period)
+    factor, kappa, pole = float(rng.normal() * 10.0 ** rng.uniform(-3, 3)), np.zeros(count), None
     moves = (rng.random(ends.shape) < 0.7) & moving
+    if second_kind:
+        moves &= signs > 0
+        kappa = rng.choice([-1.0, 1.0], count) * 10.0 ** rng.uniform(-3, np.log10(25.0), count)
+        if rng.random() < 0.5:
+            kappa = np.full(count, kappa[0])
+        if period is None and rng.random() < 0.5:
+            zone = int(rng.integers(count))
+            away = complex(rng.uniform(-1, 1), 10.0 ** rng.uniform(-1.5, 1))
+            pole = complex(ends[zone].mean() + widths[zone] * away)
+    design = Design(ends, signs, roots, factor, period, kappa, pole)
     equation = _equation(rng, design, index + int((moves & (signs > 0)).sum()))
     left, right = (
         [_end(design, i, side, bool(moves[i, side])) for i in range(count)] for side in (0, 1)
@@ -251,17 +304,17 @@ def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equat
     totals = np.array([design.total(i) for i in zones])
     some = sorted(rng.choice(len(totals), index, replace=False).tolist())
     conditions: tuple[sie.Condition, ...] = (Parts(some, totals[some]),)
-    if index == len(totals) > 1 and rng.random() < 0.5:
+    if index == len(totals) > 1 and rng.random() < 0.5 and not design.kappa.any():
         gaps = list(zones)[:-1]
         conditions = (
             sie.Total(float(totals.sum())),
             Steps(gaps, np.array([design.step(i) for i in gaps])),
         )
     forcing = sie.Forcing(
-        lambda x: g(x) + cosine * np.cos(x) + sine * np.sin(x),
-        lambda x: rise(x) + cosine * np.sin(x) - sine * np.cos(x),
+        lambda x: g(x) + cosine * np.cos(x) + sine * np.sin(x) + design.poles(x),
+        lambda x: rise(x) + cosine * np.sin(x) - sine * np.cos(x) + design.poles_rise(x),
     )
-    return sie.Equation(kernel, forcing, conditions if index else ())
+    return sie.Equation(kernel, forcing, conditions if index else (), kappa=design.kappa)
 
 
 @dataclass(frozen=True)
@@ -289,9 +342,9 @@ class Judged:
         return "slow" if self.seconds > slow_seconds else ""
 
 
-def judged(seed: int, tol: float = 1e-10) -> Judged:
+def judged(seed: int, tol: float = 1e-10, second_kind: bool = False) -> Judged:
     """Solve the problem of a seed and compare the true errors with the stated errors."""
-    posed = problem(seed)
+    posed = problem(seed, second_kind)
     what, message, began = "solved", "", time.process_time()
     try:
         found = sie.solve(posed.equation, posed.start, tol)
@@ -329,11 +382,12 @@ def main() -> None:
     parser.add_argument("first", type=int)
     parser.add_argument("count", type=int)
     parser.add_argument("--tol", type=float, default=1e-10)
+    parser.add_argument("--second-kind", action="store_true")
     given = parser.parse_args()
     counts: Counter[str] = Counter()
     ratios, zone_ratios = [0.0], [0.0]
     for seed in range(given.first, given.first + given.count):
-        one = judged(seed, given.tol)
+        one = judged(seed, given.tol, given.second_kind)
         fault = one.fault()
         counts.update([one.what, fault] if fault else [one.what])
         ratios, zone_ratios = [*ratios, one.ratio], [*zone_ratios, one.zone_ratio]

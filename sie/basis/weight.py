@@ -1,38 +1,66 @@
-"""The weight of a density on a zone: its exponent, and what follows from the exponent alone.
+"""The weight of a density on a zone: its exponents, and what follows from the exponents alone.
 
-On a zone of half width w let t = -1 ... 1 be the coordinate. A density is a sum of
+On a zone of half width w let t = -1 ... 1 be the coordinate. At a small distance d from an end a
+density is K d^(-p) + A d^(1-p), with the intensity K and the edge slope A. For an equation of the
+first kind p is 1/2 at all ends. For kappa phi + T phi = g, with the transform T,
 
-    (1 - t^2)^(-p) T(t)    and    (1 - t^2)^(1-p) U(t)
+    p = alpha at left ends,    p = 1 - alpha at right ends,    cot(pi alpha) = kappa
 
-with polynomials T and U. At a small distance d from an end it is K d^(-p) + A d^(1-p), with the
-intensity K and the edge slope A. For Cauchy's kernel p is 1/2.
-
-Every exponent of a density stands in six files: here, in `interval` and `chebyshev` (the functions
-on one zone for p = 1/2), `sie.density.series` (moments), `sie.dense.system` (rows) and
-`sie.states.state` (constants of the stated error). All other files ask the zones. What holds for
-p = 1/2 only calls `needs_half`.
+(N. I. Muskhelishvili, Singular Integral Equations, 1953, ch. 14). Formulas that hold for p = 1/2
+only call `needs_half`. `sie.second_kind` solves equations with other exponents.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 
-@dataclass(frozen=True)
+from sie.basis.data import Array, Index
+
+
+@dataclass(frozen=True, eq=False)
 class Weight:
-    """The weight (1 - t^2)^(-p) of a density.
+    """The exponents of a density at the ends of zones.
 
-    exponent: p, between 0 and 1.
+    kappa: the factor of the density in the equation, one for each zone; None for an equation of the
+    first kind.
     """
 
-    exponent: float = 0.5
+    kappa: Array | None = None
+
+    @property
+    def is_half(self) -> bool:
+        """Whether the exponent p is 1/2 at all ends."""
+        return self.kappa is None
+
+    @property
+    def exponent(self) -> Any:
+        """The exponent p at left and right ends (2, n); 1/2 for an equation of the first kind."""
+        if self.kappa is None:
+            return 0.5
+        alpha = np.arctan2(1.0, self.kappa) / np.pi
+        return np.array([alpha, np.arctan2(1.0, -self.kappa) / np.pi])
+
+    @property
+    def _factor(self) -> Any:
+        """sin(pi alpha) 2^(2p - 1), which is 1 for p = 1/2."""
+        if self.kappa is None:
+            return 1.0
+        return 4**self.exponent / (2 * np.hypot(1.0, self.kappa))
 
     def edge_scale(self, w: Any) -> Any:
-        """The intensity K of the weight (1 - t^2)^(-p) on a zone of half width w."""
-        return (0.5 * w) ** self.exponent
+        """The intensity K of sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha).
+
+        w: half width of the zone.
+        """
+        return self._factor * (0.5 * w) ** self.exponent
 
     def slope_scale(self, w: Any) -> Any:
-        """The edge slope A of the density (1 - t^2)^(1-p) on a zone of half width w."""
-        return (2 / w) ** (1 - self.exponent)
+        """The edge slope A of sin(pi alpha) (1 - t)^alpha (1 + t)^(1 - alpha).
+
+        w: half width of the zone.
+        """
+        return self._factor * (2 / w) ** (1 - self.exponent)
 
     def end_step(self, k: Any, slope: Any) -> Any:
         """The outward motion of an end that removes its intensity k, to first order.
@@ -45,11 +73,15 @@ class Weight:
         """Edge slope A for which the `move` of an end changes the end's intensity by `change`."""
         return -change / ((1 - self.exponent) * move)
 
+    def of(self, kept: Index) -> "Weight":
+        """The exponents on some of the zones."""
+        return self if self.kappa is None else Weight(self.kappa[kept])
+
 
 HALF = Weight()
 
 
 def needs_half(weight: Weight, what: str) -> None:
     """Raise ValueError unless the exponent is 1/2; `what` names the part that needs 1/2."""
-    if weight != HALF:
-        raise ValueError(f"{what}: known for the exponent 1/2 only, got {weight.exponent:g}")
+    if not weight.is_half:
+        raise ValueError(f"{what}: known for kappa = 0 only")

@@ -125,7 +125,7 @@ class Zones(Kept):
         Round-off of the ends (2, n): the exact ends are a + rest[0] and b + rest[1]. An end may be
         nearer to a corner of the right side than the digits of its position show.
     weight : Weight
-        The weight of a density on the zones, with its exponent; only 1/2 can be solved for.
+        The exponents of a density at the ends of the zones. `solve` sets them from the equation.
 
     Examples
     --------
@@ -215,7 +215,10 @@ class Zones(Kept):
         b = self.b[last] + (0.0 if period is None else turns * period)
         left, right = [self.left[i] for i in kept], [self.right[i] for i in last]
         rest = np.array([self.rest[0, kept], self.rest[1, last]])
-        return replace(self, a=self.a[kept], b=b, left=left, right=right, rest=rest), kept
+        weight = self.weight.of(kept)
+        return replace(
+            self, a=self.a[kept], b=b, left=left, right=right, rest=rest, weight=weight
+        ), kept
 
     def beyond_a(self, x: Array, zone: Index) -> Array:
         """Distances x - a of points x from the left ends a of zones; negative to the left of a."""
@@ -240,12 +243,15 @@ class Zones(Kept):
 
     @property
     def edge_scale(self) -> Array:
-        """The intensity K of the weight (1 - t^2)^(-p) at the ends of each zone (n,)."""
+        """The intensity K of 1 / sqrt(1 - t^2) at the ends of each zone (n,), see `Weight`.
+
+        For an equation with kappa, it is that of each left and right end (2, n).
+        """
         return np.asarray(self.weight.edge_scale(self.half))
 
     @property
     def slope_scale(self) -> Array:
-        """The edge slope A of the density (1 - t^2)^(1-p) on each zone (n,), see `Weight`."""
+        """The edge slope A of sqrt(1 - t^2) on each zone (n,) or at each end (2, n), see `Weight`."""
         return np.asarray(self.weight.slope_scale(self.half))
 
     @cached_property

@@ -1,6 +1,7 @@
 """One Newton step of all free ends: its size, its round-off, and its damping."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -106,7 +107,10 @@ def newton_step(
         delta, change = bordered(state.equation, density.zones, delta, slope, largest)
         residual = np.where(moves, residual + change * k_unit, 0.0)
         a = a + change * np.array(value_response.edge_slopes)
-    plain = NewtonStep(moves, delta, noise, change, weak)
+    plain = NewtonStep(moves, delta, noise, change, weak, residual=residual)
+    if not zones.weight.is_half:
+        weak = np.asarray((weak & moves).any(axis=0))
+        return replace(plain, weak=weak)
     return _with_step_models(state, plain, options, residual, a)
 
 

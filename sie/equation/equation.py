@@ -1,20 +1,24 @@
 """The singular integral equation, as data.
 
-    (1/pi) PV int_zones phi(xi) K(x, xi) dxi = g(x) + sum_k lambda_k C_k(x)    on the zones,
+    kappa phi(x) + (1/pi) PV int_zones phi(xi) K(x, xi) dxi = g(x) + sum_k lambda_k C_k(x)
 
-with side conditions on the density phi and on the unknown amplitudes lambda_k. Before anything is
+on the zones, with side conditions on the density phi and on the unknown amplitudes lambda_k. Before anything is
 solved, the number of unknowns is compared with the number of conditions. It is the sum of the
 indices of all zones, of one for each free end, and of one for each unknown amplitude.
 """
 
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
+import numpy as np
+
 from sie.basis import inputs
-from sie.basis.data import Kept
+from sie.basis.data import Array, Kept
 from sie.basis.kernels import MAKERS, Kernel, Smooth
+from sie.basis.weight import Weight
 from sie.basis.zones import Zones
 from sie.equation.conditions import Condition, EndCondition
 from sie.equation.forcing import Forcing
@@ -42,6 +46,13 @@ def _forcing(name: str, given: Any) -> Forcing:
     if callable(given) and given is not Forcing:
         return Forcing(given)
     raise ValueError(f"{name} must be a sie.Forcing or a function of x, got {inputs.shown(given)}")
+
+
+def _kappa(given: Any) -> float | Array:
+    """The checked factor kappa: a number, or an array with one number for each zone."""
+    if np.ndim(given) == 0:
+        return inputs.number("kappa", given)
+    return inputs.numbers("kappa", given)
 
 
 def _check_kernel(kernel: Any) -> None:
@@ -79,6 +90,9 @@ class Equation(Kept):
         Functions of the right side with unknown amplitudes.
     end_conditions : tuple
         Conditions on the ends alone, as many as there are conditions of unknown value.
+    kappa : float or sequence of float
+        Factor of the density itself on the left side, one number or one for each zone. Zero is an
+        equation of the first kind.
 
     Raises
     ------
@@ -99,6 +113,7 @@ class Equation(Kept):
     conditions: tuple[Condition, ...] = ()
     columns: tuple[Forcing, ...] = ()
     end_conditions: tuple[EndCondition, ...] = ()
+    kappa: float | Sequence[float] | Array = 0.0
 
     def __post_init__(self) -> None:
         _check_kernel(self.kernel)
@@ -113,6 +128,7 @@ class Equation(Kept):
         )
         keep("conditions", inputs.several(self.conditions))
         keep("end_conditions", inputs.several(self.end_conditions))
+        keep("kappa", _kappa(self.kappa))
         for condition in self.conditions:
             if not isinstance(condition, Condition):
                 raise ValueError(
@@ -139,6 +155,20 @@ class Equation(Kept):
         """The open interval on which the right side and all `columns` are defined."""
         low, high = zip(*(part.within for part in (self.forcing, *self.columns)), strict=True)
         return max(low), min(high)
+
+    @property
+    def second_kind(self) -> bool:
+        """Whether kappa is not zero on any zone."""
+        return bool(np.any(self.kappa))
+
+    def weighted(self, zones: Zones) -> Zones:
+        """The zones with the exponents of a density of this equation, as `kappa` gives them."""
+        if not self.second_kind or not zones.weight.is_half:
+            return zones
+        kappa = np.asarray(self.kappa, dtype=float)
+        if kappa.ndim and kappa.shape != (len(zones),):
+            raise ValueError(f"kappa has {len(kappa)} values for {len(zones)} zones")
+        return replace(zones, weight=Weight(np.broadcast_to(kappa, len(zones)).copy()))
 
     @property
     def grows(self) -> bool:

@@ -26,6 +26,8 @@ from sie.equation.conditions import Linear, Trial, asked
 from sie.equation.equation import Equation
 from sie.graded.density import GradedDensity
 from sie.graded.state import GradedState, is_graded, solve_graded
+from sie.second_kind.density import SecondKindDensity
+from sie.second_kind.state import SecondKindState, solve_second_kind
 from sie.slits.density import SlitDensity
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, merge
 from sie.states.base import Answered, Solver, density_of
@@ -522,8 +524,8 @@ class SlitState(Answered):
         return np.zeros((len(self.geometry.wide.solved), 0))
 
 
-AnyState = State | SlitState | GradedState
-AnyDensity = Density | SlitDensity | GradedDensity
+AnyState = State | SlitState | GradedState | SecondKindState
+AnyDensity = Density | SlitDensity | GradedDensity | SecondKindDensity
 
 
 def solve_zones(
@@ -540,8 +542,9 @@ def solve_zones(
 
     Returns
     -------
-    State or SlitState
-        A `SlitState` if narrow gaps were treated as slits.
+    State, SlitState or SecondKindState
+        A `SlitState` if narrow gaps were treated as slits. A `SecondKindState` if the equation has
+        a kappa.
 
     Raises
     ------
@@ -559,6 +562,8 @@ def solve_zones(
     [0.5, 0.5]
     """
     equation.check_count(zones)
+    if equation.second_kind:
+        return solve_second_kind(equation, equation.weighted(zones), tolerance, sizes)
     sizes = first_sizes(equation, zones, tolerance) if sizes is None else sizes
     if is_graded(equation, zones):
         return solve_graded(equation, zones, tolerance, sizes)

@@ -111,6 +111,8 @@ def solve_fixed(
     1.25
     """
     equation.check_count(zones)
+    if equation.second_kind:
+        raise ValueError("solve_fixed is for kappa = 0; with kappa call sie.solve_zones")
     if sizes is None:
         sizes = first_sizes(equation, zones, tolerance)
     if sizes.solves == 0:

@@ -17,7 +17,7 @@ from sie.states.rounding import density_rounding, intensity_rounding, truncation
 
 # Upper bound of |T_k / sqrt(1 - t^2)| / k without the singular parts at the ends. It is reached
 # near an end.
-_AT_ENDS = 0.73
+AT_ENDS = 0.73
 # Round-off of a sum of n coefficients close to a free end, divided by n^1.5 times the largest error
 # of a coefficient. This round-off is 0.42 n^1.5 times the mean error of a coefficient, which is a
 # third of the largest error. Only about half of this 0.14 n^1.5 is used, because `State.made_of`
@@ -107,7 +107,7 @@ class State(Solved):
         zones, modes_of = self.density.zones, self.system.layout.m
         solved, sizes = zones.solved, np.where(sizes > 0.0, sizes, np.inf)
         fields = self._missing_fields * (1 - self._falls**2)
-        error = self.made_of(self._missing) + _AT_ENDS * fields * modes_of
+        error = self.made_of(self._missing) + AT_ENDS * fields * modes_of
         error = (error + self.linear_error + self.density_rounding) / sizes
         seen = residual_errors(
             self._residuals, sizes[solved], modes_of[solved], self.jumps_rounding[solved]
@@ -288,7 +288,7 @@ class State(Solved):
         flat, following = np.array(
             [_continued(row, one) for row, one in zip(self._some_up_to(1.0), fall, strict=True)]
         ).T
-        falling = _AT_ENDS * (n + rest) * rest * following
+        falling = AT_ENDS * (n + rest) * rest * following
         # Round-off is of the same size in all coefficients, so the sum of their errors grows as a
         # random walk.
         rounding = np.maximum(_OF_ROUNDING * n**1.5, np.where(self._stopped, 0.0, falling))
@@ -381,7 +381,7 @@ def residual_errors(
     high = np.where(separated, rest, np.abs(residuals).max(axis=1)) / size
     low = (
         np.where(
-            separated, np.abs(low) @ np.maximum(_AT_ENDS * np.arange(1, low.shape[1] + 1), 1.0), 0.0
+            separated, np.abs(low) @ np.maximum(AT_ENDS * np.arange(1, low.shape[1] + 1), 1.0), 0.0
         )
         / size
     )

@@ -1,0 +1,262 @@
+"""The density of an equation of the second kind, on its zones and off them."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from sie.basis import chebyshev, interval
+from sie.basis.data import Array, Complex, Mask, by_rows
+from sie.basis.interval import InPlane, Outside, What, complex_of
+from sie.basis.kernels import Kernel, Regular, regular_size
+from sie.basis.sums import OPTIONS as BLOCKS
+from sie.basis.weighted import Split, Weighted
+from sie.basis.zones import Zones
+from sie.density.base import DensityBase
+from sie.density.series import OPTIONS, by_quadrature, even_angles
+from sie.jumps.right_side import ForcingJumps
+from sie.second_kind.system import bases_of
+
+
+@dataclass(frozen=True, eq=False)
+class SecondKindDensity(DensityBase):
+    """The density of an equation with kappa: on each zone the sum of c_n S_n(t), -1 < t < 1.
+
+    S_n = sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha) p_n(t), with cot(pi alpha) = kappa and
+    orthogonal polynomials p_n (`sie.basis.weighted`). Calling the object gives the density at points
+    of the line, zero off the zones.
+
+    Attributes
+    ----------
+    zones : Zones
+        The zones, Z of them.
+    kernel : Kernel
+        The kernel of the transform.
+    coefficients : ndarray
+        Coefficients c_n on each zone (Z, n + 1).
+    amplitudes : ndarray
+        Amplitudes of the equation's columns (k,).
+    bounded_ends : bool
+        Whether round-off traces of intensities at free ends are removed.
+
+    Examples
+    --------
+    Sliding with friction: the pressure under a flat punch on -1 < x < 1 (theory: N. I.
+    Muskhelishvili, Some Basic Problems of the Mathematical Theory of Elasticity, 1953, sect. 116).
+
+    >>> import numpy as np, sie
+    >>> slid = sie.Equation(sie.cauchy(), np.zeros_like, sie.Total(1.0), kappa=1.0)
+    >>> density = sie.solve(slid, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density
+    >>> density.exponents.round(12).tolist()
+    [[-0.25], [-0.75]]
+    >>> float(round(density(0.0) * np.pi * np.sqrt(2), 12))
+    1.0
+    """
+
+    zones: Zones
+    kernel: Kernel
+    coefficients: Array
+    amplitudes: Array = field(default_factory=lambda: np.zeros(0))
+    bounded_ends: bool = False
+
+    @property
+    def whole(self) -> "SecondKindDensity":
+        """The density on the zones without slits: here this object itself."""
+        return self
+
+    @property
+    def slit_count(self) -> int:
+        """Number of narrow gaps treated as slits of wider zones: zero in this class."""
+        return 0
+
+    @property
+    def jumps(self) -> ForcingJumps:
+        """Closed forms of jumps for kappa = 0: none."""
+        return ForcingJumps.none()
+
+    @cached_property
+    def bases(self) -> list[Weighted]:
+        """The functions S_n of each zone."""
+        return bases_of(self.zones)
+
+    @property
+    def exponents(self) -> Array:
+        """The exponents -p of the density K d^(-p) near left and right ends (2, Z)."""
+        return -np.asarray(self.zones.weight.exponent)
+
+    @cached_property
+    def _split(self) -> list[Split]:
+        """The series of each zone in a form that keeps its digits beside bounded ends."""
+        zero = self.zones.bounded & ~(self.zones.moves & (not self.bounded_ends))
+        return [
+            basis.split(c, bool(left), bool(right))
+            for basis, c, left, right in zip(self.bases, self.coefficients, *zero, strict=True)
+        ]
+
+    @cached_property
+    def intensities(self) -> tuple[Array, Array]:
+        """Intensities K at both ends of each zone: the density is K d^(-p) at a distance d."""
+        ends = np.array([(one.k_left, one.k_right) for one in self._split]).T
+        left, right = self.zones.edge_scale * ends
+        return left, right
+
+    @cached_property
+    def edge_slopes(self) -> tuple[Array, Array]:
+        """Edge slopes A at both ends of each zone; A is the coefficient of d^(1 - p)."""
+        units = np.array(
+            [basis.edge_slopes(c) for basis, c in zip(self.bases, self.coefficients, strict=True)]
+        ).T
+        left, right = units * self.zones.half ** (self.zones.weight.exponent - 1)
+        return left, right
+
+    @cached_property
+    def totals(self) -> Array:
+        """Integral of the density over each zone (Z,)."""
+        return np.asarray(np.pi * self.zones.half * self.coefficients[:, 0])
+
+    @property
+    def total(self) -> float:
+        """Integral of the density over all zones."""
+        return float(self.totals.sum())
+
+    def moment(self, about: float = 0.0) -> float:
+        """Integral of (x - about) times the density."""
+        zones = self.zones
+        first = [
+            basis.first_moment(c) for basis, c in zip(self.bases, self.coefficients, strict=True)
+        ]
+        return float(np.sum((zones.middle - about) * self.totals + zones.half**2 * np.array(first)))
+
+    def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
+        """Density at points given by a zone and distances from the zone's ends in half widths."""
+        zone, left, right = np.broadcast_arrays(
+            np.asarray(zone, dtype=np.intp),
+            np.asarray(left, dtype=float),
+            np.asarray(right, dtype=float),
+        )
+        out = np.empty(zone.shape)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            for i in np.unique(zone).tolist():
+                here = zone == i
+                out[here] = self._at(i, left[here], right[here])
+        return out
+
+    def _at(self, i: int, left: Array, right: Array) -> Array:
+        """Density on zone i at the distances left = 1 + t and right = 1 - t from its ends."""
+        return self.bases[i].density(self._split[i], left, right)
+
+    def integral(self, x: ArrayLike) -> Array:
+        """Integral of the density up to x from the left end of the zone that contains x.
+
+        The integral is zero for x off the zones.
+        """
+        x, zone, inside = self.locate(x)
+        out, at = np.zeros(x.shape), np.flatnonzero(inside.ravel())
+        for i in np.unique(zone.ravel()[at]).tolist():
+            here, w = at[zone.ravel()[at] == i], self.zones.half[i]
+            left = (x.ravel()[here] - self.zones.a[i]) / w
+            right = (self.zones.b[i] - x.ravel()[here]) / w
+            out.ravel()[here] = w * self.bases[i].integral_to(self.coefficients[i], left, right)
+        return out
+
+    def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
+        """(whether x lies in a slit, integral of the slit's unknown): there are no slits."""
+        shape = np.shape(x)
+        return np.zeros(shape, dtype=bool), np.zeros(shape)
+
+    @cached_property
+    def sensitivity(self) -> tuple[Array, Array, Array]:
+        """(largest density, its largest change if the left end moves, if the right end moves).
+
+        Changes are those at equal normalised position, divided by the motion relative to the zone's
+        width. A motion of the right end by eps widths changes a bounded density by
+        eps ((1 + t) phi'(t) + 2 alpha A (1 - t)^(alpha - 1)) at equal t. Values closer to an end
+        than `DensityOptions.end_distance` do not count.
+        """
+        angle = np.clip(even_angles(OPTIONS.samples), np.sqrt(2 * OPTIONS.end_distance), None)
+        angle = np.minimum(angle, np.pi - np.sqrt(2 * OPTIONS.end_distance))
+        left, right = interval.sides(angle)
+        out = np.zeros((3, len(self.zones)))
+        slopes = np.array(self.edge_slopes) / self.zones.half ** (self.zones.weight.exponent - 1)
+        for i, basis in enumerate(self.bases):
+            value, by_theta = self.by_angle(i, angle)
+            slope = -by_theta / np.sin(angle)
+            moved_right = left * slope + 2 * basis.alpha * slopes[1, i] * right**-basis.rest
+            moved_left = right * slope - 2 * basis.rest * slopes[0, i] * left**-basis.alpha
+            changes = (value, moved_left, moved_right)
+            out[:, i] = [np.abs(one).max() for one in changes]
+        return out[0], out[1], out[2]
+
+    # The methods below give the fields of the density.
+    def _on_line(self, x: Array, potential: bool) -> Array:
+        """Transform at real x."""
+        if potential:
+            raise ValueError("the potential of a density with kappa is not known")
+        flat = self.into_period(x).ravel()
+        out = by_rows(self._poles_on_line, flat)
+        if self.kernel.regular is not None:
+            out = out + self._regular(flat, self.kernel.regular)
+        return np.asarray(out.reshape(x.shape))
+
+    def _poles_on_line(self, x: Array) -> Array:
+        """Transform at real x by the kernel's poles."""
+        zones, out = self.zones, np.zeros(len(x))
+        for i, basis in enumerate(self.bases):
+            c, w = self.coefficients[i], zones.half[i]
+            zone = np.full(len(x), i)
+            for shift in self.kernel.poles:
+                left = zones.beyond_a(x - shift, zone) / w
+                right = zones.before_b(x - shift, zone) / w
+                on = (left >= 0) & (right >= 0)
+                beyond = np.where(right < 0, -right, -left)
+                seen = Outside(np.where(right < 0, 1.0, -1.0)[~on], beyond[~on])
+                out[~on] += basis.split_transform(self._split[i], seen)
+                if on.any():
+                    own = basis.own(c, left[on], right[on])
+                    out[on] += own - basis.kappa * self._at(i, left[on], right[on])
+        return out
+
+    def _regular(self, x: Any, regular: Regular) -> Any:
+        """Transform at points x by the kernel's regular part."""
+        return by_quadrature(self._quadrature, x, regular, BLOCKS.cache_pairs)
+
+    @cached_property
+    def _quadrature(self) -> list[tuple[Array, Array]]:
+        """Pairs (nodes, weights times density) for integrals with the kernel's regular part."""
+        return [
+            self._rule(i, basis) for i, basis in enumerate(self.bases)
+        ]
+
+    def _rule(self, i: int, basis: Weighted) -> tuple[Array, Array]:
+        """(nodes of zone i, weights times density) that resolve the kernel's regular part."""
+        c, w = self.coefficients[i], float(self.zones.half[i])
+        q = regular_size(self.kernel, w, len(c) - 1)
+        series = basis.moments(len(c), q) @ c
+        x = self.zones.middle[i] + w * chebyshev.gauss(q)
+        return x, chebyshev.t_values(series, q) * (w / q)
+
+    def plane(self, z: Complex, what: What) -> Complex:
+        """Transform or its derivative at complex points z (n,)."""
+        if what == "potential":
+            raise ValueError("the potential of a density with kappa is not known")
+        x, y = self.into_period(z.real), np.abs(z.imag)
+        out = np.zeros(len(x), dtype=complex)
+        for i, basis in enumerate(self.bases):
+            w, zone = self.zones.half[i], np.full(len(x), i)
+            for shift in self.kernel.poles:
+                from_a = self.zones.beyond_a(x - shift, zone) / w
+                from_b = -self.zones.before_b(x - shift, zone) / w
+                seen = InPlane.of(from_a, from_b, y / w)
+                if what == "transform":
+                    out += basis.split_transform(self._split[i], seen)
+                else:
+                    out += basis.split_slope(self._split[i], seen) / w
+        regular = self.kernel.regular if what == "transform" else self.kernel.regular_slope
+        if self.kernel.regular is not None:
+            if regular is None:
+                raise ValueError("the derivative needs the slope of the kernel's regular part")
+            out = out + self._regular(complex_of(x, y), regular)
+        return np.where(z.imag < 0, np.conj(out), out)
+

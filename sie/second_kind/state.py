@@ -1,0 +1,335 @@
+"""Solve kappa phi + T phi = g on given zones, with a stated error."""
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from sie.basis.data import EPS, Array, Index, root_of_squares, widened
+from sie.basis.zones import Zones
+from sie.dense import modes
+from sie.dense.lu import Factored
+from sie.dense.system import Layout, Targets, condition_rows
+from sie.equation.equation import Equation
+from sie.second_kind.density import SecondKindDensity
+from sie.second_kind.system import SecondKindRows
+from sie.states.base import Answered
+from sie.states.options import OPTIONS as ERRORS
+from sie.states.sizes import Sizes, first_sizes
+from sie.states.solve import OPTIONS as SOLVE
+from sie.states.solve import SingularSystem, TooLarge, factored
+from sie.states.state import AT_ENDS, LOOKS, THETA, residual_errors
+
+
+@dataclass(frozen=True)
+class SecondKindOptions:
+    """Numbers of modes of a zone, for equations with kappa."""
+
+    # The first number of modes of a zone, unless near neighbours require more.
+    first_modes: int = 16
+    # If modes are missing, their number is multiplied by at least this.
+    growth: float = 1.6
+    # The size of the last coefficients of a zone is the largest of this many.
+    last: int = 3
+
+
+OPTIONS = SecondKindOptions()
+
+
+@dataclass(frozen=True, eq=False)
+class SecondKindState(Answered):
+    """The solution of an equation with kappa on given zones, with the data for its error estimate.
+
+    Attributes
+    ----------
+    density : SecondKindDensity
+        The wanted function.
+    system : SecondKindRows
+        The rows of the equation.
+    solver : Factored
+        The solver of these rows for further right sides.
+    unknowns : ndarray
+        All coefficients and amplitudes.
+    condition_scale : ndarray
+        The scale by which each row of the side conditions was divided.
+    sizes : Sizes
+        Numbers of modes of the zones.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> slid = sie.Equation(sie.cauchy(), np.zeros_like, sie.Total(1.0), kappa=0.5)
+    >>> state = sie.solve_zones(slid, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    >>> float(round(state.response(np.array([2.0])).total, 12)), state.density_error < 1e-13
+    (2.0, True)
+    """
+
+    density: SecondKindDensity
+    system: SecondKindRows
+    solver: Factored = field(repr=False)
+    unknowns: Array
+    condition_scale: Array
+    sizes: Sizes
+
+    # The density's responses to further right sides.
+    @property
+    def whole(self) -> Self:
+        """The solution on the zones without slits, which is this object itself."""
+        return self
+
+    @property
+    def iteration(self) -> None:
+        """The iteration by which the unknowns were computed: none."""
+        return None
+
+    @property
+    def iterated(self) -> bool:
+        """Whether the unknowns were computed by an iteration, not by LU factors."""
+        return False
+
+    def wide_of(self, zones: Index) -> tuple[Self, Index]:
+        """The solution on zones without slits, and the indices of the given zones in it."""
+        return self, zones
+
+    def response(self, values: Array, tolerance: float = 0.0) -> SecondKindDensity:
+        """The density caused by given changes of the side conditions' values."""
+        return density_of(self.system, self.solver(self._right_of(values)))
+
+    def _right_of(self, values: Array) -> Array:
+        """Right side of the system for given condition values, and zero as the equation's."""
+        right = np.zeros(self.solver.size)
+        right[self.solver.size - len(values) :] = values / self.condition_scale
+        return right
+
+    def with_value(self, condition: int, change: float) -> Self:
+        """The state after a change of the value of one side condition."""
+        y = self.unknowns + self.solver(self._right_of(self.values(condition, change)))
+        return replace(self, unknowns=y, density=density_of(self.system, y))
+
+    # What Newton's method on the ends needs.
+    @property
+    def _table(self) -> Array:
+        """Coefficients of the density on each zone (Z, n + 1)."""
+        return self.density.coefficients
+
+    @cached_property
+    def natural(self) -> Array:
+        """The largest coefficient of each zone's density except c_0, which gives the total."""
+        return np.abs(self._table[:, 1:]).max(axis=1, initial=0.0)
+
+    @cached_property
+    def intensity_noise(self) -> Array:
+        """Round-off of the intensity K at the left and right ends (2, Z)."""
+        (left, _), (right, _) = self.system.intensities()
+        effect = self.solver.transposed(np.concatenate((left, right)).T)
+        through_rows = root_of_squares(effect.T, self._row_errors).reshape(2, -1)
+        own = 4 * EPS * self.density.zones.edge_scale * np.abs(self._table).sum(axis=1)
+        return np.asarray(own + ERRORS.safety * through_rows)
+
+    @cached_property
+    def end_truncation(self) -> Array:
+        """Error of moving ends due to truncated series, relative to their zone's width (Z, 2)."""
+        zones = self.density.zones
+        slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
+        # The own missing coefficients count once, and once more through the other rows.
+        missing = 2 * zones.edge_scale * self.missing
+        steps = zones.weight.end_step(missing, np.maximum(slopes, 1e-300))
+        return np.asarray(steps / (2 * zones.half)).T
+
+    @property
+    def unresolved(self) -> bool:
+        """Whether even the largest number of modes does not resolve the equation on the zones."""
+        most = int(self.system.layout.m.max()) >= modes.COUPLED_SIZES[-1]
+        return most and float(self.tails.max()) > modes.OPTIONS.nearly_decayed
+
+    # The stated error.
+    @cached_property
+    def zone_sizes(self) -> Array:
+        """The largest coefficient of the density on each zone (Z,)."""
+        return np.abs(self._table).max(axis=1)
+
+    @property
+    def size(self) -> float:
+        """The largest coefficient of the density on all zones."""
+        return float(self.zone_sizes.max())
+
+    @cached_property
+    def tails(self) -> Array:
+        """Sizes of the last coefficients of each zone, relative to the largest one (Z,)."""
+        last = [np.abs(self._table[i, : m + 1][-OPTIONS.last :]).max() for i, m in self._modes]
+        return np.array(last) / np.where(self.zone_sizes > 0, self.zone_sizes, 1.0)
+
+    @property
+    def _modes(self) -> list[tuple[int, int]]:
+        """(zone, its highest mode) for all zones."""
+        return list(enumerate(self.system.layout.m.tolist()))
+
+    @cached_property
+    def missing(self) -> Array:
+        """Estimated sum of the truncated coefficients of each zone (Z,).
+
+        They continue to decay from the last ones as the second half of the kept ones decays.
+        """
+        out = np.zeros(len(self.density.zones))
+        for i, m in self._modes:
+            c = np.abs(self._table[i, : m + 1])
+            last, middle = c[-OPTIONS.last :].max(), c[m // 2 :][: OPTIONS.last].max()
+            ratio = min(last / max(middle, 1e-300), 1.0) if middle > 0 else 0.0
+            fall = ratio ** (ERRORS.slower_fall / max(m - m // 2 - OPTIONS.last, 1))
+            out[i] = last * fall / max(1 - fall, 1 / m)
+        return out
+
+    @cached_property
+    def _residuals(self) -> Array:
+        """Left side minus right side at points between the nodes, times sin(theta) (Z, points)."""
+        zones, count = self.density.zones, len(THETA)
+        zone = np.repeat(np.arange(len(zones)), count)
+        half = np.repeat(zones.half, count)
+        left = np.tile(2 * np.cos(0.5 * THETA) ** 2, len(zones)) * half
+        right = np.tile(2 * np.sin(0.5 * THETA) ** 2, len(zones)) * half
+        x = np.where(left <= right, zones.a[zone] + left, zones.b[zone] - right)
+        found = self.system.left_side(Targets(zone, left, right, x)) @ self.unknowns
+        found = found - np.asarray(self.equation.forcing.value(x), dtype=float)
+        return np.asarray(found.reshape(-1, count) * np.sin(THETA))
+
+    @cached_property
+    def _row_errors(self) -> Array:
+        """Error of each row of the system: round-off, and the effect of truncated coefficients.
+
+        Truncated coefficients act on the rows of other zones as the last kept one does, or less.
+        """
+        truncated = np.abs(self.solver.last) @ self.missing
+        return np.hypot(EPS * self.solver.size_of_rows, truncated)
+
+    @cached_property
+    def density_rounding(self) -> Array:
+        """Error of each zone's density (Z,) due to the errors of all rows.
+
+        The rows are changed at random, with a fixed seed, and the change of the density is
+        measured. Near an end, a coefficient of order k counts `AT_ENDS` k times.
+        """
+        chance = np.random.default_rng(0).standard_normal((self.solver.size, ERRORS.samples))
+        changes = self.solver(self._row_errors[:, None] * chance)
+        weights = np.maximum(1.0, AT_ENDS * np.arange(self.system.layout.given.shape[1]))
+        sizes = [root_of_squares(self.system.layout.padded(one) * weights) for one in changes.T]
+        return np.asarray(ERRORS.safety * np.sqrt(np.mean(np.square(sizes), axis=0)))
+
+    def _errors_over(self, sizes: Array) -> Array:
+        """Error of the density on each zone (Z,), divided by `sizes`; 0 where the size is 0."""
+        sizes, m = np.where(sizes > 0.0, sizes, np.inf), self.system.layout.m
+        error = (2 * AT_ENDS * self.missing * np.maximum(m, 1) + self.density_rounding) / sizes
+        return error + residual_errors(self._residuals, sizes, m, np.zeros(len(m)))
+
+    @cached_property
+    def density_error(self) -> float:
+        """Estimated error of the density on these zones, relative to its `size`."""
+        return float(self._errors_over(np.full(len(self.zone_sizes), self.size)).max())
+
+    @cached_property
+    def zone_errors(self) -> Array:
+        """Estimated error of the density on each zone (Z,), relative to its largest coefficient."""
+        return self._errors_over(self.zone_sizes)
+
+    def reason(self) -> str:
+        """The largest part of the stated error, in words."""
+        size, m = max(self.size, 1e-300), self.system.layout.m
+        zone = int(np.argmax(self.missing * m))
+        missing = float(self.missing[zone] * m[zone]) / size
+        if missing > float(self.density_rounding.max()) / size:
+            return (
+                f"on zone {zone} (counted from 0) the last of {int(m[zone])} coefficients is "
+                f"{self.tails[zone]:.1e} of the largest: the right side is rounded, noisy, singular "
+                "or jumps there, or another zone is very close"
+            )
+        if float(self.density_rounding.max()) / size > float(np.abs(self._residuals).max()) / size:
+            return "that is what rounding leaves: side conditions nearly depend on each other"
+        row, column = np.unravel_index(np.argmax(np.abs(self._residuals)), self._residuals.shape)
+        zones = self.density.zones
+        place = zones.middle[row] + zones.half[row] * math.cos(THETA[column % LOOKS])
+        return (
+            f"at x = {place:.6g} on zone {int(row)} (counted from 0) the equation is off by "
+            f"{float(np.abs(self._residuals).max()):.1e} of a density of the size {size:.1e}"
+        )
+
+
+def density_of(system: SecondKindRows, y: Array) -> SecondKindDensity:
+    """The density with the unknowns y."""
+    layout = system.layout
+    amplitudes = y[layout.coefficients :]
+    return SecondKindDensity(
+        system.zones, system.equation.kernel, widened(layout.padded(y), 2), amplitudes
+    )
+
+
+def solve_second_kind(
+    equation: Equation, zones: Zones, tolerance: float, sizes: Sizes | None = None
+) -> SecondKindState:
+    """Solve an equation with kappa on given zones, with as many modes as it needs.
+
+    tolerance: of the last coefficients, relative to the largest; sizes: numbers of modes to start
+    from. Raises ValueError for what is not known with kappa, and SingularSystem.
+    """
+    _check(equation, zones)
+    sizes = first_sizes(equation, zones, tolerance) if sizes is None else sizes
+    least = np.maximum(sizes.least, OPTIONS.first_modes)
+    m = modes.coupled(zones, equation.kernel, tolerance, least)
+    while True:
+        state = _solve_once(equation, zones, m, sizes)
+        sizes.growth = (
+            modes.Growth.first(m, state.tails)
+            if sizes.growth is None
+            else sizes.growth.after(m, state.tails, np.zeros_like(m))
+        )
+        enough = np.maximum(tolerance, sizes.growth.floor)
+        few = (state.tails > enough) & (m < modes.COUPLED_SIZES[-1])
+        if not few.any():
+            sizes.least = m
+            return state
+        wanted = np.minimum(OPTIONS.growth * m, modes.COUPLED_SIZES[-1])
+        more = modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES, wanted)]
+        m = np.where(few, more, m)
+
+
+def _check(equation: Equation, zones: Zones) -> None:
+    """Raise ValueError for what is not known for an equation with kappa."""
+    if zones.symmetric:
+        raise ValueError("an equation with kappa has no mirror symmetry: leave out symmetric=True")
+    if zones.follow_ends:
+        raise ValueError("prescribed intensities of free ends are known for kappa = 0 only")
+    jumps = equation.forcing.jumps
+    inside = zones.a[:, None] < jumps.broken_at
+    inside &= jumps.broken_at < zones.b[:, None]
+    if inside.any():
+        raise ValueError("jumps inside zones are known for kappa = 0 only")
+
+
+def _solve_once(equation: Equation, zones: Zones, m: Index, sizes: Sizes) -> SecondKindState:
+    layout = Layout(m, len(equation.columns))
+    if layout.size > SOLVE.max_matrix_unknowns:
+        raise TooLarge(f"{len(zones)} zones with {layout.size} unknowns are too many for a matrix")
+    system = SecondKindRows(equation, zones, layout)
+    matrix, right = system.rows()
+    rows, values = condition_rows(equation, system, layout.size)
+    scale = np.abs(rows).max(axis=1, initial=0.0)
+    if np.any(scale == 0):
+        raise SingularSystem("a side condition does not depend on the density")
+    matrix = np.concatenate((matrix, rows / scale[:, None]))
+    right = np.concatenate((right, values / scale))
+    if not (np.all(np.isfinite(matrix)) and np.all(np.isfinite(right))):
+        raise SingularSystem(
+            "the right side, a column, the kernel or a side condition is not finite on the zones"
+        )
+    solver = factored(equation, matrix)
+    y = solver(right)
+    terms = np.hypot(root_of_squares(matrix, y), right)
+    last = matrix[:, layout.offset + m].copy()
+    # A zone's own last coefficient is no error of its own rows.
+    last[np.arange(int(m.sum())), np.repeat(np.arange(len(m)), m)] = 0.0
+    solver = replace(solver, size_of_rows=terms, last=last)
+    sizes.solves += 1
+    sizes.profile_evaluations += int(m.sum())
+    sizes.kernel_evaluations += matrix.size
+    return SecondKindState(density_of(system, y), system, solver, y, scale, sizes)
+

@@ -1,0 +1,165 @@
+"""The rows of the equation kappa phi + T phi = g on given zones.
+
+The unknowns are, for each zone, the coefficients c_0 ... c_m of the functions S_n (see
+`sie.basis.weighted`), and the amplitudes lambda of the columns. A zone's own part of the left side is
+-sum c_n D_(n-1) with polynomials D. So the rows are, at the m zeros of U_m on each zone,
+
+    -sum c_n D_(n-1) + (field of other zones, images and regular part) - sum lambda C = g,
+
+each multiplied by sin(theta) of its node.
+"""
+
+from collections.abc import Callable, Iterator
+from functools import cached_property
+
+import numpy as np
+
+from sie.basis import chebyshev
+from sie.basis.data import Array, Index, record
+from sie.basis.kernels import Kernel, regular_size
+from sie.basis.lag_table import regular_values
+from sie.basis.weighted import Weighted
+from sie.basis.zones import Zones
+from sie.dense.modes import OPTIONS as MODES
+from sie.dense.system import Layout, Places, Targets
+from sie.equation.conditions import Linear, Rows
+from sie.equation.equation import Equation
+
+
+def bases_of(zones: Zones) -> list[Weighted]:
+    """The functions S_n of each zone, which depend on the zone's kappa only."""
+    kappa = zones.weight.kappa
+    assert kappa is not None
+    return [Weighted(one) for one in kappa.tolist()]
+
+
+def alike(zones: Zones, m: Index) -> Iterator[tuple[Weighted, int, Index]]:
+    """Groups of zones with the same kappa and the same highest mode: (basis, mode, zones)."""
+    kappa, bases = zones.weight.kappa, bases_of(zones)
+    assert kappa is not None
+    for k, highest in sorted(set(zip(kappa.tolist(), m.tolist(), strict=True))):
+        group = np.flatnonzero((kappa == k) & (m == highest))
+        yield bases[group[0]], int(highest), group
+
+
+def nodes(zones: Zones, m: Index) -> tuple[Targets, Array]:
+    """(the zeros of U_m on each zone, sin(theta) of these nodes)."""
+    every = Targets.lobatto(zones, np.arange(len(zones)), m)
+    inner = np.concatenate([np.arange(n + 2) % (n + 1) > 0 for n in m.tolist()])
+    sines = [np.sin(chebyshev.angles(n)[1:-1]) for n in m.tolist()]
+    points = Targets(
+        every.zone[inner], every.left[inner], every.right[inner], every.x[inner]
+    )
+    return points, np.concatenate(sines)
+
+
+def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout) -> Array:
+    """(kappa + T) of a unit of each unknown coefficient at the targets (points, unknowns)."""
+    out = np.zeros((len(targets.x), layout.size))
+    for basis, m, sources in alike(zones, layout.m):
+        block = np.zeros((len(targets.x), len(sources), m + 1))
+        for shift in kernel.poles:
+            seen, others = targets.seen(zones, sources, shift)
+            if others is not None and len(zones) == 1:
+                continue
+            table = basis.transforms(m + 1, seen)
+            block += table if others is None else table * others[..., None]
+        out[:, layout.offset[sources][:, None] + np.arange(m + 1)] = block
+    if isinstance(targets, Targets):
+        _add_own(out, zones, targets, layout)
+    if kernel.regular is not None:
+        out += regular_fields(zones, kernel, targets.x, layout)
+    return out
+
+
+def _add_own(out: Array, zones: Zones, targets: Targets, layout: Layout) -> None:
+    """Add (kappa + T) of each zone's own density to the table `out` of fields."""
+    for i, basis in enumerate(bases_of(zones)):
+        here, m, first = np.flatnonzero(targets.zone == i), int(layout.m[i]), layout.offset[i]
+        w = zones.half[i]
+        table = basis.images.table(m, targets.left[here] / w, targets.right[here] / w)
+        out[here, first + 1 : first + m + 1] -= table
+
+
+def regular_fields(zones: Zones, kernel: Kernel, x: Array, layout: Layout) -> Array:
+    """Transform by the kernel's regular part for a unit of each unknown (points, unknowns)."""
+    out = np.zeros((len(x), layout.size))
+    for basis, m, sources in alike(zones, layout.m):
+        for i in sources.tolist():
+            w = float(zones.half[i])
+            q = regular_size(kernel, w, m)
+            values = regular_values(kernel, x, zones.middle[i] + w * chebyshev.gauss(q), False)
+            first = layout.offset[i]
+            means = chebyshev.t_means(values, q)
+            out[:, first : first + m + 1] = w * (means @ basis.moments(m + 1, q))
+    return out
+
+
+@record
+class SecondKindRows(Rows):
+    """Matrix rows of the equation, and of the quantities that side conditions use (see `Rows`)."""
+
+    equation: Equation
+    zones: Zones
+    layout: Layout
+
+    @cached_property
+    def points(self) -> tuple[Targets, Array]:
+        """(the nodes of all zones, sin(theta) of each node)."""
+        return nodes(self.zones, self.layout.m)
+
+    def rows(self) -> tuple[Array, Array]:
+        """(matrix, right side) of the equation at the nodes."""
+        targets, sines = self.points
+        matrix = self.left_side(targets)
+        right = np.asarray(self.equation.forcing.value(targets.x), dtype=float)
+        return sines[:, None] * matrix, sines * np.broadcast_to(right, targets.x.shape)
+
+    def left_side(self, targets: Targets | Places) -> Array:
+        """The left side at points, minus the columns, for a unit of each unknown."""
+        out = fields(self.zones, self.equation.kernel, targets, self.layout)
+        for number, column in enumerate(self.equation.columns):
+            out[:, self.layout.coefficients + number] = -np.asarray(column.value(targets.x))
+        return out
+
+    def _by_zone(self, of_zone: Callable[[int, Weighted, int], Array]) -> Linear:
+        """Rows whose factors of a zone's coefficients are of_zone(zone, basis, m), no constants."""
+        out = np.zeros((len(self.zones), self.layout.size))
+        for i, basis in enumerate(bases_of(self.zones)):
+            m, first = int(self.layout.m[i]), self.layout.offset[i]
+            out[i, first : first + m + 1] = of_zone(i, basis, m)
+        return out, np.zeros(len(self.zones))
+
+    def totals(self) -> Linear:
+        half = self.zones.half
+        return self._by_zone(lambda i, basis, m: np.pi * half[i] * (np.arange(m + 1) == 0))
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        def of_zone(i: int, basis: Weighted, m: int) -> Array:
+            means = self._means(weight, i, m + 1 if degree is None else degree + 1)
+            factors = basis.moments(m + 1, len(means))
+            return np.asarray(np.pi * self.zones.half[i] * (means @ factors))
+
+        return self._by_zone(of_zone)
+
+    def _means(self, weight: Callable[[Array], Array], zone: int, count: int) -> Array:
+        """Means of `weight` times T_l over a zone, by theta, until they have decayed."""
+        size = max(count, MODES.first_nodes)
+        while True:
+            x = self.zones.middle[zone] + self.zones.half[zone] * chebyshev.gauss(size)
+            means = chebyshev.t_means(np.broadcast_to(np.asarray(weight(x), dtype=float), x.shape))
+            last = float(np.abs(means[-4:]).max())
+            if last <= 1e-14 * float(np.abs(means).max()) or size >= MODES.max_nodes:
+                return means
+            size *= 2
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        scale = self.zones.edge_scale
+        left = self._by_zone(lambda i, basis, m: scale[0, i] * basis.edge_values(m + 1)[0])
+        right = self._by_zone(lambda i, basis, m: scale[1, i] * basis.edge_values(m + 1)[1])
+        return left, right
+
+    def amplitude(self, k: int) -> Linear:
+        row = np.zeros((1, self.layout.size))
+        row[0, self.layout.amplitude(k)] = 1.0
+        return row, np.zeros(1)
