@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from sie.basis.data import EPS, Array, Index, root_of_squares, widened
+from sie.basis.data import EPS, HALF_DIGITS, Array, Index, root_of_squares, widened
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.lu import Factored
@@ -31,6 +31,8 @@ class SecondKindOptions:
     first_modes: int = 16
     # If modes are missing, their number is multiplied by at least this.
     growth: float = 1.6
+    # Limit of unknowns for which modes are added. A matrix of this size takes some seconds.
+    max_unknowns: int = 4000
     # The size of the last coefficients of a zone is the largest of this many.
     last: int = 3
 
@@ -199,25 +201,39 @@ class SecondKindState(Answered):
         """Error of each row of the system: round-off, and the effect of truncated coefficients.
 
         Truncated coefficients act on the rows of other zones as the last kept one does, or less.
+        The right side is evaluated at rounded places. So its round-off is that of the places times
+        its slope, which is that of the density or less.
         """
-        truncated = np.abs(self.solver.last) @ self.missing
-        return np.hypot(EPS * self.solver.size_of_rows, truncated)
+        zones, m = self.density.zones, self.system.layout.m
+        out = EPS * self.solver.size_of_rows + np.abs(self.solver.last) @ self.missing
+        slopes = np.abs(self._table) @ np.arange(self._table.shape[1])
+        places = modes.place_rounding(zones, np.arange(len(zones))) * slopes
+        out[: int(m.sum())] += np.repeat(places, m)
+        return np.asarray(out)
 
     @cached_property
     def density_rounding(self) -> Array:
         """Error of each zone's density (Z,) due to the errors of all rows.
 
-        The rows are changed at random, with a fixed seed, and the change of the density is
-        measured. Near an end, a coefficient of order k counts `AT_ENDS` k times.
+        The rows are changed by these errors, with one sign for all rows and with random signs of a
+        fixed seed. The largest change of the density is taken. Near an end, a coefficient of order
+        k counts `AT_ENDS` k times.
         """
-        chance = np.random.default_rng(0).standard_normal((self.solver.size, ERRORS.samples))
-        changes = self.solver(self._row_errors[:, None] * chance)
+        signs = np.random.default_rng(0).standard_normal((self.solver.size, ERRORS.samples))
+        signs[:, 0] = 1.0
+        changes = self.solver(self._row_errors[:, None] * signs)
         weights = np.maximum(1.0, AT_ENDS * np.arange(self.system.layout.given.shape[1]))
         sizes = [root_of_squares(self.system.layout.padded(one) * weights) for one in changes.T]
-        return np.asarray(ERRORS.safety * np.sqrt(np.mean(np.square(sizes), axis=0)))
+        return np.asarray(ERRORS.safety * np.max(sizes, axis=0))
 
     def _errors_over(self, sizes: Array) -> Array:
-        """Error of the density on each zone (Z,), divided by `sizes`; 0 where the size is 0."""
+        """Error of the density on each zone (Z,), divided by `sizes`; 0 where the size is 0.
+
+        It is infinite if a zone is resolved to less than half of the digits: then the missing
+        coefficients are not known even roughly.
+        """
+        if float(self.tails.max()) > HALF_DIGITS:
+            return np.full(len(sizes), np.inf)
         sizes, m = np.where(sizes > 0.0, sizes, np.inf), self.system.layout.m
         error = (2 * AT_ENDS * self.missing * np.maximum(m, 1) + self.density_rounding) / sizes
         return error + residual_errors(self._residuals, sizes, m, np.zeros(len(m)))
@@ -235,7 +251,7 @@ class SecondKindState(Answered):
     def reason(self) -> str:
         """The largest part of the stated error, in words."""
         size, m = max(self.size, 1e-300), self.system.layout.m
-        zone = int(np.argmax(self.missing * m))
+        zone = int(np.argmax(self.tails))
         missing = float(self.missing[zone] * m[zone]) / size
         if missing > float(self.density_rounding.max()) / size:
             return (
@@ -284,12 +300,12 @@ def solve_second_kind(
         )
         enough = np.maximum(tolerance, sizes.growth.floor)
         few = (state.tails > enough) & (m < modes.COUPLED_SIZES[-1])
-        if not few.any():
-            sizes.least = m
-            return state
         wanted = np.minimum(OPTIONS.growth * m, modes.COUPLED_SIZES[-1])
         more = modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES, wanted)]
         m = np.where(few, more, m)
+        sizes.least = state.system.layout.m
+        if not few.any() or np.sum(m + 1) > OPTIONS.max_unknowns:
+            return state
 
 
 def _check(equation: Equation, zones: Zones) -> None:
