@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from sie.basis.data import EPS, HALF_DIGITS, Array, Index, root_of_squares, widened
+from sie.basis.data import EPS, HALF_DIGITS, SUM_ROUNDING, Array, Index, root_of_squares, widened
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.lu import Factored
@@ -201,14 +201,15 @@ class SecondKindState(Answered):
         """Error of each row of the system: round-off, and the effect of truncated coefficients.
 
         Truncated coefficients act on the rows of other zones as the last kept one does, or less.
-        The right side is evaluated at rounded places. So its round-off is that of the places times
+        The residual between the nodes, above its round-off, is an error of the rows. The right side is evaluated at rounded places. So its round-off is that of the places times
         its slope, which is that of the density or less.
         """
         zones, m = self.density.zones, self.system.layout.m
         out = EPS * self.solver.size_of_rows + np.abs(self.solver.last) @ self.missing
         slopes = np.abs(self._table) @ np.arange(self._table.shape[1])
         places = modes.place_rounding(zones, np.arange(len(zones))) * slopes
-        out[: int(m.sum())] += np.repeat(places, m)
+        residual = np.abs(self._residuals).max(axis=1) - SUM_ROUNDING * self.zone_sizes
+        out[: int(m.sum())] += np.repeat(places + np.maximum(residual, 0.0), m)
         return np.asarray(out)
 
     @cached_property
