@@ -124,7 +124,9 @@ class Design:
             out = out * self.y((start - np.longdouble(root)) + away)
         if self.pole is not None:
             out = out / np.abs(start + away - np.clongdouble(self.pole)) ** 2
-        for number, (e, power) in enumerate(zip(self.ends.ravel(), self.powers.ravel(), strict=True)):
+        for number, (e, power) in enumerate(
+            zip(self.ends.ravel(), self.powers.ravel(), strict=True)
+        ):
             if number != skipped:
                 out = out * np.abs(self.y((start - np.longdouble(e)) + away)) ** power
         return out
@@ -146,10 +148,7 @@ class Design:
         )
 
     def integral(
-        self,
-        a: float,
-        b: float,
-        weight: Callable[[Array], Array] = np.ones_like,
+        self, a: float, b: float, weight: Callable[[Array], Array] = np.ones_like
     ) -> float:
         """Integral of a weight times the product P |Y| (module head), from the end a to the end b.
 
@@ -304,7 +303,7 @@ def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equat
     totals = np.array([design.total(i) for i in zones])
     some = sorted(rng.choice(len(totals), index, replace=False).tolist())
     conditions: tuple[sie.Condition, ...] = (Parts(some, totals[some]),)
-    if index == len(totals) > 1 and rng.random() < 0.5 and not design.kappa.any():
+    if index == len(totals) > 1 and rng.random() < 0.5:
         gaps = list(zones)[:-1]
         conditions = (
             sie.Total(float(totals.sum())),

@@ -14,7 +14,6 @@ from sie.ends.motions import DirectMotions, IteratedMotions, motions_of
 from sie.ends.options import NewtonOptions
 from sie.ends.step_models import StepAtJumps, corner_distances, gap_steps, logarithms_in_gaps
 from sie.equation.equation import Equation
-from sie.graded.state import GradedState
 from sie.slits.system import AnyDensity, AnyState
 from sie.states.state import State
 
@@ -202,12 +201,13 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     if state.equation.forcing.resolution.exact_places:
         return np.zeros((2, len(zones)))
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
-    if state.density.slit_count or isinstance(state, GradedState) or not np.isfinite(corners).any():
+    whole = state.whole
+    if not isinstance(whole, State) or state.density.slit_count or not np.isfinite(corners).any():
         return rounding
     # If an end is at a corner up to round-off, the exact distance from the corner determines the
     # end.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
-    cornered, g = state.whole.density.jumps.kinked, state.whole.system.g
+    cornered, g = whole.density.jumps.kinked, whole.system.g
     # The smooth part of the right side has the coefficients g_k. The sum of k |g_k| is an upper
     # bound of the slope of this part, and at most a few times this slope.
     smooth = 4 * (np.abs(g) @ np.arange(g.shape[1])) * zones.slope_scale + 1e-300

@@ -17,6 +17,7 @@ from sie.basis.zones import Zones
 from sie.density.base import DensityBase
 from sie.density.series import OPTIONS, by_quadrature, even_angles
 from sie.jumps.right_side import ForcingJumps
+from sie.second_kind.jumps import KnownJumps
 from sie.second_kind.system import bases_of
 
 
@@ -38,6 +39,8 @@ class SecondKindDensity(DensityBase):
         Coefficients c_n on each zone (Z, n + 1).
     amplitudes : ndarray
         Amplitudes of the equation's columns (k,).
+    known : tuple of KnownJumps
+        Closed forms of the densities of the right side's jumps inside zones.
     bounded_ends : bool
         Whether round-off traces of intensities at free ends are removed.
 
@@ -59,6 +62,7 @@ class SecondKindDensity(DensityBase):
     kernel: Kernel
     coefficients: Array
     amplitudes: Array = field(default_factory=lambda: np.zeros(0))
+    known: tuple[KnownJumps, ...] = ()
     bounded_ends: bool = False
 
     @property
@@ -108,13 +112,18 @@ class SecondKindDensity(DensityBase):
         units = np.array(
             [basis.edge_slopes(c) for basis, c in zip(self.bases, self.coefficients, strict=True)]
         ).T
+        for one in self.known:
+            units[:, one.zone] += one.edge_slopes()
         left, right = units * self.zones.half ** (self.zones.weight.exponent - 1)
         return left, right
 
     @cached_property
     def totals(self) -> Array:
         """Integral of the density over each zone (Z,)."""
-        return np.asarray(np.pi * self.zones.half * self.coefficients[:, 0])
+        out = np.pi * self.coefficients[:, 0]
+        for one in self.known:
+            out[one.zone] += one.total
+        return np.asarray(self.zones.half * out)
 
     @property
     def total(self) -> float:
@@ -127,7 +136,11 @@ class SecondKindDensity(DensityBase):
         first = [
             basis.first_moment(c) for basis, c in zip(self.bases, self.coefficients, strict=True)
         ]
-        return float(np.sum((zones.middle - about) * self.totals + zones.half**2 * np.array(first)))
+        of_jumps = np.zeros(len(zones))
+        for one in self.known:
+            of_jumps[one.zone] += 0.5 * np.pi * one.moments(2)[1]
+        about_middles = zones.half**2 * (np.array(first) + of_jumps)
+        return float(np.sum((zones.middle - about) * self.totals + about_middles))
 
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by a zone and distances from the zone's ends in half widths."""
@@ -145,7 +158,11 @@ class SecondKindDensity(DensityBase):
 
     def _at(self, i: int, left: Array, right: Array) -> Array:
         """Density on zone i at the distances left = 1 + t and right = 1 - t from its ends."""
-        return self.bases[i].density(self._split[i], left, right)
+        out = self.bases[i].density(self._split[i], left, right)
+        for one in self.known:
+            if one.zone == i:
+                out = out + one.density(left, right)
+        return np.asarray(out)
 
     def integral(self, x: ArrayLike) -> Array:
         """Integral of the density up to x from the left end of the zone that contains x.
@@ -158,7 +175,9 @@ class SecondKindDensity(DensityBase):
             here, w = at[zone.ravel()[at] == i], self.zones.half[i]
             left = (x.ravel()[here] - self.zones.a[i]) / w
             right = (self.zones.b[i] - x.ravel()[here]) / w
-            out.ravel()[here] = w * self.bases[i].integral_to(self.coefficients[i], left, right)
+            value = self.bases[i].integral_to(self.coefficients[i], left, right)
+            of_jumps = [one.integral_to(left, right) for one in self.known if one.zone == i]
+            out.ravel()[here] = w * (value + sum(of_jumps))
         return out
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
@@ -191,14 +210,36 @@ class SecondKindDensity(DensityBase):
 
     # The methods below give the fields of the density.
     def _on_line(self, x: Array, potential: bool) -> Array:
-        """Transform at real x."""
-        if potential:
-            raise ValueError("the potential of a density with kappa is not known")
+        """Transform, or potential if `potential` is true, at real x."""
         flat = self.into_period(x).ravel()
-        out = by_rows(self._poles_on_line, flat)
-        if self.kernel.regular is not None:
-            out = out + self._regular(flat, self.kernel.regular)
+        out = by_rows(self._potential_on_line if potential else self._poles_on_line, flat)
+        regular = self.kernel.regular_potential if potential else self.kernel.regular
+        if regular is not None:
+            out = out + self._regular(flat, regular)
         return np.asarray(out.reshape(x.shape))
+
+    def _potential_on_line(self, x: Array) -> Array:
+        """Potential at real x by the kernel's poles."""
+        self._check_potential()
+        zones, out = self.zones, np.zeros(len(x))
+        for i, basis in enumerate(self.bases):
+            c, w, zone = self.coefficients[i], zones.half[i], np.full(len(x), i)
+            for shift in self.kernel.poles:
+                left = zones.beyond_a(x - shift, zone) / w
+                right = zones.before_b(x - shift, zone) / w
+                on = (left >= 0) & (right >= 0)
+                beyond = np.where(right < 0, -right, -left)
+                seen = Outside(np.where(right < 0, 1.0, -1.0)[~on], beyond[~on])
+                out += w * c[0] * np.log(w / self.kernel.datum)
+                out[~on] += w * basis.potential_of(c, seen)
+                if on.any():
+                    out[on] += w * basis.own_potential(c, left[on], right[on])
+        return out
+
+    def _check_potential(self) -> None:
+        """Raise ValueError if the density contains jumps, whose potential is not known."""
+        if self.known:
+            raise ValueError("with kappa the potential of a right side with jumps is not known")
 
     def _poles_on_line(self, x: Array) -> Array:
         """Transform at real x by the kernel's poles."""
@@ -212,9 +253,12 @@ class SecondKindDensity(DensityBase):
                 on = (left >= 0) & (right >= 0)
                 beyond = np.where(right < 0, -right, -left)
                 seen = Outside(np.where(right < 0, 1.0, -1.0)[~on], beyond[~on])
+                of_zone = [one for one in self.known if one.zone == i]
                 out[~on] += basis.split_transform(self._split[i], seen)
+                out[~on] += sum(one.transform(seen) for one in of_zone)
                 if on.any():
                     own = basis.own(c, left[on], right[on])
+                    own = own + sum(one.own(left[on], right[on]) for one in of_zone)
                     out[on] += own - basis.kappa * self._at(i, left[on], right[on])
         return out
 
@@ -225,22 +269,21 @@ class SecondKindDensity(DensityBase):
     @cached_property
     def _quadrature(self) -> list[tuple[Array, Array]]:
         """Pairs (nodes, weights times density) for integrals with the kernel's regular part."""
-        return [
-            self._rule(i, basis) for i, basis in enumerate(self.bases)
-        ]
+        return [self._rule(i, basis) for i, basis in enumerate(self.bases)]
 
     def _rule(self, i: int, basis: Weighted) -> tuple[Array, Array]:
         """(nodes of zone i, weights times density) that resolve the kernel's regular part."""
         c, w = self.coefficients[i], float(self.zones.half[i])
         q = regular_size(self.kernel, w, len(c) - 1)
         series = basis.moments(len(c), q) @ c
+        series = series + sum(one.moments(q) for one in self.known if one.zone == i)
         x = self.zones.middle[i] + w * chebyshev.gauss(q)
         return x, chebyshev.t_values(series, q) * (w / q)
 
     def plane(self, z: Complex, what: What) -> Complex:
         """Transform or its derivative at complex points z (n,)."""
         if what == "potential":
-            raise ValueError("the potential of a density with kappa is not known")
+            raise ValueError("with kappa the potential is known on the line only")
         x, y = self.into_period(z.real), np.abs(z.imag)
         out = np.zeros(len(x), dtype=complex)
         for i, basis in enumerate(self.bases):
@@ -253,10 +296,13 @@ class SecondKindDensity(DensityBase):
                     out += basis.split_transform(self._split[i], seen)
                 else:
                     out += basis.split_slope(self._split[i], seen) / w
+                for one in (one for one in self.known if one.zone == i):
+                    away, is_slope = (x[:, None] - shift - one.x) / w, what == "derivative"
+                    value = one.in_plane(seen, (away, y / w, is_slope))
+                    out += value / w if is_slope else value
         regular = self.kernel.regular if what == "transform" else self.kernel.regular_slope
         if self.kernel.regular is not None:
             if regular is None:
                 raise ValueError("the derivative needs the slope of the kernel's regular part")
             out = out + self._regular(complex_of(x, y), regular)
         return np.where(z.imag < 0, np.conj(out), out)
-

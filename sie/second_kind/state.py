@@ -14,12 +14,13 @@ from sie.dense.lu import Factored
 from sie.dense.system import Layout, Targets, condition_rows
 from sie.equation.equation import Equation
 from sie.second_kind.density import SecondKindDensity
+from sie.second_kind.jumps import jumps_inside
 from sie.second_kind.system import SecondKindRows
 from sie.states.base import Answered
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.sizes import Sizes, first_sizes
 from sie.states.solve import OPTIONS as SOLVE
-from sie.states.solve import SingularSystem, TooLarge, factored
+from sie.states.solve import SingularSystem, TooLarge, regular_factors
 from sie.states.state import AT_ENDS, LOOKS, THETA, residual_errors
 
 
@@ -97,7 +98,7 @@ class SecondKindState(Answered):
 
     def response(self, values: Array, tolerance: float = 0.0) -> SecondKindDensity:
         """The density caused by given changes of the side conditions' values."""
-        return density_of(self.system, self.solver(self._right_of(values)))
+        return density_of(self.system, self.solver(self._right_of(values)), True)
 
     def _right_of(self, values: Array) -> Array:
         """Right side of the system for given condition values, and zero as the equation's."""
@@ -110,6 +111,12 @@ class SecondKindState(Answered):
         y = self.unknowns + self.solver(self._right_of(self.values(condition, change)))
         return replace(self, unknowns=y, density=density_of(self.system, y))
 
+    @property
+    def levels(self) -> Array:
+        """Level of each zone, see `SecondKindRows.levels`."""
+        rows, constants = self.system.levels()
+        return np.asarray(rows @ self.unknowns + constants)
+
     # What Newton's method on the ends needs.
     @property
     def _table(self) -> Array:
@@ -119,7 +126,18 @@ class SecondKindState(Answered):
     @cached_property
     def natural(self) -> Array:
         """The largest coefficient of each zone's density except c_0, which gives the total."""
-        return np.abs(self._table[:, 1:]).max(axis=1, initial=0.0)
+        return self._sizes_from(1)
+
+    def _sizes_from(self, first: int) -> Array:
+        """The largest coefficient of each zone's density (Z,) from the order `first` on.
+
+        The densities of jumps count with their first Chebyshev coefficients.
+        """
+        out = np.abs(self._table[:, first:]).max(axis=1, initial=0.0)
+        for one in self.density.known:
+            of_jumps = np.abs(one.moments(OPTIONS.first_modes)[first:]).max()
+            out[one.zone] = max(out[one.zone], float(of_jumps))
+        return out
 
     @cached_property
     def intensity_noise(self) -> Array:
@@ -150,7 +168,7 @@ class SecondKindState(Answered):
     @cached_property
     def zone_sizes(self) -> Array:
         """The largest coefficient of the density on each zone (Z,)."""
-        return np.abs(self._table).max(axis=1)
+        return self._sizes_from(0)
 
     @property
     def size(self) -> float:
@@ -192,8 +210,8 @@ class SecondKindState(Answered):
         left = np.tile(2 * np.cos(0.5 * THETA) ** 2, len(zones)) * half
         right = np.tile(2 * np.sin(0.5 * THETA) ** 2, len(zones)) * half
         x = np.where(left <= right, zones.a[zone] + left, zones.b[zone] - right)
-        found = self.system.left_side(Targets(zone, left, right, x)) @ self.unknowns
-        found = found - np.asarray(self.equation.forcing.value(x), dtype=float)
+        targets = Targets(zone, left, right, x)
+        found = self.system.left_side(targets) @ self.unknowns - self.system.right_side(targets)
         return np.asarray(found.reshape(-1, count) * np.sin(THETA))
 
     @cached_property
@@ -201,8 +219,9 @@ class SecondKindState(Answered):
         """Error of each row of the system: round-off, and the effect of truncated coefficients.
 
         Truncated coefficients act on the rows of other zones as the last kept one does, or less.
-        The residual between the nodes, above its round-off, is an error of the rows. The right side is evaluated at rounded places. So its round-off is that of the places times
-        its slope, which is that of the density or less.
+        The residual between the nodes, above its round-off, is an error of the rows. The right side
+        is evaluated at rounded places. So its round-off is that of the places times its slope,
+        which is that of the density or less.
         """
         zones, m = self.density.zones, self.system.layout.m
         out = EPS * self.solver.size_of_rows + np.abs(self.solver.last) @ self.missing
@@ -271,12 +290,13 @@ class SecondKindState(Answered):
         )
 
 
-def density_of(system: SecondKindRows, y: Array) -> SecondKindDensity:
-    """The density with the unknowns y."""
+def density_of(system: SecondKindRows, y: Array, is_change: bool = False) -> SecondKindDensity:
+    """The density with the unknowns y; of a change of the density, the jumps are zero."""
     layout = system.layout
     amplitudes = y[layout.coefficients :]
+    table = widened(layout.padded(y), 2)
     return SecondKindDensity(
-        system.zones, system.equation.kernel, widened(layout.padded(y), 2), amplitudes
+        system.zones, system.equation.kernel, table, amplitudes, () if is_change else system.jumps
     )
 
 
@@ -315,18 +335,14 @@ def _check(equation: Equation, zones: Zones) -> None:
         raise ValueError("an equation with kappa has no mirror symmetry: leave out symmetric=True")
     if zones.follow_ends:
         raise ValueError("prescribed intensities of free ends are known for kappa = 0 only")
-    jumps = equation.forcing.jumps
-    inside = zones.a[:, None] < jumps.broken_at
-    inside &= jumps.broken_at < zones.b[:, None]
-    if inside.any():
-        raise ValueError("jumps inside zones are known for kappa = 0 only")
 
 
 def _solve_once(equation: Equation, zones: Zones, m: Index, sizes: Sizes) -> SecondKindState:
     layout = Layout(m, len(equation.columns))
     if layout.size > SOLVE.max_matrix_unknowns:
         raise TooLarge(f"{len(zones)} zones with {layout.size} unknowns are too many for a matrix")
-    system = SecondKindRows(equation, zones, layout)
+    jumps = jumps_inside(equation.forcing, zones)
+    system = SecondKindRows(equation, zones, layout, jumps)
     matrix, right = system.rows()
     rows, values = condition_rows(equation, system, layout.size)
     scale = np.abs(rows).max(axis=1, initial=0.0)
@@ -338,7 +354,7 @@ def _solve_once(equation: Equation, zones: Zones, m: Index, sizes: Sizes) -> Sec
         raise SingularSystem(
             "the right side, a column, the kernel or a side condition is not finite on the zones"
         )
-    solver = factored(equation, matrix)
+    solver = regular_factors(equation, matrix)
     y = solver(right)
     terms = np.hypot(root_of_squares(matrix, y), right)
     last = matrix[:, layout.offset + m].copy()
@@ -349,4 +365,3 @@ def _solve_once(equation: Equation, zones: Zones, m: Index, sizes: Sizes) -> Sec
     sizes.profile_evaluations += int(m.sum())
     sizes.kernel_evaluations += matrix.size
     return SecondKindState(density_of(system, y), system, solver, y, scale, sizes)
-

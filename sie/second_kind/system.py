@@ -24,6 +24,7 @@ from sie.dense.modes import OPTIONS as MODES
 from sie.dense.system import Layout, Places, Targets
 from sie.equation.conditions import Linear, Rows
 from sie.equation.equation import Equation
+from sie.second_kind.jumps import KnownJumps
 
 
 def bases_of(zones: Zones) -> list[Weighted]:
@@ -47,9 +48,7 @@ def nodes(zones: Zones, m: Index) -> tuple[Targets, Array]:
     every = Targets.lobatto(zones, np.arange(len(zones)), m)
     inner = np.concatenate([np.arange(n + 2) % (n + 1) > 0 for n in m.tolist()])
     sines = [np.sin(chebyshev.angles(n)[1:-1]) for n in m.tolist()]
-    points = Targets(
-        every.zone[inner], every.left[inner], every.right[inner], every.x[inner]
-    )
+    points = Targets(every.zone[inner], every.left[inner], every.right[inner], every.x[inner])
     return points, np.concatenate(sines)
 
 
@@ -81,17 +80,47 @@ def _add_own(out: Array, zones: Zones, targets: Targets, layout: Layout) -> None
         out[here, first + 1 : first + m + 1] -= table
 
 
-def regular_fields(zones: Zones, kernel: Kernel, x: Array, layout: Layout) -> Array:
-    """Transform by the kernel's regular part for a unit of each unknown (points, unknowns)."""
+def regular_fields(
+    zones: Zones, kernel: Kernel, x: Array, layout: Layout, potential: bool = False
+) -> Array:
+    """Transform or potential by the kernel's regular part, by unknowns (points, unknowns)."""
     out = np.zeros((len(x), layout.size))
     for basis, m, sources in alike(zones, layout.m):
         for i in sources.tolist():
             w = float(zones.half[i])
             q = regular_size(kernel, w, m)
-            values = regular_values(kernel, x, zones.middle[i] + w * chebyshev.gauss(q), False)
+            values = regular_values(kernel, x, zones.middle[i] + w * chebyshev.gauss(q), potential)
             first = layout.offset[i]
             means = chebyshev.t_means(values, q)
             out[:, first : first + m + 1] = w * (means @ basis.moments(m + 1, q))
+    return out
+
+
+def potentials(zones: Zones, kernel: Kernel, targets: Targets, layout: Layout) -> Array:
+    """Potential of a unit of each unknown coefficient at points on the zones (points, unknowns).
+
+    To the potential of a zone on itself, kappa times the integral up to the point is added.
+    """
+    out = np.zeros((len(targets.x), layout.size))
+    for basis, m, sources in alike(zones, layout.m):
+        block, w = np.zeros((len(targets.x), len(sources), m + 1)), zones.half[sources]
+        for shift in kernel.poles:
+            seen, others = targets.seen(zones, sources, shift)
+            table = basis.potentials(m + 1, seen)
+            table[..., 0] += np.log(w / kernel.datum)
+            block += table if others is None else table * others[..., None]
+        out[:, layout.offset[sources][:, None] + np.arange(m + 1)] = block * w[:, None]
+    for i, basis in enumerate(bases_of(zones)):
+        here, m, first = np.flatnonzero(targets.zone == i), int(layout.m[i]), layout.offset[i]
+        left, right, w = targets.left[here], targets.right[here], zones.half[i]
+        table = -basis.singular.mirrored.table(m + 1, left / w, right / w)
+        table[:, 1:] /= np.arange(1, m + 1)
+        table[:, 0] = basis.level + np.log(w / kernel.datum)
+        out[here, first : first + m + 1] += w * table
+    if kernel.regular is not None:
+        if kernel.regular_potential is None:
+            raise ValueError("a condition on potentials needs the regular kernel's potential")
+        out += regular_fields(zones, kernel, targets.x, layout, potential=True)
     return out
 
 
@@ -102,6 +131,7 @@ class SecondKindRows(Rows):
     equation: Equation
     zones: Zones
     layout: Layout
+    jumps: tuple[KnownJumps, ...]
 
     @cached_property
     def points(self) -> tuple[Targets, Array]:
@@ -111,9 +141,26 @@ class SecondKindRows(Rows):
     def rows(self) -> tuple[Array, Array]:
         """(matrix, right side) of the equation at the nodes."""
         targets, sines = self.points
-        matrix = self.left_side(targets)
-        right = np.asarray(self.equation.forcing.value(targets.x), dtype=float)
-        return sines[:, None] * matrix, sines * np.broadcast_to(right, targets.x.shape)
+        return sines[:, None] * self.left_side(targets), sines * self.right_side(targets)
+
+    def right_side(self, targets: Targets) -> Array:
+        """The right side at points on the zones, minus the left side of the jumps' densities."""
+        g = np.asarray(self.equation.forcing.value(targets.x), dtype=float)
+        out = np.broadcast_to(g, targets.x.shape).copy()
+        zones, kernel = self.zones, self.equation.kernel
+        for one in self.jumps:
+            w, own = zones.half[one.zone], targets.zone == one.zone
+            out[own] -= one.own(targets.left[own] / w, targets.right[own] / w)
+            for shift in kernel.poles:
+                seen, others = targets.seen(zones, np.array([one.zone]), shift)
+                value = one.transform(seen)[:, 0]
+                out -= value if others is None else value * others[:, 0]
+            if kernel.regular is not None:
+                q = regular_size(kernel, float(w), int(self.layout.m[one.zone]))
+                x = zones.middle[one.zone] + w * chebyshev.gauss(q)
+                means = chebyshev.t_means(regular_values(kernel, targets.x, x, False), q)
+                out -= w * (means @ one.moments(q))
+        return out
 
     def left_side(self, targets: Targets | Places) -> Array:
         """The left side at points, minus the columns, for a unit of each unknown."""
@@ -131,16 +178,24 @@ class SecondKindRows(Rows):
         return out, np.zeros(len(self.zones))
 
     def totals(self) -> Linear:
-        half = self.zones.half
-        return self._by_zone(lambda i, basis, m: np.pi * half[i] * (np.arange(m + 1) == 0))
+        half, known = self.zones.half, np.zeros(len(self.zones))
+        for one in self.jumps:
+            known[one.zone] += half[one.zone] * one.total
+        rows, _ = self._by_zone(lambda i, basis, m: np.pi * half[i] * (np.arange(m + 1) == 0))
+        return rows, known
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        known = np.zeros(len(self.zones))
+
         def of_zone(i: int, basis: Weighted, m: int) -> Array:
             means = self._means(weight, i, m + 1 if degree is None else degree + 1)
-            factors = basis.moments(m + 1, len(means))
-            return np.asarray(np.pi * self.zones.half[i] * (means @ factors))
+            means = np.pi * self.zones.half[i] * means
+            for one in self.jumps:
+                if one.zone == i:
+                    known[i] += means @ one.moments(len(means))
+            return np.asarray(means @ basis.moments(m + 1, len(means)))
 
-        return self._by_zone(of_zone)
+        return self._by_zone(of_zone)[0], known
 
     def _means(self, weight: Callable[[Array], Array], zone: int, count: int) -> Array:
         """Means of `weight` times T_l over a zone, by theta, until they have decayed."""
@@ -158,6 +213,39 @@ class SecondKindRows(Rows):
         left = self._by_zone(lambda i, basis, m: scale[0, i] * basis.edge_values(m + 1)[0])
         right = self._by_zone(lambda i, basis, m: scale[1, i] * basis.edge_values(m + 1)[1])
         return left, right
+
+    def levels(self) -> Linear:
+        """Level of each zone: the constant that the potential minus the primitive of g has there.
+
+        With kappa the integral of kappa phi from the first end is added to the potential. The level
+        is a mean over the nodes. The potential of a zone's own density is in closed form.
+        """
+        return self._levels
+
+    @cached_property
+    def _levels(self) -> Linear:
+        equation, zones, layout = self.equation, self.zones, self.layout
+        if self.jumps:
+            raise ValueError(
+                "conditions on potentials with kappa are for right sides without jumps in zones"
+            )
+        if equation.forcing.primitive is None or any(c.primitive is None for c in equation.columns):
+            raise ValueError(
+                "a condition on potentials needs the primitives of the right side and of columns"
+            )
+        targets, _ = self.points
+        out = potentials(zones, equation.kernel, targets, layout)
+        for number, column in enumerate(equation.columns):
+            assert column.primitive is not None
+            out[:, layout.coefficients + number] = -np.asarray(column.primitive(targets.x))
+        constants = -np.asarray(equation.forcing.primitive(targets.x), dtype=float)
+        starts = np.cumsum(layout.m) - layout.m
+        rows = np.add.reduceat(out, starts, axis=0) / layout.m[:, None]
+        kappa = zones.weight.kappa
+        assert kappa is not None
+        before = np.tril(np.ones((len(zones), len(zones))), -1) * kappa
+        rows += before @ self.totals()[0]
+        return rows, np.add.reduceat(constants, starts) / layout.m
 
     def amplitude(self, k: int) -> Linear:
         row = np.zeros((1, self.layout.size))
