@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from sie.results.gradient import Gradient
     from sie.results.moved_density import MovedDensity
     from sie.results.report import Report
+    from sie.second_kind.density import SecondKindDensity
+    from sie.second_kind.state import SecondKindState
     from sie.slits.density import SlitDensity
     from sie.slits.system import AnyDensity, AnyState, solve_zones
     from sie.solver import NotConverged, Solution, solve
@@ -78,6 +80,8 @@ __all__ = [
     "Resolution",
     "Rows",
     "SINGULAR",
+    "SecondKindDensity",
+    "SecondKindState",
     "SingularSystem",
     "SlitDensity",
     "Smooth",
@@ -133,6 +137,8 @@ _HOMES = {
     "sie.results.gradient": "Gradient",
     "sie.results.moved_density": "MovedDensity",
     "sie.results.report": "Report",
+    "sie.second_kind.density": "SecondKindDensity",
+    "sie.second_kind.state": "SecondKindState",
     "sie.slits.density": "SlitDensity",
     "sie.slits.system": "AnyDensity AnyState solve_zones",
     "sie.solver": "NotConverged Solution solve",

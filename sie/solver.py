@@ -116,10 +116,13 @@ class Solution:
         >>> bool(np.abs(left_over[:2]).max() < 1e-10), bool(np.isnan(left_over[2]))
         (True, True)
         """
-        place, _, inside = self.density.locate(x)
+        place, zone, inside = self.density.locate(x)
         out, at = np.full(place.shape, np.nan), place[inside]
         of_jumps = self.density.jumps.left_out(at)
         out[inside] = self.density.transform(at) - self.state.right_side(at) - of_jumps
+        kappa = self.zones.weight.kappa
+        if kappa is not None:
+            out[inside] += kappa[zone[inside]] * self.density(at)
         return out
 
     def report(self) -> Report:

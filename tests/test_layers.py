@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[1]
 # room and those to its left only.
 ORDER = {
     "sie": """
-        basis trees jumps equation density dense fast states graded slits ends results reasons solver
+        basis trees jumps equation density dense fast states graded second_kind slits ends results reasons solver
         __init__
     """,
     "contact": """

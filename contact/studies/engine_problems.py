@@ -10,9 +10,9 @@ the zones, and the function y(x) = x, or y(x) = sin(pi x/L) with a period, it is
     phi = +-P |Y|,     Y = prod y(x - e)^(+-1/2)  (-: singular),     P = prod y(x - r).
 
 P has so many roots r that the right side g is constant or linear. g follows from P Y far away and
-from the smooth part of the kernel. `--second-kind` adds kappa phi to the equation. Then the exponent
-at a right end is alpha or alpha - 1, and at a left end 1 - alpha or -alpha, with cot(pi alpha) =
-kappa, and phi has the factor sin(pi times the exponent at the right end). P may have poles, so that
+from the smooth part of the kernel. `--second-kind` adds kappa phi to the equation. Then the
+exponent at a right end is alpha or alpha - 1, and at a left end 1 - alpha or -alpha, with
+cot(pi alpha) = kappa, and phi has the factor sin(pi times the exponent at the right end). P may have poles, so that
 g has them, too. Totals and levels are integrals from an end a to an end b, by
 the trapezoidal rule in s = log((x - a)/(b - x)), whose convergence does not depend on the gaps (M.
 Mori, Publ. RIMS 41, 2005, 897-935).
@@ -83,8 +83,8 @@ class Design:
     """A designed density phi = +-P |Y| on given zones, with P and Y of the head of this module.
 
     `ends` and `signs` are (n, 2); the signs are -1 for singular and 1 for bounded ends. `roots`,
-    `pole` (and its conjugate) and `factor` are those of P. Without a period the zones lie on a line.
-    `kappa` (n,) is the factor of the density in the equation.
+    `pole` (and its conjugate) and `factor` are those of P. Without a period the zones lie on a
+    line. `kappa` (n,) is the factor of the density in the equation.
     """
 
     ends: Array

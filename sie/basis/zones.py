@@ -251,7 +251,7 @@ class Zones(Kept):
 
     @property
     def slope_scale(self) -> Array:
-        """The edge slope A of sqrt(1 - t^2) on each zone (n,) or at each end (2, n), see `Weight`."""
+        """The edge slope A of sqrt(1 - t^2) on each zone (n,) or end (2, n), see `Weight`."""
         return np.asarray(self.weight.slope_scale(self.half))
 
     @cached_property

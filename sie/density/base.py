@@ -37,6 +37,16 @@ class DensityBase(Kept):
         """An upper bound of the density on all zones that takes little time; inf if none is known."""
         return math.inf
 
+    @property
+    def exponents(self) -> Array:
+        """Exponents of the density at left and right ends (2, Z).
+
+        `intensities` are the limits of density * d^(-exponent); d is the distance from the end. The
+        exponents are -1/2 unless the equation has a kappa.
+        """
+        exponent = -np.asarray(self.zones.weight.exponent)
+        return np.broadcast_to(exponent, (2, len(self.zones))).copy()
+
     def with_bounded_ends(self) -> Self:
         """This density without the terms in 1/sqrt(distance) that round-off causes at free ends.
 

@@ -44,6 +44,8 @@ def unit_length(kernel: Kernel) -> float:
 
 def capacity_of(state: AnyState, error: float) -> float:
     """The logarithmic capacity of the zones of a solution with the given relative error."""
+    if state.equation.second_kind:
+        raise ValueError("a capacity belongs to an equation with kappa = 0")
     density = state.density
     unit = unit_length(density.kernel)
     zones = density.zones

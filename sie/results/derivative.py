@@ -270,6 +270,8 @@ def without_slits(state: AnyState, value: float | None, factors: bool = False) -
 
     factors: whether it must have LU factors; then an iterated solution is computed again.
     """
+    if state.equation.second_kind:
+        raise ValueError("derivatives and gradients are known for kappa = 0 only")
     if isinstance(state, State) and not (factors and state.iterated):
         return state.with_bounded_ends()
     try:

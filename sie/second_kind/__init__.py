@@ -1,1 +1,1 @@
-"""Equations of the second kind, kappa phi + T phi = g, whose density has other exponents than 1/2."""
+"""Equations of the second kind, kappa phi + T phi = g, with other exponents than 1/2."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev, interval
-from sie.basis.data import Array, Complex, Mask, by_rows
+from sie.basis.data import Array, Complex, Index, Mask, by_rows
 from sie.basis.interval import InPlane, Outside, What, complex_of
 from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.sums import OPTIONS as BLOCKS
@@ -26,8 +26,8 @@ class SecondKindDensity(DensityBase):
     """The density of an equation with kappa: on each zone the sum of c_n S_n(t), -1 < t < 1.
 
     S_n = sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha) p_n(t), with cot(pi alpha) = kappa and
-    orthogonal polynomials p_n (`sie.basis.weighted`). Calling the object gives the density at points
-    of the line, zero off the zones.
+    orthogonal polynomials p_n (`sie.basis.weighted`). Calling the object gives the density at
+    points of the line, zero off the zones.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class SecondKindDensity(DensityBase):
     bounded_ends: bool = False
 
     @property
-    def whole(self) -> "SecondKindDensity":
+    def whole(self) -> Any:
         """The density on the zones without slits: here this object itself."""
         return self
 
@@ -80,15 +80,16 @@ class SecondKindDensity(DensityBase):
         """Closed forms of jumps for kappa = 0: none."""
         return ForcingJumps.none()
 
+    @property
+    def sampling(self) -> Index:
+        """Number of equidistant angles that resolve the density on each zone (Z,)."""
+        modes = np.count_nonzero(self.coefficients, axis=1)
+        return np.maximum(2 * modes, OPTIONS.samples)
+
     @cached_property
     def bases(self) -> list[Weighted]:
         """The functions S_n of each zone."""
         return bases_of(self.zones)
-
-    @property
-    def exponents(self) -> Array:
-        """The exponents -p of the density K d^(-p) near left and right ends (2, Z)."""
-        return -np.asarray(self.zones.weight.exponent)
 
     @cached_property
     def _split(self) -> list[Split]:

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -78,7 +78,7 @@ class SecondKindState(Answered):
 
     # The density's responses to further right sides.
     @property
-    def whole(self) -> Self:
+    def whole(self) -> Any:
         """The solution on the zones without slits, which is this object itself."""
         return self
 
@@ -86,6 +86,21 @@ class SecondKindState(Answered):
     def iteration(self) -> None:
         """The iteration by which the unknowns were computed: none."""
         return None
+
+    @property
+    def direct(self) -> Factored:
+        """The solver, which has LU factors of a matrix."""
+        return self.solver
+
+    @property
+    def kept(self) -> Index:
+        """Number of coefficients of each zone beyond c_0 (Z,)."""
+        return self.system.layout.m
+
+    @property
+    def truncation(self) -> Array:
+        """Sizes of the last coefficients of each zone, as `tails` (Z,)."""
+        return self.tails
 
     @property
     def iterated(self) -> bool:
@@ -116,6 +131,10 @@ class SecondKindState(Answered):
         """Level of each zone, see `SecondKindRows.levels`."""
         rows, constants = self.system.levels()
         return np.asarray(rows @ self.unknowns + constants)
+
+    def level_rates(self, values: Array) -> Array:
+        """Changes of the levels for given changes of the side conditions' values."""
+        return np.asarray(self.system.levels()[0] @ self.solver(self._right_of(values)))
 
     # What Newton's method on the ends needs.
     @property
@@ -258,6 +277,12 @@ class SecondKindState(Answered):
         error = (2 * AT_ENDS * self.missing * np.maximum(m, 1) + self.density_rounding) / sizes
         return error + residual_errors(self._residuals, sizes, m, np.zeros(len(m)))
 
+    @property
+    def noise(self) -> Array:
+        """Round-off of each zone's right side, relative to the zone's size (Z,)."""
+        rounding = modes.place_rounding(self.density.zones, np.arange(len(self.density.zones)))
+        return np.asarray(rounding)
+
     @cached_property
     def density_error(self) -> float:
         """Estimated error of the density on these zones, relative to its `size`."""
@@ -276,8 +301,8 @@ class SecondKindState(Answered):
         if missing > float(self.density_rounding.max()) / size:
             return (
                 f"on zone {zone} (counted from 0) the last of {int(m[zone])} coefficients is "
-                f"{self.tails[zone]:.1e} of the largest: the right side is rounded, noisy, singular "
-                "or jumps there, or another zone is very close"
+                f"{self.tails[zone]:.1e} of the largest: the right side is rounded, noisy, "
+                "singular or jumps there, or another zone is very close"
             )
         if float(self.density_rounding.max()) / size > float(np.abs(self._residuals).max()) / size:
             return "that is what rounding leaves: side conditions nearly depend on each other"

@@ -1,8 +1,8 @@
 """The rows of the equation kappa phi + T phi = g on given zones.
 
 The unknowns are, for each zone, the coefficients c_0 ... c_m of the functions S_n (see
-`sie.basis.weighted`), and the amplitudes lambda of the columns. A zone's own part of the left side is
--sum c_n D_(n-1) with polynomials D. So the rows are, at the m zeros of U_m on each zone,
+`sie.basis.weighted`), and the amplitudes lambda of the columns. A zone's own part of the left side
+is -sum c_n D_(n-1) with polynomials D. So the rows are, at the m zeros of U_m on each zone,
 
     -sum c_n D_(n-1) + (field of other zones, images and regular part) - sum lambda C = g,
 

@@ -179,6 +179,18 @@ def test_responses_to_conditions():
     assert 0.4 * change(x) + change.transform(x) == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("name", ["jumps", "column", "free, periodic"])
+def test_a_solution_says_its_residual_and_reports(name):
+    found = sie.solve(*posed(name, 0.4), tol=1e-9)
+    x = found.zones.middle[:, None] + found.zones.half[:, None] * np.array([-0.7, 0.2])
+    assert found.residual(x) == pytest.approx(0.0, abs=1e-9)
+    assert "LU factors" in str(found.report())
+    with pytest.raises(ValueError, match="kappa = 0"):
+        found.derivative(np.ones_like)
+    with pytest.raises(ValueError, match="kappa = 0"):
+        _ = found.capacity
+
+
 def test_a_mirror_image_has_minus_kappa():
     odd = sie.Forcing(lambda x: -np.sin(2 * -x))
     one = sie.solve(*posed("totals", 0.4))
