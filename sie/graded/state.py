@@ -29,14 +29,14 @@ from sie.graded.system import (
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.rounding import primitive_rounding
 from sie.states.sizes import Sizes
-from sie.states.solve import SingularSystem, not_finite, regular_factors
+from sie.states.solve import SingularSystem, TooLarge, not_finite, regular_factors
 
 
 def is_graded(equation: Equation, zones: Zones) -> bool:
     """Whether zones get graded coordinates: those with narrow gaps beside fixed ends do.
 
     Ends with a prescribed intensity that is not zero must not move, and there must not be too many
-    unknowns.
+    unknowns. `TooLarge` is raised if there are, and plain coordinates would not do either.
     """
     fixed_left, fixed_right = ~zones.moves
     if zones.follow_ends or not (fixed_left.any() or fixed_right.any()):
@@ -51,7 +51,16 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
     plain = -np.log(EPS) / modes.decay(zones, equation.kernel)
     if plain.sum() <= OPTIONS.min_plain_unknowns:
         return False
-    return int(first_sizes(gradings_of(zones, equation.kernel)).sum()) <= OPTIONS.max_unknowns
+    unknowns = int(first_sizes(gradings_of(zones, equation.kernel)).sum())
+    # What plain coordinates would leave of the field across the narrowest gap.
+    left = np.exp(-modes.OPTIONS.max_modes * modes.decay(zones, equation.kernel).min())
+    if unknowns > OPTIONS.max_unknowns and left > modes.OPTIONS.nearly_decayed:
+        raise TooLarge(
+            f"{len(zones)} zones beside gaps down to {after.min():.1e} need {unknowns} unknowns or "
+            f"more, and at most {OPTIONS.max_unknowns} can be solved for: take fewer zones, or "
+            "wider gaps"
+        )
+    return unknowns <= OPTIONS.max_unknowns
 
 
 @dataclass(frozen=True, eq=False)
@@ -355,6 +364,12 @@ class GradedState(Kept):
         """The reason, as a message, for the largest part of the stated error."""
         zone = int(np.argmax(self.tails * self.charge_sizes))
         n = int(self.system.sizes[zone])
+        if self.tails[zone] > 0.1 * tol and OPTIONS.growth * self.coupled > OPTIONS.max_unknowns:
+            return (
+                f"{self.coupled} unknowns leave {self.tails[zone]:.1e} on zone {zone} (counted from "
+                f"0), and at most {OPTIONS.max_unknowns} can be solved for with narrow gaps beside "
+                "fixed ends: take fewer zones, or wider gaps"
+            )
         if self.tails[zone] > 0.1 * tol:
             return (
                 f"on zone {zone} (counted from 0), which lies beside a narrow gap, the last of {n} "
@@ -395,8 +410,14 @@ def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Size
         digits = np.log(np.clip(tails, enough, HALF_DIGITS**0.5))
         wanted = even_sizes(np.where(more, OPTIONS.growth * np.log(enough) / digits, 1.0) * count)
         wanted = np.minimum(wanted, OPTIONS.max_modes)
-        if not more.any() or wanted.sum() > OPTIONS.max_unknowns:
+        if not more.any():
             return state
+        if wanted.sum() > OPTIONS.max_unknowns:
+            # The unknowns that are left go to the zones that need more.
+            spare = (OPTIONS.max_unknowns - count.sum()) / (wanted - count).sum()
+            if spare * (wanted - count).max() < 2.0:
+                return state
+            wanted = count + 2 * (0.5 * spare * (wanted - count)).astype(np.intp)
         last, count = np.where(more, tails, last), wanted
 
 

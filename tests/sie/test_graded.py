@@ -477,6 +477,13 @@ def test_responses_to_other_values_of_conditions_are_those_of_another_solution()
     assert rates == pytest.approx(other.levels, rel=1e-11)
 
 
+def test_too_many_zones_beside_narrow_gaps_are_refused_at_once():
+    start = np.arange(80) * (1 + 1e-8)
+    table = np.column_stack((start, start + 1))
+    with pytest.raises(ValueError, match="80 zones beside gaps down to 1.0e-08 need .* unknowns"):
+        sie.solve(sie.Equation(sie.cauchy(), np.ones_like), sie.Zones.of(table, S, B))
+
+
 def test_a_right_side_that_no_modes_resolve_is_refused_with_the_zone():
     rough = sie.Equation(sie.cauchy(), lambda x: np.abs(x - 0.3) ** 0.1, sie.ZoneTotals(0.0))
     with pytest.raises(sie.NotConverged, match="zone 1 .* beside a narrow gap"):
