@@ -91,7 +91,7 @@ class NewtonOptions:
     max_growth: float = 0.5
     forcing: float = 1e-3
     first_solution: float = 1e-5
-    step_margin: float = 1.5
+    step_margin: float = 2.0
     rounding_step: float = 1e-6
     stalled_steps: int = 5
     close_step: float = 0.3
