@@ -264,10 +264,10 @@ def _newton(
         half = choose(fails, half, longer)
     g = values.dot(nodal.matrix)
     size_of = np.abs(g) / column(scale)
-    # All coefficients after the last one above round-off are dropped.
-    count = size - int(
-        ((size_of if size_of.ndim == 1 else size_of.max(axis=0))[::-1] > EPS).argmax()
-    )
+    # All coefficients after the last one above round-off are dropped. None is left if the kink
+    # makes the whole slope.
+    above = ((size_of if size_of.ndim == 1 else size_of.max(axis=0)) > EPS).nonzero()[0]
+    count = int(above[-1]) + 1 if len(above) else 0
     tail = tail + (size - count) * EPS * scale
     width, error = problem.map.at(half)[0], abs(move) + rounding
     found = done & (total > 0.0) & (width < problem.limit) & (half > SMALLEST)
