@@ -516,9 +516,37 @@ class ZoneFields(sie.Kept):
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         return self.density.at_t(zone, t) * self.problem.units.pressure
 
+    @cached_property
+    def _is_infinite(self) -> bool:
+        """Whether the pressure is infinite at a sharp corner or at a convex kink."""
+        density = self.density
+        if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
+            left, right = density.intensities
+            if max(left.max(), right.max()) > ROUND_OFF * np.abs(density.coefficients).max():
+                return True
+        return bool(np.any((density.jumps.height > 0) & (density.jumps.order == 0)))
+
+    @cached_property
+    def _sampled(self) -> tuple[Array, float]:
+        """(bound of the scaled pressure on each zone by samples (Z,), highest sample)."""
+        density = self.density
+        counts, reach, peak = density.sampling, np.empty(len(density.zones)), -np.inf
+        for n in np.unique(counts):
+            group = np.flatnonzero(counts == n)
+            theta = (np.arange(n) + 0.5) * np.pi / n
+            values = density.at(group[:, None], *sides(theta))
+            reach[group], peak = reaches(values).max(axis=1), max(peak, float(values.max()))
+        return reach, peak
+
     @property
     def pressure_bound(self) -> float:
-        return self.density.upper_bound * self.problem.units.pressure
+        """A bound of the pressure [Pa] by the series of the density; by samples if it has jumps."""
+        if self._is_infinite:
+            return math.inf
+        bound = self.density.upper_bound
+        if math.isinf(bound) and self.problem.algebraic is None:
+            bound = float(self._sampled[0].max())
+        return bound * self.problem.units.pressure
 
     @cached_property
     def max_pressure(self) -> float:
@@ -526,19 +554,9 @@ class ZoneFields(sie.Kept):
 
         Maxima between samples are sought on the zones that may have the highest pressure.
         """
-        density = self.density
-        if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
-            left, right = density.intensities
-            if max(left.max(), right.max()) > ROUND_OFF * np.abs(density.coefficients).max():
-                return np.inf
-        if np.any((density.jumps.height > 0) & (density.jumps.order == 0)):
-            return np.inf
-        counts, reach, peak = density.sampling, np.empty(len(density.zones)), -np.inf
-        for n in np.unique(counts):
-            group = np.flatnonzero(counts == n)
-            theta = (np.arange(n) + 0.5) * np.pi / n
-            values = density.at(group[:, None], *sides(theta))
-            reach[group], peak = reaches(values).max(axis=1), max(peak, float(values.max()))
+        if self._is_infinite:
+            return math.inf
+        counts, (reach, peak) = self.density.sampling, self._sampled
         zones = np.argsort(reach)[-OPTIONS.peak_zones :]
         highest = max(
             self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak]

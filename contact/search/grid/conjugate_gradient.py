@@ -222,6 +222,10 @@ class _Extension:
         self.size, self.stiffness = influence.size, influence.stiffness
         self.starts = inside - inside[0]
         self.lengths = np.diff(self.starts, append=self.size)
+        # Indices of the next and of the last point in contact. `np.roll` takes several times as
+        # long as an index, and is needed in every iteration.
+        count = len(inside)
+        self.next, self.last = (np.arange(1, count + 1) % count, np.arange(-1, count - 1) % count)
         self.along = (np.arange(self.size) - np.repeat(self.starts, self.lengths)) / np.repeat(
             self.lengths, self.lengths
         )
@@ -231,14 +235,14 @@ class _Extension:
 
         It is B' D B (head of this module). The mean of the result is subtracted.
         """
-        v = np.repeat(np.roll(residual, -1) - residual, self.lengths)
+        v = np.repeat(residual[self.next] - residual, self.lengths)
         v *= self.along
         v += np.repeat(residual, self.lengths)
         q = _multiplied(v, self.stiffness, self.size)
         z = np.add.reduceat(q, self.starts)
         q *= self.along
         to_next = np.add.reduceat(q, self.starts)
-        z += np.roll(to_next, 1) - to_next
+        z += to_next[self.last] - to_next
         return np.asarray(z - z.mean())
 
 
