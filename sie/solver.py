@@ -548,5 +548,5 @@ def _reason(found: Solution, tol: float) -> str:
 
 def _unresolvable(equation: Equation, zones: Zones, tol: float) -> bool:
     """Whether two zones are too close to each other even for the largest number of modes."""
-    fallen = modes.decay(zones, equation.kernel) * modes.COUPLED_SIZES[-1]
+    fallen = modes.decay(zones, equation.kernel) * modes.OPTIONS.max_modes
     return float(fallen.min()) < -math.log(OPTIONS.parts[0] * tol)

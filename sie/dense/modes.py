@@ -50,11 +50,11 @@ class ModeOptions:
     # nodes for each jump.
     nodes_per_piece: int = 4
     # Largest number of modes of a zone that are coupled to other zones. For a regular kernel that
-    # needs more modes, and next to narrow gaps of fixed zones that have no graded coordinates (see
-    # `sie.graded`), the last of `COUPLED_SIZES` applies instead. Zones with moving ends do not need
-    # more, since narrow gaps between them are treated as slits.
+    # needs more modes, the last of `COUPLED_SIZES` applies instead. Gaps that would need more are
+    # slits between free ends (`sie.slits`), and have graded coordinates beside fixed ones
+    # (`sie.graded`).
     max_modes: int = 768
-    # If the matrix would have more entries than this, no zone gets more than `max_modes` modes.
+    # If the matrix would have more entries than this, motions of ends are found by iteration.
     max_matrix_numbers: float = 4e7
     # First number of modes of a zone, divided by sqrt(half width / L). L is the length over which
     # the kernel's regular part varies. The square root suffices, because the density varies over L
@@ -177,14 +177,7 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
     With it, rho^m of the nearest end of another zone is below the tolerance.
     """
     by = decay(zones, kernel)
-    most_here = OPTIONS.max_modes if zones.moves.any() else COUPLED_SIZES[-1]
-    want = np.minimum(-np.log(tolerance) / np.maximum(by, 1e-3), most_here)
-    # If the matrix is too large, the number of modes is reduced first for zones with the most
-    # modes.
-    while (
-        want.max(initial=0.0) > OPTIONS.max_modes and want.sum() ** 2 > OPTIONS.max_matrix_numbers
-    ):
-        want = np.minimum(want, max(OPTIONS.max_modes, 0.8 * want.max()))
+    want = np.minimum(-np.log(tolerance) / np.maximum(by, 1e-3), OPTIONS.max_modes)
     return COUPLED_SIZES[
         np.searchsorted(COUPLED_SIZES, np.maximum(want, np.minimum(least, most(kernel))))
     ]
