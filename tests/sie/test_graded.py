@@ -168,17 +168,26 @@ def tandem(table: np.ndarray, period: float | None) -> Design:
 
 @pytest.mark.parametrize("gap", [1e-4, 1e-8, 1e-12])
 def test_a_narrow_gap_across_the_border_of_the_period(gap):
-    table = np.array([[0.0, 0.4], [0.7, 1.0 - gap]])
-    found = sie.solve(sie.Equation(sie.hilbert(1.0), np.ones_like), sie.Zones.of(table, S, B))
-    assert isinstance(found.density, sie.GradedDensity)
-    # The border's gap is that of the rounded end, 1 - (1 - gap).
-    moved = np.array([[0.0, 0.4], [0.7, 0.7 + ((1.0 - gap) - 0.7)]])
-    design, (left, right) = tandem(moved, 1.0), sides()
-    inner = (left > 1e-3) & (right > 1e-3)
-    for zone in (0, 1):
-        exact = design.at(zone, left[inner], right[inner])
-        values = np.abs(found.density.at(zone, left[inner], right[inner]))
-        assert values == pytest.approx(exact, rel=1e-10)
+    """Both ends beside the gap, with X of the test above from distances that have all digits."""
+    stop = 1.0 - gap
+    gap = 1.0 - stop  # that of the rounded end
+    zones = sie.Zones.of([[0.0, 0.4], [0.7, stop]], S, B)
+    found = sie.solve(sie.Equation(sie.hilbert(1.0), np.ones_like), zones)
+    assert isinstance(found.density, sie.GradedDensity) and found.error < 1e-10
+    factor = 1 / np.cos(0.5 * np.pi * (0.4 + (stop - 0.7)))
+    few = 10.0 ** np.arange(-14, 0.1, 0.5)
+
+    def sine(lag):
+        return np.sin(np.pi * lag)
+
+    d = zones.half[0] * few  # right of 0, the singular left end
+    wanted = np.sqrt(sine(0.4 - d) * sine(d + gap) / (sine(d) * sine(0.7 - d)))
+    values = np.abs(found.density.at(0, few, 2 - few))
+    assert values == pytest.approx(factor * wanted, rel=1e-11)
+    d = zones.half[1] * few  # left of the bounded right end
+    wanted = np.sqrt(sine(d) * sine(stop - 0.4 - d) / (sine(d + gap) * sine(stop - 0.7 - d)))
+    values = np.abs(found.density.at(1, 2 - few, few))
+    assert values == pytest.approx(factor * wanted, rel=1e-11)
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
