@@ -12,6 +12,7 @@ import importlib.util
 import io
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -53,8 +54,21 @@ def _recorded(package: Any, found: list[Any], name: str = "solve") -> Iterator[N
         setattr(package, name, function)
 
 
-def run(file: Path) -> tuple[list[contact.Path], list[contact.Solution], list[sie.Solution], str]:
-    """Run a script; return its load paths, its solutions of `contact` and `sie`, and its print."""
+@dataclass
+class Shown:
+    """What a script has shown: load paths, solutions of `contact` and `sie`, what its main function
+    returned, and its print.
+    """
+
+    paths: list[contact.Path]
+    contacts: list[contact.Solution]
+    equations: list[sie.Solution]
+    returned: Any
+    printed: str
+
+
+def run(file: Path) -> Shown:
+    """Run a script and keep what it shows."""
     spec = importlib.util.spec_from_file_location(f"gallery_{file.stem}", file)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -69,8 +83,8 @@ def run(file: Path) -> tuple[list[contact.Path], list[contact.Solution], list[si
         contextlib.redirect_stdout(printed),
     ):
         spec.loader.exec_module(module)
-        module.main()
-    return paths, contacts, equations, printed.getvalue()
+        returned = module.main()
+    return Shown(paths, contacts, equations, returned, printed.getvalue())
 
 
 def _distinct(solutions: list[contact.Solution]) -> list[contact.Solution]:
@@ -204,12 +218,17 @@ def keep(name: str, file: Path, folder: Path = KEPT) -> None:
         save(solution.plot(), folder / f"{name}.png", dpi=80)
         (folder / f"{name}.txt").write_text(numbers(solution), encoding="utf-8")
         return
-    paths, contacts, equations, printed = run(file)
-    if paths:
-        save(paths[-1].plot(), folder / f"{name}.png", dpi=80)
+    from engine_pictures import DRAWINGS  # stands beside this script
+
+    shown = run(file)
+    if shown.paths:
+        save(shown.paths[-1].plot(), folder / f"{name}.png", dpi=80)
+    elif name in DRAWINGS:
+        save(DRAWINGS[name](shown.returned), folder / f"{name}.png")
     else:
-        save(of_contact(contacts) if contacts else of_engine(equations), folder / f"{name}.png")
-    (folder / f"{name}.txt").write_text(printed, encoding="utf-8")
+        figure = of_contact(shown.contacts) if shown.contacts else of_engine(shown.equations)
+        save(figure, folder / f"{name}.png")
+    (folder / f"{name}.txt").write_text(shown.printed, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -6,8 +6,13 @@ import importlib.util
 from pathlib import Path
 from types import ModuleType
 
+import mpmath
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+import sie
 
 ROOT = Path(__file__).parents[1]
 SCRIPTS = sorted((ROOT / "examples" / "engine").glob("*.py"))
@@ -80,3 +85,132 @@ def test_the_capacity_of_two_intervals_is_the_elliptic_one() -> None:
 def test_the_stresses_off_the_cracks_are_those_of_the_closed_form() -> None:
     off, error = run("stresses").main()
     assert max(off) < 10 * error
+
+
+def test_sliding_punches_have_the_intensities_and_ends_of_their_closed_forms() -> None:
+    for mu, flat, edge, cylinder, ends in run("sliding_punch").main():
+        factors = np.ravel(flat.density.intensities)
+        assert factors == pytest.approx(edge, rel=10 * flat.error + 1e-15)
+        width = ends[1] - ends[0]
+        assert cylinder.zones.table[0] == pytest.approx(ends, abs=10 * cylinder.error * width)
+        # The pressure is stronger behind than in front: at x < 0, as the punch moves to x > 0.
+        behind, before = np.ravel(flat.density.exponents)
+        assert behind + before == pytest.approx(-1.0, abs=1e-14)
+        assert (behind < before) == (mu > 0.0) and (ends[0] + ends[1] < -1e-9) == (mu > 0.0)
+
+
+def test_a_punch_that_slides_back_is_the_mirrored_one() -> None:
+    module = run("sliding_punch")
+    edges = sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)
+    (_, there), (_, back) = (module.slid(mu, np.zeros_like, edges) for mu in (0.7, -0.7))
+    x = np.linspace(-0.95, 0.95, 21)
+    assert there.density(x) == pytest.approx(back.density(-x), rel=1e-11)
+
+
+def test_porous_plates_with_a_flap_lift_what_the_closed_form_says_and_less_with_every_pore() -> (
+    None
+):
+    module = run("porous_aerofoil")
+    rows = module.main()
+    for _, found, lift, closed in rows:
+        assert lift == pytest.approx(closed, rel=10 * found.error + 1e-14)
+    lifts = [lift for _, _, lift, _ in rows]
+    assert np.all(np.diff(lifts) < 0)
+    # H. Glauert, R. & M. 1095 (1927): the flap counts as the part 1 - (theta - sin theta) / pi of
+    # an incidence, cos theta = 2 h - 1 at the hinge, theta counted from the trailing edge.
+    theta = np.arccos(2 * module.HINGE - 1)
+    part = (theta + np.sin(theta)) / np.pi
+    assert lifts[0] == pytest.approx(2 * np.pi * (module.INCIDENCE + module.FLAP * part), rel=1e-13)
+
+
+@pytest.mark.parametrize("row", [1, 2, 3])
+def test_the_lift_of_a_porous_plate_is_the_downwash_times_the_adjoint_solution(row: int) -> None:
+    module = run("porous_aerofoil")
+    kappa, _, lift, _ = module.main()[row]
+    alpha = np.arctan2(1.0, kappa) / np.pi
+    # The substitution 1 - x = s^(1 / (1 - alpha)) takes the singularity away.
+    power = 1 / (1 - alpha)
+    flap = quad(lambda s: (1 - s**power) ** alpha * power, 0, (1 - module.HINGE) ** (1 - alpha))[0]
+    whole = np.pi * alpha / np.sin(np.pi * alpha)
+    total = 2 * np.sin(np.pi * alpha) * (module.INCIDENCE * whole + module.FLAP * flap)
+    assert lift == pytest.approx(2 * total, rel=1e-10)
+
+
+def test_cracks_beside_a_thin_ligament_have_willmore_s_intensities() -> None:
+    rows = run("thin_ligament").main()
+    assert [found.zones.a[1] - found.zones.b[0] for found, _, _ in rows] == pytest.approx(
+        10.0 ** -np.arange(2.0, 9.0), rel=1e-12
+    )
+    for found, tips, _ in rows:
+        with mpmath.workdps(40):
+            k = mpmath.mpf(float(found.zones.a[1]))
+            ratio = mpmath.ellipe(1 - k**2) / mpmath.ellipk(1 - k**2)
+            size = mpmath.sqrt(mpmath.pi / (1 - k**2))
+            exact = [float(size * (1 - ratio)), float(size * (ratio - k**2) / mpmath.sqrt(k))]
+        assert found.error < 1e-10
+        assert tips == pytest.approx(exact, rel=10 * found.error)
+        assert tips != pytest.approx(np.array(exact) * (1 + 1e-9), rel=10 * found.error)
+
+
+def test_a_cut_splits_where_the_closed_form_has_it() -> None:
+    for t, found, ends in run("splitting_cut").main():
+        assert found.zones.table.ravel() == pytest.approx(
+            np.append(-ends[::-1], ends), abs=20 * found.error
+        )
+        x = np.linspace(-2.45, 2.45, 40)
+        if t > 2:
+            density = np.abs(x) * np.sqrt(np.maximum(0, (x**2 - t + 2) * (t + 2 - x**2)))
+        else:
+            square = ends[0] ** 2
+            density = (x**2 + square / 2 - t) * np.sqrt(np.maximum(0, square - x**2))
+        assert found.density(x) == pytest.approx(density / (2 * np.pi), abs=1e-11)
+
+
+def only_cut(middle: float) -> tuple[float, float, float, float]:
+    """(total, half width, place, height) of V' = x^3 - 5 x/2 + 3/10 with one cut about `middle`.
+
+    F = V' / 2 pi - X M / 2 pi, X = sqrt(w^2 - h^2), w = x - middle: as F is total / (pi x) far away,
+    M = w^2 + 3 m w + 3 m^2 - A + h^2/2, h^2 = -2 V'(m) / (3 m). The height is that of the potential
+    less V / 2 pi over its level on the cut, at the last root of M.
+    """
+    square = -2 * (middle**3 - 2.5 * middle + 0.3) / (3 * middle)
+    total = (3 * middle**2 - 2.5) * square / 4 + 3 * square**2 / 16
+    half, constant = np.sqrt(square), 3 * middle**2 - 2.5 + square / 2
+    last = 0.5 * (-3 * middle + np.sqrt(9 * middle**2 - 4 * constant))
+    # w = h cosh(s) makes the integrand smooth.
+    height = quad(
+        lambda s: ((half * np.cosh(s)) ** 2 + 3 * middle * half * np.cosh(s) + constant)
+        * square * np.sinh(s) ** 2, 0, np.arccosh(last / half), epsabs=1e-13,
+    )[0]  # fmt: skip
+    return total, half, middle + last, -height / (2 * np.pi)
+
+
+def test_a_cut_is_born_where_the_other_well_reaches_the_level() -> None:
+    birth, at, rows = run("birth_of_a_cut").main()
+    middle = brentq(lambda m: only_cut(m)[3], -1.61, -1.55, xtol=1e-15)
+    total, half, place, _ = only_cut(middle)
+    assert birth == pytest.approx(total, rel=1e-9)
+    assert at == pytest.approx(place, rel=1e-9)
+    # Just after the birth the first cut has hardly changed, and the second one is about this place.
+    first, second = rows[1].zones.table
+    assert first == pytest.approx([middle - half, middle + half], abs=1e-3)
+    assert second[0] < place < second[1]
+    shares = [one.density.totals[1] / one.density.totals.sum() for one in rows[1:]]
+    assert np.all(np.diff(shares) > 0) and 0 < shares[0] < 1e-3
+    assert rows[0].density.totals.sum() == pytest.approx(0.8 * birth, rel=1e-12)
+
+
+def test_what_is_not_in_the_contract_is_refused_as_its_page_says() -> None:
+    for kappa in (1j, lambda x: x):
+        with pytest.raises(ValueError, match="kappa must be a finite number"):
+            sie.Equation(sie.cauchy(), np.ones_like, sie.Total(1.0), kappa=kappa)
+    with pytest.raises(ValueError, match="a smooth kernel alone"):
+        sie.Equation(sie.Smooth(lambda x, xi: np.log(np.abs(x - xi))), np.ones_like)
+    with pytest.raises(ValueError, match="strictly ascending"):
+        sie.Zones.of([[0.0, 1.0], [1.0, 2.0]], sie.SINGULAR, sie.SINGULAR)
+    edge = sie.Smooth(lambda x, xi: 1 / (x + xi) - 6 * x / (x + xi) ** 2 + 4 * x**2 / (x + xi) ** 3)
+    equation = sie.Equation(sie.cauchy() + edge, np.ones_like, ())
+    with pytest.raises(sie.NotConverged, match="it varies too fast"):
+        sie.solve(equation, sie.Zones.of([[0.0, 1.0]], sie.BOUNDED, sie.SINGULAR))
+    inner = sie.Equation(sie.cauchy() + edge, np.ones_like, sie.Total(0.0))
+    assert sie.solve(inner, sie.Zones.of([[0.1, 1.0]], sie.SINGULAR, sie.SINGULAR)).error < 1e-9
