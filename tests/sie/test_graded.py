@@ -187,7 +187,9 @@ def test_a_narrow_gap_across_the_border_of_the_period(gap):
     d = zones.half[1] * few  # left of the bounded right end
     wanted = np.sqrt(sine(d) * sine(stop - 0.4 - d) / (sine(d + gap) * sine(stop - 0.7 - d)))
     values = np.abs(found.density.at(1, 2 - few, few))
-    assert values == pytest.approx(factor * wanted, rel=1e-11)
+    # The intensity at a bounded end is zero up to round-off.
+    wrong = np.abs(values - factor * wanted) * np.sqrt(few)
+    assert np.max(wrong / np.sqrt(few + gap)) < 1e-12
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
