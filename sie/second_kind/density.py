@@ -103,16 +103,42 @@ class SecondKindDensity(DensityBase):
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
         """Intensities K at both ends of each zone: the density is K d^(-p) at a distance d."""
-        ends = np.array([(one.k_left, one.k_right) for one in self._split]).T
-        left, right = self.zones.edge_scale * ends
+        zero = self.zones.bounded & ~(self.zones.moves & (not self.bounded_ends))
+        values = self.edge_values(self.coefficients.shape[1])
+        ends = [np.sum(one * self.coefficients, axis=1) for one in values]
+        left, right = self.zones.edge_scale * np.where(zero, 0.0, ends)
         return left, right
+
+    def edge_values(self, count: int) -> tuple[Array, Array]:
+        """Values of the polynomials p_n at left ends and at right ends, each (Z, count)."""
+        every = np.array([basis.edge_values(count) for basis in self._families])
+        left, right = every[self._family].transpose(1, 0, 2)
+        return left, right
+
+    @cached_property
+    def _family(self) -> Index:
+        """Index of the zone's kappa among the different ones (Z,)."""
+        return np.asarray(np.unique(self._kappa, return_inverse=True)[1])
+
+    @cached_property
+    def _families(self) -> list[Weighted]:
+        """The functions S_n for each different kappa."""
+        return [Weighted(one) for one in np.unique(self._kappa).tolist()]
+
+    @property
+    def _kappa(self) -> Array:
+        kappa = self.zones.weight.kappa
+        assert kappa is not None
+        return kappa
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
         """Edge slopes A at both ends of each zone; A is the coefficient of d^(1 - p)."""
-        units = np.array(
-            [basis.edge_slopes(c) for basis, c in zip(self.bases, self.coefficients, strict=True)]
-        ).T
+        unit = np.eye(self.coefficients.shape[1])
+        every = np.array(
+            [np.array([basis.edge_slopes(one) for one in unit]).T for basis in self._families]
+        )
+        units = np.einsum("zsn,zn->sz", every[self._family], self.coefficients)
         for one in self.known:
             units[:, one.zone] += one.edge_slopes()
         left, right = units * self.zones.half ** (self.zones.weight.exponent - 1)

@@ -1,4 +1,4 @@
-"""Solve kappa phi + T phi = g on given zones, with a stated error."""
+"""The solution of kappa phi + T phi = g on given zones, with a stated error."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -8,19 +8,14 @@ from typing import Any, Self
 import numpy as np
 
 from sie.basis.data import EPS, HALF_DIGITS, SUM_ROUNDING, Array, Index, root_of_squares, widened
-from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.lu import Factored
-from sie.dense.system import Layout, Targets, condition_rows
-from sie.equation.equation import Equation
+from sie.dense.system import Targets
 from sie.second_kind.density import SecondKindDensity
-from sie.second_kind.jumps import jumps_inside
 from sie.second_kind.system import SecondKindRows
 from sie.states.base import Answered
 from sie.states.options import OPTIONS as ERRORS
-from sie.states.sizes import Sizes, first_sizes
-from sie.states.solve import OPTIONS as SOLVE
-from sie.states.solve import SingularSystem, TooLarge, regular_factors
+from sie.states.sizes import Sizes
 from sie.states.state import AT_ENDS, LOOKS, THETA, residual_errors
 
 
@@ -88,8 +83,8 @@ class SecondKindState(Answered):
         return None
 
     @property
-    def direct(self) -> Factored:
-        """The solver, which has LU factors of a matrix."""
+    def direct(self) -> Factored | None:
+        """The solver if it has LU factors of a matrix; None if it is an iteration."""
         return self.solver
 
     @property
@@ -323,70 +318,3 @@ def density_of(system: SecondKindRows, y: Array, is_change: bool = False) -> Sec
     return SecondKindDensity(
         system.zones, system.equation.kernel, table, amplitudes, () if is_change else system.jumps
     )
-
-
-def solve_second_kind(
-    equation: Equation, zones: Zones, tolerance: float, sizes: Sizes | None = None
-) -> SecondKindState:
-    """Solve an equation with kappa on given zones, with as many modes as it needs.
-
-    tolerance: of the last coefficients, relative to the largest; sizes: numbers of modes to start
-    from. Raises ValueError for what is not known with kappa, and SingularSystem.
-    """
-    _check(equation, zones)
-    sizes = first_sizes(equation, zones, tolerance) if sizes is None else sizes
-    least = np.maximum(sizes.least, OPTIONS.first_modes)
-    m = modes.coupled(zones, equation.kernel, tolerance, least)
-    while True:
-        state = _solve_once(equation, zones, m, sizes)
-        sizes.growth = (
-            modes.Growth.first(m, state.tails)
-            if sizes.growth is None
-            else sizes.growth.after(m, state.tails, np.zeros_like(m))
-        )
-        enough = np.maximum(tolerance, sizes.growth.floor)
-        few = (state.tails > enough) & (m < modes.COUPLED_SIZES[-1])
-        wanted = np.minimum(OPTIONS.growth * m, modes.COUPLED_SIZES[-1])
-        more = modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES, wanted)]
-        m = np.where(few, more, m)
-        sizes.least = state.system.layout.m
-        if not few.any() or np.sum(m + 1) > OPTIONS.max_unknowns:
-            return state
-
-
-def _check(equation: Equation, zones: Zones) -> None:
-    """Raise ValueError for what is not known for an equation with kappa."""
-    if zones.symmetric:
-        raise ValueError("an equation with kappa has no mirror symmetry: leave out symmetric=True")
-    if zones.follow_ends:
-        raise ValueError("prescribed intensities of free ends are known for kappa = 0 only")
-
-
-def _solve_once(equation: Equation, zones: Zones, m: Index, sizes: Sizes) -> SecondKindState:
-    layout = Layout(m, len(equation.columns))
-    if layout.size > SOLVE.max_matrix_unknowns:
-        raise TooLarge(f"{len(zones)} zones with {layout.size} unknowns are too many for a matrix")
-    jumps = jumps_inside(equation.forcing, zones)
-    system = SecondKindRows(equation, zones, layout, jumps)
-    matrix, right = system.rows()
-    rows, values = condition_rows(equation, system, layout.size)
-    scale = np.abs(rows).max(axis=1, initial=0.0)
-    if np.any(scale == 0):
-        raise SingularSystem("a side condition does not depend on the density")
-    matrix = np.concatenate((matrix, rows / scale[:, None]))
-    right = np.concatenate((right, values / scale))
-    if not (np.all(np.isfinite(matrix)) and np.all(np.isfinite(right))):
-        raise SingularSystem(
-            "the right side, a column, the kernel or a side condition is not finite on the zones"
-        )
-    solver = regular_factors(equation, matrix)
-    y = solver(right)
-    terms = np.hypot(root_of_squares(matrix, y), right)
-    last = matrix[:, layout.offset + m].copy()
-    # A zone's own last coefficient is no error of its own rows.
-    last[np.arange(int(m.sum())), np.repeat(np.arange(len(m)), m)] = 0.0
-    solver = replace(solver, size_of_rows=terms, last=last)
-    sizes.solves += 1
-    sizes.profile_evaluations += int(m.sum())
-    sizes.kernel_evaluations += matrix.size
-    return SecondKindState(density_of(system, y), system, solver, y, scale, sizes)

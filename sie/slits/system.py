@@ -27,7 +27,8 @@ from sie.equation.equation import Equation
 from sie.graded.density import GradedDensity
 from sie.graded.state import GradedState, is_graded, solve_graded
 from sie.second_kind.density import SecondKindDensity
-from sie.second_kind.state import SecondKindState, solve_second_kind
+from sie.second_kind.solve import solve_second_kind
+from sie.second_kind.state import SecondKindState
 from sie.slits.density import SlitDensity
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, merge
 from sie.states.base import Answered, Solver, density_of

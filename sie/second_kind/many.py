@@ -1,0 +1,342 @@
+"""Equations with kappa on many zones: fast sums and GMRES in place of a matrix.
+
+On a zone, the left side of the zone's own density is -sum c_n D_(n-1). So the rows are the
+coefficients of the equation in the polynomials D_(k-1), k = 1 ... m,
+
+    -c_k + (coefficient of the field of other zones and images) = g_k,
+
+and the coefficients c_0 follow from the totals of the zones. The fields of other zones are small
+and smooth, so the rows are close to minus the identity, and GMRES needs few steps.
+
+From far away any density is a sum of m_l T_l / sqrt(1 - t^2) (see `Weighted.moments`). So far zones
+interact by the tree of `sie.trees`. Near zones interact by a table of the transforms of S_n.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from scipy.linalg import norm
+
+from sie.basis import chebyshev
+from sie.basis.data import DIGITS, EPS, SUM_ROUNDING, Array, Index, record
+from sie.basis.interval import Outside, decay_rate
+from sie.basis.kernels import Kernel
+from sie.basis.zones import Zones
+from sie.dense import modes
+from sie.dense.system import Layout, Targets
+from sie.equation.conditions import Linear, Rows, ZoneTotals
+from sie.equation.equation import Equation
+from sie.fast.iteration import OPTIONS as ITERATION
+from sie.second_kind.system import SecondKindRows, alike
+from sie.states.state import THETA
+from sie.trees import lazy
+from sie.trees.far import FarSum, Nested, reaches
+from sie.trees.krylov import gmres
+from sie.trees.panels import panels_over
+from sie.trees.tree import TERMS, Pairs, Tree
+
+# From the number of modes of a zone to the distances 1 + t and 1 - t of points on it.
+PointsOf = Callable[[int], tuple[Array, Array]]
+
+
+def unfit(equation: Equation, zones: Zones) -> str | None:
+    """The reason, as a message, why fast sums with kappa do not apply; None if they do."""
+    if len(zones) < 2:
+        return "one zone is too few"
+    if equation.columns:
+        return "columns of unknown amplitudes are not known with kappa"
+    kinds = [type(condition) for condition in equation.conditions]
+    if kinds != [ZoneTotals] or any(zones.fixed_bounded):
+        return "the totals of the zones, and no other conditions, are known with kappa"
+    if not reaches(equation.kernel, zones) or panels_over(equation.kernel, zones) is not None:
+        return "the kernel is too general"
+    return None
+
+
+def nodes_of(m: int) -> tuple[Array, Array]:
+    """(1 + t, 1 - t) at the zeros of U_m."""
+    _, right, left = chebyshev.lobatto(m)
+    return left[1:-1], right[1:-1]
+
+
+def between_nodes(m: int) -> tuple[Array, Array]:
+    """(1 + t, 1 - t) at the angles THETA, whatever the number of modes."""
+    return 2 * np.cos(0.5 * THETA) ** 2, 2 * np.sin(0.5 * THETA) ** 2
+
+
+@record
+class FieldSums:
+    """Field of all zones and their images on each zone, without the zone's own field."""
+
+    zones: Zones
+    layout: Layout
+    far: FarSum
+
+    @classmethod
+    def of(cls, zones: Zones, kernel: Kernel, layout: Layout) -> Self:
+        """The sums on the given zones, with a new tree."""
+        nested = Nested(Tree.over(zones.a, zones.b, zones.rest))
+        return cls(zones, layout, FarSum(nested, nested, kernel))
+
+    @cached_property
+    def groups(self) -> list[tuple[Any, int, Index, Index]]:
+        """(basis, mode m, zones, their unknowns) of the zones with one kappa and one m."""
+        return [
+            (basis, m, group, self.layout.offset[group][:, None] + np.arange(m + 1))
+            for basis, m, group in alike(self.zones, self.layout.m)
+        ]
+
+    @property
+    def size(self) -> int:
+        """Number of closed forms that are evaluated in one sum."""
+        return int(self.near.nnz) + len(self.far.far) * TERMS
+
+    @cached_property
+    def near(self) -> Any:
+        """Sparse matrix from the unknowns to the field of near zones at the nodes."""
+        return self._near(nodes_of)
+
+    @cached_property
+    def near_between(self) -> Any:
+        """Sparse matrix from the unknowns to the field of near zones between the nodes."""
+        return self._near(between_nodes)
+
+    def _near(self, points: PointsOf) -> Any:
+        zones, layout, pairs = self.zones, self.layout, self.far.near
+        other = ~((pairs.target == pairs.source) & (pairs.shift == 0.0))
+        target, source, shift = pairs.target[other], pairs.source[other], pairs.shift[other]
+        sign, gap = _apart(zones, Pairs(target, source, shift))
+        # At the point nearest to the source the transforms decay most slowly. Their rate of decay
+        # there gives the number of modes above round-off.
+        first = np.array([points(int(n))[0].min() for n in range(1, int(layout.m.max()) + 1)])
+        excess = (gap + zones.half[target] * first[layout.m[target] - 1]) / zones.half[source]
+        need = np.ceil(DIGITS / decay_rate(excess) / 8).astype(np.intp) * 8
+        terms = np.minimum(layout.m[source] + 1, need)
+        kappa = zones.weight.kappa
+        assert kappa is not None
+        number = np.unique(kappa, return_inverse=True)[1]
+        key = np.column_stack((number[source], layout.m[target], terms))
+        kinds, kind = np.unique(key, axis=0, return_inverse=True)
+        order = np.argsort(kind.ravel(), kind="stable")
+        cuts = np.searchsorted(kind.ravel()[order], np.arange(len(kinds) + 1))
+        counts = np.array([len(points(int(n))[0]) for n in layout.m])
+        first_row = np.cumsum(counts) - counts
+        basis_of = {int(number[group[0]]): basis for basis, _, group, _ in self.groups}
+        data, rows, columns = [], [], []
+        for (which, m, count), lo, hi in zip(kinds.tolist(), cuts[:-1], cuts[1:], strict=True):
+            some = order[lo:hi]
+            left, right = points(m)
+            w = zones.half[source[some]][:, None]
+            inner = np.where(sign[some][:, None] > 0, left, right) * zones.half[target[some], None]
+            seen = Outside(sign[some][:, None], (gap[some][:, None] + inner) / w)
+            table = basis_of[which].transforms(count, seen)
+            row = first_row[target[some]][:, None] + np.arange(len(left))
+            column = layout.offset[source[some]][:, None] + np.arange(count)
+            data.append(table.ravel())
+            rows.append(np.broadcast_to(row[:, :, None], table.shape).ravel())
+            columns.append(np.broadcast_to(column[:, None, :], table.shape).ravel())
+        sparse = lazy.module("scipy.sparse")
+        none = [np.zeros(0, dtype=np.intp)]
+        entries = np.concatenate(data or [np.zeros(0)])
+        places = (np.concatenate(rows or none), np.concatenate(columns or none))
+        shape = (int(counts.sum()), layout.size)
+        return sparse.coo_array((entries, places), shape=shape).tocsr()
+
+    def _far_series(self, y: Array, rough: bool) -> Array:
+        """Chebyshev series (Z, TERMS) of the transform of far zones."""
+        leaves = np.zeros((len(self.zones), TERMS))
+        for basis, m, group, unknowns in self.groups:
+            leaves[group] = y[unknowns] @ basis.moments(m + 1, TERMS).T
+        leaves[:, 1:] *= 0.5
+        return self.far(leaves * self.zones.half[:, None], rough)[0]
+
+    def __call__(self, y: Array, rough: bool = False) -> Array:
+        """Coefficients of the field in D_(k-1), k = 1 ... m, of each zone in turn.
+
+        rough: whether an error of 1e-7 of the whole far field is small enough.
+        """
+        series, at_nodes = self._far_series(y, rough), self.near @ y
+        far = 0.5 * series
+        far[:, :-2] -= 0.5 * series[:, 2:]
+        far[:, 0] += 0.5 * series[:, 0]
+        return self.projected(at_nodes, far)
+
+    def projected(self, at_nodes: Array, far: Array | None = None) -> Array:
+        """Coefficients in D_(k-1) of values at the nodes, plus U coefficients of a far field."""
+        out, first = np.empty(len(at_nodes)), np.cumsum(self.layout.m) - self.layout.m
+        for basis, m, group, _ in self.groups:
+            place = first[group][:, None] + np.arange(m)
+            u = chebyshev.u_coefficients(at_nodes[place])
+            if far is not None:
+                u[:, : min(m, TERMS)] += far[group, : min(m, TERMS)]
+            out[place] = u @ basis.from_u(m).T
+        return out
+
+    def between(self, y: Array) -> Array:
+        """Field between the nodes of each zone, at the angles THETA (Z, points)."""
+        series = self._far_series(y, False)
+        waves = np.cos(np.arange(TERMS)[:, None] * THETA)
+        return np.asarray(series @ waves + (self.near_between @ y).reshape(-1, len(THETA)))
+
+
+def _apart(zones: Zones, pairs: Pairs) -> tuple[Array, Array]:
+    """(side of the source on which each target lies, gap between the two)."""
+    t, s, shift = pairs.target, pairs.source, pairs.shift
+    right = zones.middle[t] > zones.middle[s] + shift
+    past = (zones.a[t] - (zones.b[s] + shift)) + (zones.rest[0, t] - zones.rest[1, s])
+    before = ((zones.a[s] + shift) - zones.b[t]) + (zones.rest[0, s] - zones.rest[1, t])
+    return np.where(right, 1.0, -1.0), np.where(right, past, before)
+
+
+@dataclass(frozen=True, eq=False)
+class ManyRows(Rows):
+    """The rows of an equation with kappa on many zones, without their matrix."""
+
+    dense: SecondKindRows
+    sums: FieldSums = field(repr=False)
+    y: Array | None = None
+
+    @classmethod
+    def of(cls, system: SecondKindRows, far: FarSum | None = None) -> Self:
+        """The rows of the equation of `system`; far: sums over far zones, if they are at hand."""
+        zones, layout = system.zones, system.layout
+        if far is None:
+            return cls(system, FieldSums.of(zones, system.equation.kernel, layout))
+        return cls(system, FieldSums(zones, layout, far))
+
+    @property
+    def zones(self) -> Zones:  # type: ignore[override]
+        return self.dense.zones
+
+    @cached_property
+    def others(self) -> Index:
+        """Indices of the unknowns c_k with k > 0, which belong to the rows of the equation."""
+        layout = self.dense.layout
+        return np.delete(np.arange(layout.coefficients), layout.offset)
+
+    @cached_property
+    def right(self) -> Array:
+        """Coefficients of the right side in D_(k-1), k = 1 ... m, of each zone in turn."""
+        return self.sums.projected(self.dense.right_side(self.dense.points[0]))
+
+    def residuals(self, y: Array) -> Array:
+        """Left side minus right side at the angles THETA, times sin(theta) (Z, points)."""
+        zones, count, out = self.zones, len(THETA), self.sums.between(y)
+        left, right = between_nodes(0)
+        for basis, m, group, unknowns in self.sums.groups:
+            out[group] -= y[unknowns[:, 1:]] @ basis.images.table(m, left, right).T
+        zone = np.repeat(np.arange(len(zones)), count)
+        from_a, from_b = (np.outer(zones.half, one).ravel() for one in (left, right))
+        x = np.where(from_a <= from_b, zones.a[zone] + from_a, zones.b[zone] - from_b)
+        g = self.dense.right_side(Targets(zone, from_a, from_b, x))
+        return np.asarray((out - g.reshape(out.shape)) * np.sin(THETA))
+
+    def totals(self) -> Linear:
+        layout, scale = self.dense.layout, np.pi * self.zones.half
+        known = np.zeros(len(self.zones))
+        for one in self.dense.jumps:
+            known[one.zone] += self.zones.half[one.zone] * one.total
+        first = np.zeros(len(known)) if self.y is None else self.y[layout.offset]
+        return (scale * first)[:, None], known
+
+
+class ManySolver:
+    """Iterative solver of the rows of `ManyRows`, for any right side.
+
+    Right sides have the rows of the equation first, then the totals divided by pi times the half
+    width. tolerance: relative to the unknowns of each zone, 0 for the limit of round-off; error:
+    remaining error of each zone's unknowns (Z,) in the last solve to that tolerance.
+    """
+
+    def __init__(self, rows: ManyRows, tolerance: float) -> None:
+        self.rows, self.tolerance, self.iterations = rows, tolerance, 0
+        self.error = np.zeros(len(rows.zones))
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self.rows.dense.layout.size
+
+    def __call__(
+        self, right: Array, tolerance: float | None = None, guess: Array | None = None
+    ) -> Array:
+        """The unknowns for the given right sides.
+
+        tolerance: another one than the solver's; guess: a first guess of the unknowns.
+        """
+        rows, layout = self.rows, self.rows.dense.layout
+        others, equations = rows.others, len(rows.others)
+        firsts = np.zeros(layout.size)
+        firsts[layout.offset] = right[equations:]
+        given = rows.sums(firsts) - right[:equations]
+
+        def operator(v: Array, rough: bool) -> Array:
+            y = np.zeros(layout.size)
+            y[others] = v
+            return v - rows.sums(y, rough)
+
+        scale = self._scale(given, right[equations:])
+        rounding = 4 * EPS * np.sqrt(len(layout.m))
+        wanted = max(self.tolerance if tolerance is None else tolerance, float(rounding))
+        is_rough = wanted > ITERATION.correction * float(norm(given / scale))
+        x = np.zeros(equations) if guess is None else guess[others]
+        left_over = (given if guess is None else given - operator(x, is_rough)) / scale
+        before = float(norm(left_over))
+        while True:
+            part = max(wanted, ITERATION.correction * before)
+            found = gmres(lambda v: operator(v * scale, True) / scale, left_over, part)
+            self.iterations += found.steps
+            x = x + found.x * scale
+            left_over = (given - operator(x, is_rough)) / scale
+            size, before = before, float(norm(left_over))
+            stagnant = not before <= np.sqrt(ITERATION.correction) * size
+            if found.steps == 0 or before <= 4 * wanted or stagnant:
+                break
+        if tolerance is None:
+            starts = np.cumsum(layout.m) - layout.m
+            self.error = np.maximum.reduceat(np.abs(left_over * scale), starts)
+        firsts[others] = x
+        return firsts
+
+    def _scale(self, given: Array, firsts: Array) -> Array:
+        """Scale of each unknown: the largest of its zone, bounded below."""
+        m = self.rows.dense.layout.m
+        largest = np.maximum.reduceat(np.abs(given), np.cumsum(m) - m)
+        largest = np.maximum(largest, np.abs(firsts))
+        top = float(largest.max())
+        least = ITERATION.min_scale * top if top > 0 else 1.0
+        return np.repeat(np.maximum(largest, least), m)
+
+    def row_errors(self, y: Array, residuals: Array, missing: Array) -> Array:
+        """Error of each row: round-off, truncated coefficients, residual between the nodes.
+
+        Rows of the equation count as values at the nodes times sin(theta). missing: estimated sum
+        of the truncated coefficients of each zone (Z,).
+        """
+        rows, zones, layout = self.rows, self.rows.zones, self.rows.dense.layout
+        table = layout.padded(y)
+        sizes = np.abs(table).max(axis=1)
+        starts = np.cumsum(layout.m) - layout.m
+        # The sum of squares of the values at the nodes is about m / 2 times that of coefficients.
+        squares = rows.right**2 + y[rows.others] ** 2
+        terms = np.sqrt(0.5 * np.add.reduceat(squares, starts))
+        last = np.zeros(layout.size)
+        last[layout.offset + layout.m] = missing
+        truncated = np.add.reduceat(np.abs(rows.sums(last)), starts)
+        # The right side is evaluated at rounded places; D_0 is constant.
+        varies = np.where(np.isin(np.arange(layout.coefficients), layout.offset + 1), 0.0, 1.0)
+        orders = np.concatenate([np.arange(1, m + 1) for m in layout.m.tolist()])
+        slopes = np.add.reduceat(orders * varies[rows.others] * np.abs(rows.right), starts)
+        places = modes.place_rounding(zones, np.arange(len(zones))) * slopes
+        residual = np.abs(residuals).max(axis=1) - SUM_ROUNDING * sizes
+        by_zone = EPS * terms + truncated + places + np.maximum(residual, 0.0) + self.error
+        return np.concatenate((np.repeat(by_zone, layout.m), EPS * np.abs(y[layout.offset])))
+
+    def projected(self, values: Array) -> Array:
+        """Right side for given values at the nodes, times sin(theta), and given totals."""
+        count, sines = len(self.rows.others), self.rows.dense.points[1]
+        of_equation = self.rows.sums.projected(values[:count] / sines)
+        return np.concatenate((of_equation, values[count:]))

@@ -1,0 +1,93 @@
+"""The solution of an equation with kappa on many zones, by an iteration."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from sie.basis.data import EPS, Array, root_of_squares
+from sie.second_kind.density import SecondKindDensity
+from sie.second_kind.many import ManySolver
+from sie.second_kind.state import AT_ENDS, SecondKindState, density_of
+from sie.states.options import OPTIONS as ERRORS
+
+_NO_LEVELS = "with kappa the levels of so many zones are not known"
+
+
+@dataclass(frozen=True, eq=False)
+class ManyState(SecondKindState):
+    """A `SecondKindState` whose unknowns were found by fast sums and GMRES.
+
+    Attributes
+    ----------
+    solver : ManySolver
+        The iteration, for further right sides.
+    """
+
+    solver: ManySolver = field(repr=False)  # type: ignore[assignment]
+
+    @property
+    def direct(self) -> None:
+        """LU factors of a matrix: none."""
+        return None
+
+    @property
+    def iterated(self) -> bool:
+        """Whether the unknowns were computed by an iteration, not by LU factors."""
+        return True
+
+    def response(self, values: Array, tolerance: float = 0.0) -> SecondKindDensity:
+        """The density caused by given changes of the side conditions' values."""
+        y = self.solver(self._right_of(values), tolerance)
+        return density_of(self.system, y, True)
+
+    @property
+    def levels(self) -> Array:
+        """Level of each zone: not known with so many zones."""
+        raise ValueError(_NO_LEVELS)
+
+    def level_rates(self, values: Array) -> Array:
+        """Changes of the levels: not known with so many zones."""
+        raise ValueError(_NO_LEVELS)
+
+    @cached_property
+    def _residuals(self) -> Array:
+        return self.solver.rows.residuals(self.unknowns)
+
+    @cached_property
+    def _row_errors(self) -> Array:
+        return self.solver.row_errors(self.unknowns, self._residuals, self.missing)
+
+    @cached_property
+    def _changes(self) -> Array:
+        """Changes of the coefficients by errors of all rows (samples, Z, n + 1)."""
+        signs = np.random.default_rng(0).standard_normal((ERRORS.samples, self.solver.size))
+        signs[0] = 1.0
+        errors = self._row_errors * signs
+        unit = float(np.abs(errors).max(initial=0.0)) or 1.0
+        rights = [self.solver.projected(one / unit) for one in errors]
+        # The tolerance holds for the norm over all zones, to which each contributes.
+        tolerance = ERRORS.negligible * np.sqrt(len(self.density.zones))
+        changes = [unit * self.solver(one, tolerance) for one in rights]
+        return np.array([self.system.layout.padded(one) for one in changes])
+
+    @cached_property
+    def intensity_noise(self) -> Array:
+        """Round-off of the intensity K at the left and right ends (2, Z)."""
+        zones, count = self.density.zones, self._changes.shape[2]
+        left, right = self.density.edge_values(count)
+        changes = np.array(
+            [np.abs(np.sum(self._changes * one, axis=2)).max(axis=0) for one in (left, right)]
+        )
+        own = 4 * EPS * np.abs(self._table).sum(axis=1)
+        return np.asarray(zones.edge_scale * (own + ERRORS.safety * changes))
+
+    @cached_property
+    def density_rounding(self) -> Array:
+        """Error of each zone's density (Z,) due to the errors of all rows.
+
+        As for `SecondKindState`; the changes of the density are found by the iteration.
+        """
+        weights = np.maximum(1.0, AT_ENDS * np.arange(self._changes.shape[2]))
+        sizes = [root_of_squares(one * weights) for one in self._changes]
+        return np.asarray(ERRORS.safety * np.max(sizes, axis=0))

@@ -1,0 +1,123 @@
+"""Solve kappa phi + T phi = g on given zones, with as many modes as it needs.
+
+A few unknowns are solved for by the LU factors of a matrix, many by fast sums and GMRES.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sie.basis.data import Index, root_of_squares, widened
+from sie.basis.zones import Zones
+from sie.dense import modes
+from sie.dense.system import Layout, condition_rows
+from sie.equation.equation import Equation
+from sie.second_kind.jumps import jumps_inside
+from sie.second_kind.many import ManyRows, ManySolver, unfit
+from sie.second_kind.many_state import ManyState
+from sie.second_kind.state import OPTIONS, SecondKindState, density_of
+from sie.second_kind.system import SecondKindRows
+from sie.states.sizes import Sizes, first_sizes
+from sie.states.solve import OPTIONS as SOLVE
+from sie.states.solve import SingularSystem, TooLarge, regular_factors
+
+
+def solve_second_kind(
+    equation: Equation, zones: Zones, tolerance: float, sizes: Sizes | None = None
+) -> SecondKindState:
+    """Solve an equation with kappa on given zones, with as many modes as it needs.
+
+    tolerance: of the last coefficients, relative to the largest; sizes: numbers of modes to start
+    from. Raises ValueError for what is not known with kappa, and SingularSystem.
+    """
+    _check(equation, zones)
+    sizes = first_sizes(equation, zones, tolerance) if sizes is None else sizes
+    least = np.maximum(sizes.least, OPTIONS.first_modes)
+    m = modes.coupled(zones, equation.kernel, tolerance, least)
+    state: SecondKindState | None = None
+    while True:
+        state = _solve_once(equation, zones, m, sizes, state)
+        sizes.growth = (
+            modes.Growth.first(m, state.tails)
+            if sizes.growth is None
+            else sizes.growth.after(m, state.tails, np.zeros_like(m))
+        )
+        least_tail = max(tolerance, 10 * sizes.linear) if state.iterated else tolerance
+        enough = np.maximum(least_tail, sizes.growth.floor)
+        few = (state.tails > enough) & (m < modes.COUPLED_SIZES[-1])
+        wanted = np.minimum(OPTIONS.growth * m, modes.COUPLED_SIZES[-1])
+        more = modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES, wanted)]
+        m = np.where(few, more, m)
+        sizes.least = state.system.layout.m
+        if not few.any() or (np.sum(m + 1) > OPTIONS.max_unknowns and not state.iterated):
+            return state
+
+
+def _check(equation: Equation, zones: Zones) -> None:
+    """Raise ValueError for what is not known for an equation with kappa."""
+    if zones.symmetric:
+        raise ValueError("an equation with kappa has no mirror symmetry: leave out symmetric=True")
+    if zones.follow_ends:
+        raise ValueError("prescribed intensities of free ends are known for kappa = 0 only")
+
+
+def _solve_once(
+    equation: Equation, zones: Zones, m: Index, sizes: Sizes, fewer: SecondKindState | None
+) -> SecondKindState:
+    """The solution with m modes on each zone; fewer: that with fewer modes, if there is one."""
+    layout = Layout(m, len(equation.columns))
+    system = SecondKindRows(equation, zones, layout, jumps_inside(equation.forcing, zones))
+    lacking = unfit(equation, zones) if layout.size > SOLVE.min_fast_unknowns else "too few of them"
+    if lacking is None:
+        return _solve_iterated(system, sizes, fewer if isinstance(fewer, ManyState) else None)
+    if layout.size > SOLVE.max_matrix_unknowns:
+        raise TooLarge(
+            f"{len(zones)} zones with {layout.size} unknowns are too many for a matrix, and for "
+            f"fast sums {lacking}"
+        )
+    matrix, right = system.rows()
+    rows, values = condition_rows(equation, system, layout.size)
+    scale = np.abs(rows).max(axis=1, initial=0.0)
+    if np.any(scale == 0):
+        raise SingularSystem("a side condition does not depend on the density")
+    matrix = np.concatenate((matrix, rows / scale[:, None]))
+    right = np.concatenate((right, values / scale))
+    if not (np.all(np.isfinite(matrix)) and np.all(np.isfinite(right))):
+        raise SingularSystem(
+            "the right side, a column, the kernel or a side condition is not finite on the zones"
+        )
+    solver = regular_factors(equation, matrix)
+    y = solver(right)
+    terms = np.hypot(root_of_squares(matrix, y), right)
+    last = matrix[:, layout.offset + m].copy()
+    # A zone's own last coefficient is no error of its own rows.
+    last[np.arange(int(m.sum())), np.repeat(np.arange(len(m)), m)] = 0.0
+    solver = replace(solver, size_of_rows=terms, last=last)
+    sizes.solves += 1
+    sizes.profile_evaluations += int(m.sum())
+    sizes.kernel_evaluations += matrix.size
+    return SecondKindState(density_of(system, y), system, solver, y, scale, sizes)
+
+
+def _solve_iterated(system: SecondKindRows, sizes: Sizes, last: ManyState | None) -> ManyState:
+    """The solution by fast sums and GMRES; last: that with fewer modes, if there is one."""
+    rows = ManyRows.of(system, None if last is None else last.solver.rows.sums.far)
+    _, constants, totals = system.equation.conditions[0].rows(rows)
+    scale = np.pi * system.zones.half
+    right = np.concatenate((rows.right, (totals - constants) / scale))
+    if not np.all(np.isfinite(right)):
+        raise SingularSystem("the right side or a side condition is not finite on the zones")
+    solver = ManySolver(rows, sizes.linear)
+    guess = None
+    if last is not None:
+        table = widened(last.density.coefficients, system.layout.given.shape[1])
+        guess = table[system.layout.given]
+    y = solver(right, guess=guess)
+    if not np.all(np.isfinite(y)):
+        raise SingularSystem("the iteration of many zones gives no finite solution")
+    sizes.solves += 1
+    sizes.profile_evaluations += len(rows.others)
+    sizes.iterations += solver.iterations
+    sizes.kernel_evaluations += solver.iterations * rows.sums.size
+    solver.tolerance = 0.0
+    return ManyState(density_of(system, y), system, solver, y, scale, sizes)
