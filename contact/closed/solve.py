@@ -1,4 +1,4 @@
-"""Solutions of scenes that are one symmetric zone about the tip of a profile.
+"""Solutions of scenes that are one symmetric zone about one tip or about two that have merged.
 
 The scene is a half-plane without friction or adhesion, alone or with all periods. The zone is
 certified by the signs of its series and has a stated error. Where a sign is in doubt, the series
@@ -44,13 +44,12 @@ _NOTE = "one interval: the signs of its series, inside and outside"
 
 
 def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
-    """The problem of one symmetric zone about the tip; None if the scene is not of this kind."""
+    """The problem of one symmetric zone about x = 0; None if the scene is not of this kind."""
     profile, law = scene.profile, scene.law
     tips = profile.summits
     if (
         tips is None
-        or len(tips) != 1
-        or tips[0] != 0.0
+        or not _may_be_one_zone(scene, np.asarray(tips, dtype=float).tolist())
         or not profile.symmetric
         or profile.slope_is_derived
         or profile.extent is not None
@@ -76,6 +75,19 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
     if any(abs(at) < inside for at in broken.tolist()):
         return None
     return OneZoneProblem(profile, LineMap(scene.period), kink, corner, limit)
+
+
+def _may_be_one_zone(scene: Scene, tips: list[float]) -> bool:
+    """Whether one symmetric zone may be the contact: about a tip, or about two that have merged.
+
+    The signs of the series tell whether two zones have merged. A width does not tell it, as two
+    zones may have the same total width.
+    """
+    if tips == [0.0]:
+        return True
+    held = scene.control_object.held(scene)
+    by_width = held is not None and held.quantity in (Quantity.WIDTH, Quantity.HALF_WIDTH)
+    return len(tips) == 2 and tips[0] == -tips[1] and not by_width
 
 
 def why_not_closed(law: Law, E_star: float) -> str:

@@ -13,7 +13,12 @@ import contact
 import contact.solver
 from contact.closed.fields import ClosedFields
 from contact.closed.solve import solve_all_closed, solve_closed
-from contact.reference.exact import PeriodicParabola, PeriodicWedge, Westergaard
+from contact.reference.exact import (
+    IsolatedBiquadratic,
+    PeriodicParabola,
+    PeriodicWedge,
+    Westergaard,
+)
 
 PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated(datum=3.0)
 
@@ -164,10 +169,15 @@ def test_the_true_error_is_at_most_the_stated_one(fraction):
         )
 
 
-@pytest.mark.parametrize("load", [1e-5, 1e-2])
-def test_two_tips_are_left_to_the_general_ways(load):
+@pytest.mark.parametrize("over_merging", [1e-2, 0.5, 0.999, 1.5, 2.0, 1e3])
+def test_two_zones_are_left_to_the_general_ways_until_they_have_merged(over_merging):
+    load = over_merging * IsolatedBiquadratic(1.0, 0.1, 1.0, 1.0).merging_load
     scene = contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, ISOLATED, load=load)
-    assert solve_closed(scene, 1e-8) is None
+    found = solve_closed(scene, 1e-8)
+    assert (found is not None) == (over_merging > 1.0)
+    if found is not None:
+        known = IsolatedBiquadratic(1.0, 0.1, 1.0, load)
+        assert known.zones == pytest.approx(found.zones, rel=found.error)
 
 
 def test_a_given_width_and_a_load_lead_to_each_other():
