@@ -15,7 +15,7 @@ MODULUS, POISSON, LOAD, RADIUS = 3000.0, 0.3, 100.0, 10.0  # E* in MPa; P in N/m
 
 
 def slid(mu, shape, zones):
-    kappa = -mu * (1 - 2 * POISSON) / (2 - 2 * POISSON)  # the punch itself is rigid
+    kappa = -mu * (1 - 2 * POISSON) / (2 - 2 * POISSON)  # -mu times Dundurs' beta
     equation = sie.Equation(sie.cauchy(), shape, sie.Total(LOAD), kappa=kappa)
     return np.arctan2(1.0, kappa) / np.pi, sie.solve(equation, zones, tol=1e-12)
 
