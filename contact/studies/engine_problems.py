@@ -262,7 +262,6 @@ def problem(seed: int, second_kind: bool = False) -> Problem:
     factor, kappa, pole = float(rng.normal() * 10.0 ** rng.uniform(-3, 3)), np.zeros(count), None
     moves = (rng.random(ends.shape) < 0.7) & moving
     if second_kind:
-        moves &= signs > 0
         kappa = rng.choice([-1.0, 1.0], count) * 10.0 ** rng.uniform(-3, np.log10(25.0), count)
         if rng.random() < 0.5:
             kappa = np.full(count, kappa[0])

@@ -36,7 +36,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import norm
 
-from sie.basis.data import SUM_ROUNDING, Array, record
+from sie.basis.data import EPS, SUM_ROUNDING, Array, record
 from sie.basis.weight import needs_half
 from sie.basis.zones import Zones
 from sie.dense.lu import Factored
@@ -46,6 +46,8 @@ from sie.equation.conditions import Linear, Rows
 from sie.fast.iteration import OPTIONS as ITERATION
 from sie.fast.iteration import Iterative
 from sie.fast.system import Applied, IterativeSystem
+from sie.second_kind.solve import solve_moved
+from sie.second_kind.state import SecondKindState
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.solve import SingularSystem, rows_of
 from sie.states.state import State
@@ -453,6 +455,8 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
 
     The table of responses is empty if the rates are found by iteration.
     """
+    if isinstance(state, SecondKindState):
+        return _rates_by_differences(state)
     system, zones, layout = state.system, state.density.zones, state.system.layout
     free, solved, levels = FreeEnds(state), zones.solved, np.zeros((len(zones.solved), 0))
     each = np.eye(len(free.ends))
@@ -480,6 +484,30 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
     if system.wants_levels:
         levels = system.levels()[0] @ (unknowns + singular) + own_level[solved]
     return EndRates(free.ends, intensities, levels), unknowns
+
+
+def _rates_by_differences(state: SecondKindState) -> tuple[EndRates, Array]:
+    """As `_rates_and_responses` for an equation with kappa, by solutions with displaced ends."""
+    free, step = FreeEnds(state), np.cbrt(EPS)
+    asks_levels = any(condition.levels for condition in state.equation.conditions)
+    intensities, levels, unknowns = [], [], []
+    for number, (_, zone) in enumerate(free.ends):
+        width = 2 * float(state.density.zones.half[zone])
+        outward = free.spread(step * width * np.eye(len(free.ends))[number])
+        ahead, back = solve_moved(state, outward), solve_moved(state, -outward)
+        twice = 2 * step * width
+        change = np.array(ahead.density.intensities) - np.array(back.density.intensities)
+        intensities.append(free.of(change) / twice)
+        unknowns.append((ahead.unknowns - back.unknowns) / twice)
+        if asks_levels:
+            levels.append((ahead.levels - back.levels) / twice)
+    count = len(free.ends)
+    rates = EndRates(
+        free.ends,
+        np.array(intensities).reshape(count, count).T,
+        np.array(levels).T if levels else np.zeros((len(free.zones), 0)),
+    )
+    return rates, np.array(unknowns).reshape(count, -1).T
 
 
 def rows_of_motions(state: State, matrix: Array, moved: Moved) -> Array:

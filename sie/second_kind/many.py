@@ -48,6 +48,8 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
         return "one zone is too few"
     if equation.columns:
         return "columns of unknown amplitudes are not known with kappa"
+    if zones.follow_ends:
+        return "prescribed intensities of free ends are not known with kappa"
     kinds = [type(condition) for condition in equation.conditions]
     if kinds != [ZoneTotals] or any(zones.fixed_bounded):
         return "the totals of the zones, and no other conditions, are known with kappa"

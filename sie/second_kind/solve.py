@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sie.basis.data import Index, root_of_squares, widened
+from sie.basis.data import Array, Index, root_of_squares, widened
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.system import Layout, condition_rows
@@ -57,8 +57,12 @@ def _check(equation: Equation, zones: Zones) -> None:
     """Raise ValueError for what is not known for an equation with kappa."""
     if zones.symmetric:
         raise ValueError("an equation with kappa has no mirror symmetry: leave out symmetric=True")
-    if zones.follow_ends:
-        raise ValueError("prescribed intensities of free ends are known for kappa = 0 only")
+
+
+def solve_moved(state: SecondKindState, outward: Array) -> SecondKindState:
+    """The state, with the same numbers of modes, after outward motions (2, Z) of the ends."""
+    zones, m = state.density.zones.moved(outward), state.system.layout.m
+    return _solve_once(state.equation, zones, m, state.sizes, None)
 
 
 def _solve_once(

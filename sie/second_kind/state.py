@@ -167,10 +167,16 @@ class SecondKindState(Answered):
         """Error of moving ends due to truncated series, relative to their zone's width (Z, 2)."""
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
-        # The own missing coefficients count once, and once more through the other rows.
-        missing = 2 * zones.edge_scale * self.missing
-        steps = zones.weight.end_step(missing, np.maximum(slopes, 1e-300))
+        steps = zones.weight.end_step(self.intensity_truncation, np.maximum(slopes, 1e-300))
         return np.asarray(steps / (2 * zones.half)).T
+
+    @property
+    def intensity_truncation(self) -> Array:
+        """Error of the intensity K at the left and right ends due to truncated series (2, Z).
+
+        The own missing coefficients count once, and once more through the other rows.
+        """
+        return np.asarray(2 * self.density.zones.edge_scale * self.missing)
 
     @property
     def unresolved(self) -> bool:
