@@ -155,7 +155,7 @@ class AppliedMotions(Applied):
 class FreeEnds:
     """The free ends of a state as pairs (side, zone); of symmetric zones, only the right half."""
 
-    def __init__(self, state: State) -> None:
+    def __init__(self, state: State | SecondKindState) -> None:
         zones = state.density.zones
         mirrored = int(zones.solved[0]) if zones.central else -1
         self.state, self.zones = state, zones
