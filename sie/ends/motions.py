@@ -32,6 +32,7 @@ of zones.
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.linalg import norm
@@ -158,7 +159,8 @@ class FreeEnds:
     def __init__(self, state: State | SecondKindState) -> None:
         zones = state.density.zones
         mirrored = int(zones.solved[0]) if zones.central else -1
-        self.state, self.zones = state, zones
+        self.state: Any = state
+        self.zones = zones
         self.ends = [
             (side, int(i))
             for side in (0, 1)
