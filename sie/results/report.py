@@ -65,7 +65,7 @@ class Report:
     >>> hertz = sie.Equation(sie.cauchy(), lambda x: x, sie.Total(1.0))
     >>> report = sie.solve(hertz, sie.Zones.of([[-1.0, 1.0]])).report()
     >>> float(report.totals[0].round(12)), report.unknowns, report.condition < 10
-    (1.0, 5, True)
+    (1.0, 1, True)
     """
 
     zones: Array
