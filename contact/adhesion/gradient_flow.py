@@ -190,12 +190,13 @@ def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array
 def _chord(here: State, ahead: State) -> Array:
     """Fraction (2n,) of a step at which each residual vanishes by linear interpolation.
 
-    It is at least `MOVES.least_part`, and 1/2 for residuals that have not changed their signs.
+    It is at least `MOVES.least_part`, and at most 1/2, so that shorter and shorter steps follow
+    one that goes too far.
     """
     before, after = here.whole.residual, ahead.whole.residual
     part = np.full(len(before), 0.5)
     np.divide(before, before - after, out=part, where=before * after < 0.0)
-    return np.maximum(part, MOVES.least_part)
+    return np.clip(part, MOVES.least_part, 0.5)
 
 
 def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
