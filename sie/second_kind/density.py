@@ -1,7 +1,7 @@
 """The density of an equation of the second kind, on its zones and off them."""
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -226,14 +226,28 @@ class SecondKindDensity(DensityBase):
         left, right = interval.sides(angle)
         out = np.zeros((3, len(self.zones)))
         slopes = np.array(self.edge_slopes) / self.zones.half ** (self.zones.weight.exponent - 1)
-        for i, basis in enumerate(self.bases):
-            value, by_theta = self.by_angle(i, angle)
-            slope = -by_theta / np.sin(angle)
-            moved_right = left * slope + 2 * basis.alpha * slopes[1, i] * right**-basis.rest
-            moved_left = right * slope - 2 * basis.rest * slopes[0, i] * left**-basis.alpha
+        for number, basis in enumerate(self._families):
+            group = np.flatnonzero(self._family == number)
+            value, by_theta = interval.by_angle(partial(self._values, basis, group), angle)
+            slope, (at_left, at_right) = -by_theta / np.sin(angle), slopes[:, group, None]
+            moved_right = left * slope + 2 * basis.alpha * at_right * right**-basis.rest
+            moved_left = right * slope - 2 * basis.rest * at_left * left**-basis.alpha
             changes = (value, moved_left, moved_right)
-            out[:, i] = [np.abs(one).max() for one in changes]
+            out[:, group] = [np.abs(one).max(axis=1) for one in changes]
         return out[0], out[1], out[2]
+
+    def _values(self, basis: Weighted, group: Index, left: Array, right: Array) -> Array:
+        """Density at the same points 1 + t, 1 - t of several zones of one kappa (zones, points)."""
+        c, ends = self.coefficients[group], np.array(self.intensities) / self.zones.edge_scale
+        to_q = np.array([basis.split(unit).q for unit in np.eye(c.shape[1])])
+        table = basis.bounded.table(to_q.shape[1], left, right)
+        out = basis.bounded_weight(left, right) * (c @ to_q @ table.T)
+        at_left = 0.5 * basis.sine * right**basis.alpha * left**-basis.alpha
+        at_right = 0.5 * basis.sine * right**-basis.rest * left**basis.rest
+        out += np.outer(ends[0, group], at_left) + np.outer(ends[1, group], at_right)
+        for one in self.known:
+            out[group == one.zone] += one.density(left, right)
+        return np.asarray(out)
 
     # The methods below give the fields of the density.
     def _on_line(self, x: Array, potential: bool) -> Array:

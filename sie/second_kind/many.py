@@ -5,7 +5,8 @@ coefficients of the equation in the polynomials D_(k-1), k = 1 ... m,
 
     -c_k + (coefficient of the field of other zones and images) = g_k,
 
-and the coefficients c_0 follow from the totals of the zones. The fields of other zones are small
+and the coefficients c_0 follow from the totals of the zones, or from the prescribed intensities if
+each zone has one fixed bounded end. The fields of other zones are small
 and smooth, so the rows are close to minus the identity, and GMRES needs few steps.
 
 From far away any density is a sum of m_l T_l / sqrt(1 - t^2) (see `Weighted.moments`). So far zones
@@ -51,8 +52,13 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     if zones.follow_ends:
         return "prescribed intensities of free ends are not known with kappa"
     kinds = [type(condition) for condition in equation.conditions]
-    if kinds != [ZoneTotals] or any(zones.fixed_bounded):
-        return "the totals of the zones, and no other conditions, are known with kappa"
+    held = sorted(sum(zones.fixed_bounded, []))
+    by_totals = kinds == [ZoneTotals] and not held
+    if not by_totals and (kinds or held != list(range(len(zones)))):
+        return (
+            "the totals of the zones, and no other conditions, are known with kappa, or one bounded "
+            "fixed end of each zone"
+        )
     if not reaches(equation.kernel, zones) or panels_over(equation.kernel, zones) is not None:
         return "the kernel is too general"
     return None
@@ -220,6 +226,36 @@ class ManyRows(Rows):
         return np.delete(np.arange(layout.coefficients), layout.offset)
 
     @cached_property
+    def held(self) -> tuple[Index, Array | None]:
+        """(zone of each condition, values of p_k, k > 0, at the bounded end of each zone).
+
+        The values are None if the conditions are those on totals.
+        """
+        left, right = self.zones.fixed_bounded
+        if not left and not right:
+            return np.arange(len(self.zones)), None
+        is_left = np.isin(np.arange(len(self.zones)), left)
+        out, first = np.empty(len(self.others)), np.cumsum(self.dense.layout.m)
+        for basis, m, group, _ in self.sums.groups:
+            at_left, at_right = basis.edge_values(m + 1)
+            place = (first - self.dense.layout.m)[group][:, None] + np.arange(m)
+            out[place] = np.where(is_left[group][:, None], at_left[1:], at_right[1:])
+        return np.array([*left, *right], dtype=np.intp), out
+
+    def conditions(self) -> tuple[Array, Array]:
+        """(values of the conditions divided by their scales, the scales)."""
+        zones, equation = self.zones, self.dense.equation
+        if equation.conditions:
+            _, constants, totals = equation.conditions[0].rows(self)
+            scale = np.pi * zones.half
+            return (totals - constants) / scale, scale
+        sides = list(zip((zones.left, zones.right), zones.fixed_bounded, strict=True))
+        wanted = np.array([ends[i].intensity for ends, chosen in sides for i in chosen])
+        scales = zip(zones.edge_scale, zones.fixed_bounded, strict=True)
+        scale = np.concatenate([one[chosen] for one, chosen in scales if chosen])
+        return wanted / scale, scale
+
+    @cached_property
     def right(self) -> Array:
         """Coefficients of the right side in D_(k-1), k = 1 ... m, of each zone in turn."""
         return self.sums.projected(self.dense.right_side(self.dense.points[0]))
@@ -249,13 +285,30 @@ class ManySolver:
     """Iterative solver of the rows of `ManyRows`, for any right side.
 
     Right sides have the rows of the equation first, then the totals divided by pi times the half
-    width. tolerance: relative to the unknowns of each zone, 0 for the limit of round-off; error:
-    remaining error of each zone's unknowns (Z,) in the last solve to that tolerance.
+    width, or the intensities at bounded ends divided by those of the weight.
+
+    tolerance: relative to the unknowns of each zone, 0 for the limit of round-off; error: remaining
+    error of each zone's unknowns (Z,) in the last solve to that tolerance; is_loose: whether the
+    first tolerance was far from round-off, as in the first steps of Newton's method; iterations:
+    number of steps of GMRES so far.
     """
 
     def __init__(self, rows: ManyRows, tolerance: float) -> None:
         self.rows, self.tolerance, self.iterations = rows, tolerance, 0
+        # Changes by random errors of the rows, and the solution to which they belong.
+        self.random_changes: tuple[Array, Array] | None = None
+        self.is_loose = tolerance > ITERATION.correction
         self.error = np.zeros(len(rows.zones))
+        self.order, self.edge_values = rows.held
+
+    def _firsts(self, v: Array, given: Array) -> Array:
+        """The coefficients c_0 (Z,), from the other coefficients and the given conditions."""
+        m = self.rows.dense.layout.m
+        out = np.zeros(len(m))
+        out[self.order] = given
+        if self.edge_values is None:
+            return out
+        return out - np.add.reduceat(self.edge_values * v, np.cumsum(m) - m)
 
     @property
     def size(self) -> int:
@@ -271,19 +324,20 @@ class ManySolver:
         """
         rows, layout = self.rows, self.rows.dense.layout
         others, equations = rows.others, len(rows.others)
-        firsts = np.zeros(layout.size)
-        firsts[layout.offset] = right[equations:]
-        given = rows.sums(firsts) - right[:equations]
+        none = np.zeros(len(layout.m))
+        rounding = 4 * EPS * np.sqrt(len(layout.m))
+        wanted = max(self.tolerance if tolerance is None else tolerance, float(rounding))
+        is_rough = wanted > ITERATION.correction
+        y = np.zeros(layout.size)
+        y[layout.offset] = self._firsts(np.zeros(equations), right[equations:])
+        given = rows.sums(y, is_rough) - right[:equations]
 
         def operator(v: Array, rough: bool) -> Array:
             y = np.zeros(layout.size)
-            y[others] = v
+            y[others], y[layout.offset] = v, self._firsts(v, none)
             return v - rows.sums(y, rough)
 
         scale = self._scale(given, right[equations:])
-        rounding = 4 * EPS * np.sqrt(len(layout.m))
-        wanted = max(self.tolerance if tolerance is None else tolerance, float(rounding))
-        is_rough = wanted > ITERATION.correction * float(norm(given / scale))
         x = np.zeros(equations) if guess is None else guess[others]
         left_over = (given if guess is None else given - operator(x, is_rough)) / scale
         before = float(norm(left_over))
@@ -300,8 +354,8 @@ class ManySolver:
         if tolerance is None:
             starts = np.cumsum(layout.m) - layout.m
             self.error = np.maximum.reduceat(np.abs(left_over * scale), starts)
-        firsts[others] = x
-        return firsts
+        y[others], y[layout.offset] = x, self._firsts(x, right[equations:])
+        return y
 
     def _scale(self, given: Array, firsts: Array) -> Array:
         """Scale of each unknown: the largest of its zone, bounded below."""
@@ -327,7 +381,7 @@ class ManySolver:
         terms = np.sqrt(0.5 * np.add.reduceat(squares, starts))
         last = np.zeros(layout.size)
         last[layout.offset + layout.m] = missing
-        truncated = np.add.reduceat(np.abs(rows.sums(last)), starts)
+        truncated = np.add.reduceat(np.abs(rows.sums(last, rough=True)), starts)
         # The right side is evaluated at rounded places; D_0 is constant.
         varies = np.where(np.isin(np.arange(layout.coefficients), layout.offset + 1), 0.0, 1.0)
         orders = np.concatenate([np.arange(1, m + 1) for m in layout.m.tolist()])
@@ -335,7 +389,9 @@ class ManySolver:
         places = modes.place_rounding(zones, np.arange(len(zones))) * slopes
         residual = np.abs(residuals).max(axis=1) - SUM_ROUNDING * sizes
         by_zone = EPS * terms + truncated + places + np.maximum(residual, 0.0) + self.error
-        return np.concatenate((np.repeat(by_zone, layout.m), EPS * np.abs(y[layout.offset])))
+        return np.concatenate(
+            (np.repeat(by_zone, layout.m), EPS * np.abs(y[layout.offset])[self.order])
+        )
 
     def projected(self, values: Array) -> Array:
         """Right side for given values at the nodes, times sin(theta), and given totals."""

@@ -106,9 +106,8 @@ def _solve_once(
 def _solve_iterated(system: SecondKindRows, sizes: Sizes, last: ManyState | None) -> ManyState:
     """The solution by fast sums and GMRES; last: that with fewer modes, if there is one."""
     rows = ManyRows.of(system, None if last is None else last.solver.rows.sums.far)
-    _, constants, totals = system.equation.conditions[0].rows(rows)
-    scale = np.pi * system.zones.half
-    right = np.concatenate((rows.right, (totals - constants) / scale))
+    values, scale = rows.conditions()
+    right = np.concatenate((rows.right, values))
     if not np.all(np.isfinite(right)):
         raise SingularSystem("the right side or a side condition is not finite on the zones")
     solver = ManySolver(rows, sizes.linear)

@@ -44,6 +44,18 @@ def test_sums_and_matrix_agree_within_the_stated_error(monkeypatch, periodic, se
     assert both[1] == pytest.approx(values, rel=1e-12)
 
 
+def test_aerofoils_with_one_bounded_end_each(monkeypatch):
+    zones, _ = row(45)
+    zones = sie.Zones.of(zones.table, S, sie.BOUNDED)
+    equation = sie.Equation(sie.cauchy(), np.cos, kappa=-0.3)
+    fast, dense = sie.solve_zones(equation, zones), by_matrix(monkeypatch, equation, zones)
+    assert isinstance(fast, ManyState)
+    x = zones.middle + 0.3 * zones.half
+    assert fast.density(x) == pytest.approx(dense.density(x), abs=1e-12 * dense.size)
+    assert fast.density.totals == pytest.approx(dense.density.totals, abs=1e-12 * dense.size)
+    assert fast.density_error < 1e-10
+
+
 def test_jumps_inside_zones_go_through_the_sums(monkeypatch):
     zones, _ = row(45)
     places = zones.middle[[3, 40]]
