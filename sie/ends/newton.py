@@ -45,6 +45,10 @@ _UNSTABLE = (
     "the ends are at rest, but unstably: pushed off they go on, and another root may be near"
 )
 _UNRESOLVED = "a column or the kernel's regular part varies more than the modes of a zone show"
+_HARDLY_RESOLVED = (
+    "many modes of a zone hardly resolve the density: a gap is narrow, or one zone has become far "
+    "wider than the others"
+)
 _UNDETERMINED = (
     "some motion of the ends, as of all of them together, leaves the intensities as they are, or "
     "changes them so little that rounding hides it: these do not tell the ends"
@@ -404,16 +408,22 @@ class _Search:
         progress = self.progress
         return (
             progress.is_hopeless(motion.certain)
-            or (self.equation.grows and state.unresolved)
+            or bool(self._unresolved(state))
             or (self.start.abandon_if_far and not progress.is_close())
             or border.reached
             or len(progress.trace) > self.options.max_steps
         )
 
+    def _unresolved(self, state: AnyState) -> str:
+        """The reason to give up because modes do not resolve the equation; empty if they do."""
+        if not ((self.equation.grows or self.equation.second_kind) and state.unresolved):
+            return ""
+        return _UNRESOLVED if self.equation.grows else _HARDLY_RESOLVED
+
     def _reason(self, state: AnyState, motion: NewtonStep, border: DomainLimit) -> str:
         """The reason why the search is given up, as a message."""
-        if self.equation.grows and state.unresolved:
-            return _UNRESOLVED
+        if unresolved := self._unresolved(state):
+            return unresolved
         if border.reached:
             return border.reason
         steps = len(self.progress.trace)

@@ -49,7 +49,9 @@ def solve_second_kind(
         more = modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES, wanted)]
         m = np.where(few, more, m)
         sizes.least = state.system.layout.m
-        if not few.any() or (np.sum(m + 1) > OPTIONS.max_unknowns and not state.iterated):
+        hopeless = zones.moves.any() and state.unresolved
+        too_many = np.sum(m + 1) > OPTIONS.max_unknowns and not state.iterated
+        if hopeless or too_many or not few.any():
             return state
 
 

@@ -29,6 +29,9 @@ class SecondKindOptions:
     growth: float = 1.6
     # Limit of unknowns for which modes are added. A matrix of this size takes some seconds.
     max_unknowns: int = 4000
+    # A search for free ends stops if so many modes have hardly decayed. That is at gaps below about
+    # 1e-4 of a width. Each solution with more modes would take a second.
+    search_modes: int = 768
     # The size of the last coefficients of a zone is the largest of this many.
     last: int = 3
 
@@ -180,9 +183,9 @@ class SecondKindState(Answered):
 
     @property
     def unresolved(self) -> bool:
-        """Whether even the largest number of modes does not resolve the equation on the zones."""
-        most = int(self.system.layout.m.max()) >= modes.COUPLED_SIZES[-1]
-        return most and float(self.tails.max()) > modes.OPTIONS.nearly_decayed
+        """Whether a zone has many modes, whose last coefficients have hardly decayed."""
+        many = self.system.layout.m >= OPTIONS.search_modes
+        return bool(np.any(many & (self.tails > modes.OPTIONS.nearly_decayed)))
 
     # The stated error.
     @cached_property
