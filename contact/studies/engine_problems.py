@@ -12,8 +12,8 @@ the zones, and the function y(x) = x, or y(x) = sin(pi x/L) with a period, it is
 P has so many roots r that the right side g is constant or linear. g follows from P Y far away and
 from the smooth part of the kernel. `--second-kind` adds kappa phi to the equation. Then the
 exponent at a right end is alpha or alpha - 1, and at a left end 1 - alpha or -alpha, with
-cot(pi alpha) = kappa, and phi has the factor sin(pi times the exponent at the right end). P may have poles, so that
-g has them, too. Totals and levels are integrals from an end a to an end b, by
+cot(pi alpha) = kappa, and phi has the factor sin(pi times the exponent at the right end). P may
+have poles, so that g has them, too. Totals and levels are integrals from an end a to an end b, by
 the trapezoidal rule in s = log((x - a)/(b - x)), whose convergence does not depend on the gaps (M.
 Mori, Publ. RIMS 41, 2005, 897-935).
 

@@ -34,7 +34,7 @@ class DensityBase(Kept):
 
     @property
     def upper_bound(self) -> float:
-        """An upper bound of the density on all zones that takes little time; inf if none is known."""
+        """An upper bound of the density that takes little time; inf if none is known."""
         return math.inf
 
     @property

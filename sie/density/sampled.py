@@ -35,8 +35,8 @@ class SamplingOptions:
     # Distance from an end, in half widths, at which the exponent of the function is measured. The
     # next term changes the exponent there by about the distance itself.
     end_distance: float = 1e-4
-    # Deviation of this exponent from -1/2, 1/2, 3/2, ... that is reported. It is a hundred times the
-    # effect of the next term.
+    # Deviation of this exponent from -1/2, 1/2, 3/2, ... that is reported. It is a hundred times
+    # the effect of the next term.
     exponent_deviation: float = 0.02
 
 

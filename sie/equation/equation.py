@@ -2,9 +2,10 @@
 
     kappa phi(x) + (1/pi) PV int_zones phi(xi) K(x, xi) dxi = g(x) + sum_k lambda_k C_k(x)
 
-on the zones, with side conditions on the density phi and on the unknown amplitudes lambda_k. Before anything is
-solved, the number of unknowns is compared with the number of conditions. It is the sum of the
-indices of all zones, of one for each free end, and of one for each unknown amplitude.
+on the zones, with side conditions on the density phi and on the unknown amplitudes lambda_k.
+Before anything is solved, the number of unknowns is compared with the number of conditions. It is
+the sum of the indices of all zones, of one for each free end, and of one for each unknown
+amplitude.
 """
 
 from collections import Counter

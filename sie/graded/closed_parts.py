@@ -1,8 +1,9 @@
 """The closed-form density of jumps on graded zones, and its fields at places of the zones.
 
 Jumps and powers of the right side, and jumps of the density, have densities in closed form (see
-`sie.jumps`). They are functions of x and vanish at the ends of their zone. What remains of the right
-side is smooth on each zone. Fields on other zones are evaluated from distances from ends and gaps.
+`sie.jumps`). They are functions of x and vanish at the ends of their zone. What remains of the
+right side is smooth on each zone. Fields on other zones are evaluated from distances from ends and
+gaps.
 """
 
 from __future__ import annotations

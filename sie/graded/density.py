@@ -1,13 +1,14 @@
 """The density on zones with graded coordinates, and its fields on the line and in the plane.
 
 On a zone the density is psi(s) / (dx/ds), psi(s) = sum c_l T_l(s) / sqrt(1 - s^2), with the graded
-coordinate s of `sie.graded.grading`. The transform of one zone at a place x with the coordinate s is
+coordinate s of `sie.graded.grading`. The transform of one zone at a place x of coordinate s is
 
     (1/pi) int psi(s') ds' / (x - x') = (Q(s) + sum_k (F_k / n) R(s, s_k)) / (dx/ds),
     R(s, s') = (dx/ds) / (x - x') - 1 / (s - s'),
 
 with the transform Q of psi in s, which is known in closed form, and Gauss's rule for the smooth R.
-Far from a zone Gauss's rule is enough for 1 / (x - x') itself. Potentials are split in the same way.
+Far from a zone Gauss's rule is enough for 1 / (x - x') itself. Potentials are split in the same
+way.
 """
 
 from __future__ import annotations
@@ -140,7 +141,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def powers(self) -> Array:
-        """Powers (2, Z) by which psi is divided before its series, see `GradedSystem.powers_for`."""
+        """Powers (2, Z) that divide psi before its series, see `GradedSystem.powers_for`."""
         return self.system.powers_for(self.unknowns)
 
     @cached_property
@@ -150,7 +151,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def _psi(self) -> tuple[Array, Array, Array]:
-        """Series (alpha, beta, u): psi = (alpha + beta s) / X + X sum u_k U_k, X = sqrt(1 - s^2)."""
+        """Series (alpha, beta, u) of psi = (alpha + beta s) / X + X sum u_k U_k, X^2 = 1 - s^2."""
         return self._bounded(self.coefficients)
 
     @cached_property
@@ -159,7 +160,7 @@ class GradedDensity(DensityBase):
         return self._bounded(self.divided)
 
     def _bounded(self, c: Array) -> tuple[Array, Array, Array]:
-        """(alpha, beta, u) of (alpha + beta s) / X + X sum u_k U_k, from coefficients of T_l / X."""
+        """(alpha, beta, u) of (alpha + beta s) / X + X sum u_k U_k; c: coefficients of T_l / X."""
         alpha, beta, u = chebyshev.bounded_part(c)
         if self.bounded_ends:
             left, right = self.zones.moves & self.zones.bounded

@@ -236,8 +236,8 @@ class GradedState(Kept):
         """Size of the residual of each row of the equation, then of each side condition.
 
         It is that of the interpolated charges on twice as many nodes, the largest of the row's own
-        node and of the new nodes on both sides of it. Close to a gap the terms of a row may be tiny,
-        and so is its residual.
+        node and of the new nodes on both sides of it. Close to a gap the terms of a row may be
+        tiny, and so is its residual.
         """
         system, zones = self.system, self.density.zones
         finer = GradedSystem(self.equation, zones, 2 * system.sizes, self.density.jumps)
@@ -350,7 +350,7 @@ class GradedState(Kept):
 
     @cached_property
     def intensity_truncation(self) -> Array:
-        """Error of the intensities K at the left and right ends by neglected coefficients (2, Z)."""
+        """Error of the intensities K at left and right ends by neglected coefficients (2, Z)."""
         return self._intensity_errors(np.array([self.missing, self.missing]))
 
     @cached_property
@@ -366,9 +366,9 @@ class GradedState(Kept):
         n = int(self.system.sizes[zone])
         if self.tails[zone] > 0.1 * tol and OPTIONS.growth * self.coupled > OPTIONS.max_unknowns:
             return (
-                f"{self.coupled} unknowns leave {self.tails[zone]:.1e} on zone {zone} (counted from "
-                f"0), and at most {OPTIONS.max_unknowns} can be solved for with narrow gaps beside "
-                "fixed ends: take fewer zones, or wider gaps"
+                f"{self.coupled} unknowns leave {self.tails[zone]:.1e} on zone {zone} (counted "
+                f"from 0), and at most {OPTIONS.max_unknowns} can be solved for with narrow gaps "
+                "beside fixed ends: take fewer zones, or wider gaps"
             )
         if self.tails[zone] > 0.1 * tol:
             return (

@@ -44,7 +44,8 @@ class GradedOptions:
     # Plain series then need 200 modes or more, graded ones 50. Insensitive: twice or half of it
     # changes times only.
     max_gap: float = 0.005
-    # With at most so many unknowns plain coordinates are as fast, and their levels have more digits.
+    # With at most so many unknowns plain coordinates are as fast, and their levels have more
+    # digits.
     min_plain_unknowns: int = 900
     # No gap counts as wider than this multiple of its zone, so that the coordinate is defined next
     # to infinite gaps. From there on the coordinate is nearly linear.
@@ -421,7 +422,7 @@ class GradedSystem(Rows, Kept):
         return out
 
     def powers_for(self, unknowns: Array) -> Array:
-        """Powers (2, zones) of the distances from both gaps by which F is divided before its series.
+        """Powers (2, zones) of the distances from both gaps that divide F before its series.
 
         Round-off of a series is relative to its largest value. Next to a narrow gap of the relative
         width e, F may be of the size of that on the rest of the zone, or fall as the distance. The

@@ -4,14 +4,14 @@ Let s be the parameter. The derivative of T phi = g + sum lambda_k C_k at fixed 
 
     T phi' = g' - (1/pi) int phi k' dxi + sum lambda_k' C_k,
 
-with k' the derivative of the kernel. So phi' is a density of the same equation. At an end that moves
-outward at the rate e, phi = K d^(-1/2) + A d^(1/2) + ... at the distance d gives
+with k' the derivative of the kernel. So phi' is a density of the same equation. At an end that
+moves outward at the rate e, phi = K d^(-1/2) + A d^(1/2) + ... at the distance d gives
 
     phi' = -(K/2) e d^(-3/2) + (K' + A e / 2) d^(-1/2) + ...
 
 A free end with K = 0 follows from the intensity of phi', e = 2 (intensity of phi') / A. The terms
-d^(-3/2) are the singular densities of `sie.ends.motions`; free ends with another intensity than zero
-move so that it is kept.
+d^(-3/2) are the singular densities of `sie.ends.motions`; free ends with another intensity than
+zero move so that it is kept.
 """
 
 from collections.abc import Callable, Sequence
@@ -209,12 +209,10 @@ def _with_kernel(forcing: Forcing | None, added: Forcing) -> Forcing:
     """The change of the right side minus the field that the change of the kernel causes."""
     if forcing is None:
         return Forcing(_Minus(None, added.value), added.primitive and _Minus(None, added.primitive))
-    both = forcing.primitive is not None and added.primitive is not None
-    return replace(
-        forcing,
-        value=_Minus(forcing.value, added.value),
-        primitive=_Minus(forcing.primitive, added.primitive) if both else None,  # type: ignore[arg-type]
-    )
+    primitive = None
+    if forcing.primitive is not None and added.primitive is not None:
+        primitive = _Minus(forcing.primitive, added.primitive)
+    return replace(forcing, value=_Minus(forcing.value, added.value), primitive=primitive)
 
 
 @dataclass(frozen=True)

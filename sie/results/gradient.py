@@ -5,10 +5,10 @@ ends and positions x of ends. Its derivative is a chain of linear maps of `sie.r
 
     y0 = A^(-1) (r - P d),   lack = k - (kappa y0 + O d),   m = M lack,   y = y0 - A^(-1) P m,
 
-with the rows r of the changed data, motions d of fixed ends, changes k of prescribed intensities and
-motions m of free ends. If all prescribed intensities of free ends are zero, y = y0. The adjoint
-applies the transposed maps in reverse order, so that two solves with the transposed factors give the
-derivatives by all data at once.
+with the rows r of the changed data, motions d of fixed ends, changes k of prescribed intensities
+and motions m of free ends. If all prescribed intensities of free ends are zero, y = y0. The adjoint
+applies the transposed maps in reverse order, so that two solves with the transposed factors give
+the derivatives by all data at once.
 """
 
 from collections.abc import Callable

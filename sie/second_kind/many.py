@@ -56,8 +56,8 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     by_totals = kinds == [ZoneTotals] and not held
     if not by_totals and (kinds or held != list(range(len(zones)))):
         return (
-            "the totals of the zones, and no other conditions, are known with kappa, or one bounded "
-            "fixed end of each zone"
+            "the totals of the zones, and no other conditions, are known with kappa, or one "
+            "bounded fixed end of each zone"
         )
     if not reaches(equation.kernel, zones) or panels_over(equation.kernel, zones) is not None:
         return "the kernel is too general"

@@ -302,7 +302,8 @@ class SecondKindState(Answered):
         size, m = max(self.size, 1e-300), self.system.layout.m
         zone = int(np.argmax(self.tails))
         missing = float(self.missing[zone] * m[zone]) / size
-        if missing > float(self.density_rounding.max()) / size:
+        unknown = float(self.tails[zone]) > HALF_DIGITS
+        if unknown or missing > float(self.density_rounding.max()) / size:
             return (
                 f"on zone {zone} (counted from 0) the last of {int(m[zone])} coefficients is "
                 f"{self.tails[zone]:.1e} of the largest: the right side is rounded, noisy, "

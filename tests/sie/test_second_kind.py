@@ -249,3 +249,10 @@ def test_what_is_not_known_with_kappa_is_refused_by_name():
         sie.solve(sie.Equation(sie.cauchy(), WAVE, sie.Total(0.0), kappa=0.1), even)
     with pytest.raises(ValueError, match="solve_zones"):
         sie.solve_fixed(sie.Equation(sie.cauchy(), WAVE, sie.ZoneTotals(), kappa=0.1), TWO)
+
+
+def test_an_unresolved_zone_is_named_as_the_reason():
+    zones = sie.Zones.of([[0.0, 1.0], [1.0 + 1e-8, 2.0]], S, S)
+    equation = sie.Equation(sie.cauchy(), WAVE, sie.ZoneTotals((0.3, 0.7)), kappa=0.4)
+    with pytest.raises(sie.NotConverged, match="another zone is very close"):
+        sie.solve(equation, zones)
