@@ -11,6 +11,7 @@ from sie.basis.data import EPS, HALF_DIGITS, SUM_ROUNDING, Array, Index, root_of
 from sie.dense import modes
 from sie.dense.lu import Factored
 from sie.dense.system import Targets
+from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.second_kind.density import SecondKindDensity
 from sie.second_kind.system import SecondKindRows
 from sie.states.base import Answered
@@ -227,32 +228,64 @@ class SecondKindState(Answered):
     @cached_property
     def _residuals(self) -> Array:
         """Left side minus right side at points between the nodes, times sin(theta) (Z, points)."""
-        zones, count = self.density.zones, len(THETA)
+        return self._residuals_at(np.broadcast_to(THETA, (len(self.density.zones), LOOKS)))
+
+    @cached_property
+    def _end_residuals(self) -> Array:
+        """As `_residuals`, next to both ends of each zone (Z, points).
+
+        There all missing coefficients of the fields of near zones add up.
+        """
+        near = np.exp2([-1, 0, 1]) / np.maximum(self.system.layout.m, 2)[:, None]
+        return self._residuals_at(np.concatenate((near, np.pi - near), axis=1))
+
+    def _residuals_at(self, theta: Array) -> Array:
+        """Left side minus right side at the angles theta (Z, points), times sin(theta)."""
+        zones, count = self.density.zones, theta.shape[1]
         zone = np.repeat(np.arange(len(zones)), count)
         half = np.repeat(zones.half, count)
-        left = np.tile(2 * np.cos(0.5 * THETA) ** 2, len(zones)) * half
-        right = np.tile(2 * np.sin(0.5 * THETA) ** 2, len(zones)) * half
+        left = 2 * np.cos(0.5 * theta).ravel() ** 2 * half
+        right = 2 * np.sin(0.5 * theta).ravel() ** 2 * half
         x = np.where(left <= right, zones.a[zone] + left, zones.b[zone] - right)
         targets = Targets(zone, left, right, x)
         found = self.system.left_side(targets) @ self.unknowns - self.system.right_side(targets)
-        return np.asarray(found.reshape(-1, count) * np.sin(THETA))
+        return np.asarray(found.reshape(-1, count) * np.sin(theta))
 
     @cached_property
     def _row_errors(self) -> Array:
         """Error of each row of the system: round-off, and the effect of truncated coefficients.
 
         Truncated coefficients act on the rows of other zones as the last kept one does, or less.
-        The residual between the nodes, above its round-off, is an error of the rows. The right side
-        is evaluated at rounded places. So its round-off is that of the places times its slope,
+        The residual between the nodes and next to the ends, above its round-off, is an error of the
+        rows. The right side is evaluated at rounded places. So its round-off is that of the places times its slope,
         which is that of the density or less.
         """
         zones, m = self.density.zones, self.system.layout.m
         out = EPS * self.solver.size_of_rows + np.abs(self.solver.last) @ self.missing
         slopes = np.abs(self._table) @ np.arange(self._table.shape[1])
         places = modes.place_rounding(zones, np.arange(len(zones))) * slopes
-        residual = np.abs(self._residuals).max(axis=1) - SUM_ROUNDING * self.zone_sizes
+        samples = np.concatenate((self._residuals, self._end_residuals), axis=1)
+        residual = np.abs(samples).max(axis=1) - SUM_ROUNDING * self.zone_sizes
         out[: int(m.sum())] += np.repeat(places + np.maximum(residual, 0.0), m)
+        out[len(out) - len(self.condition_scale) :] += self._level_errors / self.condition_scale
         return np.asarray(out)
+
+    @property
+    def _level_errors(self) -> Array:
+        """Round-off of the levels in each row of the side conditions.
+
+        A row may contain differences of levels, which are smaller than the levels themselves. A
+        potential next to a strong singularity is a sum of some eight terms.
+        """
+        out, zones = np.zeros(len(self.condition_scale)), self.density.zones
+        for condition, first in zip(self.equation.conditions, self.condition_index, strict=True):
+            count = condition.count(zones)
+            if count and speaks_of_levels(condition, zones):
+                rows, constants = self.system.levels()
+                sizes = np.hypot(root_of_squares(rows, self.unknowns), constants)
+                part = np.abs(of_levels(condition, zones)) @ sizes
+                out[first : first + count] = 8 * EPS * part
+        return out
 
     @cached_property
     def density_rounding(self) -> Array:
