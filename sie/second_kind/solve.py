@@ -34,6 +34,13 @@ def solve_second_kind(
     sizes = first_sizes(equation, zones, tolerance) if sizes is None else sizes
     least = np.maximum(sizes.least, OPTIONS.first_modes)
     m = modes.coupled(zones, equation.kernel, tolerance, least)
+    # The effect of motions of ends on prescribed intensities takes two solves for each end.
+    solves = int(zones.moves.sum()) if zones.follow_ends else 1
+    if zones.follow_ends and solves * np.sum(m + 1) > 4 * OPTIONS.max_unknowns:
+        raise TooLarge(
+            f"{solves} free ends with prescribed intensities and {int(np.sum(m + 1))} unknowns are "
+            "too many for an equation with kappa"
+        )
     state: SecondKindState | None = None
     while True:
         state = _solve_once(equation, zones, m, sizes, state)
@@ -50,7 +57,7 @@ def solve_second_kind(
         m = np.where(few, more, m)
         sizes.least = state.system.layout.m
         hopeless = zones.moves.any() and state.unresolved
-        too_many = np.sum(m + 1) > OPTIONS.max_unknowns and not state.iterated
+        too_many = solves * np.sum(m + 1) > OPTIONS.max_unknowns and not state.iterated
         if hopeless or too_many or not few.any():
             return state
 
