@@ -257,8 +257,8 @@ class SecondKindState(Answered):
 
         Truncated coefficients act on the rows of other zones as the last kept one does, or less.
         The residual between the nodes and next to the ends, above its round-off, is an error of the
-        rows. The right side is evaluated at rounded places. So its round-off is that of the places times its slope,
-        which is that of the density or less.
+        rows. The right side is evaluated at rounded places. So its round-off is that of the places
+        times its slope, which is that of the density or less.
         """
         zones, m = self.density.zones, self.system.layout.m
         out = EPS * self.solver.size_of_rows + np.abs(self.solver.last) @ self.missing
