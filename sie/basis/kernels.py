@@ -18,7 +18,7 @@ from scipy.special import gammaln, loggamma, psi
 
 from sie.basis import inputs
 from sie.basis.data import DIGITS, Array, Kept
-from sie.basis.interval import decay_rate
+from sie.basis.interval import What, decay_rate
 
 Regular = Callable[[Array, Array], Array]
 
@@ -110,6 +110,24 @@ class Kernel(Kept):
     def kept_tables(self) -> dict[tuple[bool, int], Any]:
         """Cache of tables of the regular part as a function of x - xi (`sie.basis.lag_table`)."""
         return {}
+
+    def regular_of(self, what: What) -> Regular | None:
+        """The regular part that belongs to a field; None if the kernel has no regular part.
+
+        Raises ValueError if the part of this field is not given.
+        """
+        if self.regular is None:
+            return None
+        parts = {
+            "transform": self.regular,
+            "derivative": self.regular_slope,
+            "potential": self.regular_potential,
+        }
+        if (regular := parts[what]) is None:
+            raise ValueError(
+                f"the regular kernel has no {'slope' if what == 'derivative' else what}"
+            )
+        return regular
 
     def __add__(self, other: "Smooth | Regular") -> "Kernel":
         """The sum of this kernel and a smooth kernel."""

@@ -197,18 +197,9 @@ class Plane:
     def regular(self, z: Complex, what: What) -> Complex | None:
         """Field at z that the kernel's regular part causes; None if there is no such part."""
         kernel = self.density.kernel
-        if kernel.regular is None:
-            return None
-        parts = {
-            "transform": kernel.regular,
-            "derivative": kernel.regular_slope,
-            "potential": kernel.regular_potential,
-        }
-        regular = parts[what]
+        regular = kernel.regular_of(what)
         if regular is None:
-            raise ValueError(
-                f"the regular kernel has no {'slope' if what == 'derivative' else what}"
-            )
+            return None
         if not kernel.sure:
             _check_analytic(regular, z, self.density.zones.middle)
         return by_quadrature(

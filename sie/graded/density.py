@@ -482,27 +482,11 @@ class GradedPlane:
             for zone in range(len(density.zones)):
                 from_a, from_b = density.from_ends(zone, x - shift)
                 out += density.of_zone(zone, complex_of(from_a, y), complex_of(from_b, -y), what)
-        regular = self._regular(what)
+        regular = density.kernel.regular_of(what)
         if regular is not None:
             points: Any = complex_of(x, y)
             out += np.asarray(regular(points[:, None], density.nodes.source_x)) @ density.charges
         return out
-
-    def _regular(self, what: What) -> Regular | None:
-        """The kernel's regular part that belongs to a field; None if the kernel has none."""
-        kernel = self.density.kernel
-        if kernel.regular is None:
-            return None
-        regular = {
-            "transform": kernel.regular,
-            "derivative": kernel.regular_slope,
-            "potential": kernel.regular_potential,
-        }[what]
-        if regular is None:
-            raise ValueError(
-                f"the regular kernel has no {'slope' if what == 'derivative' else what}"
-            )
-        return regular
 
 
 def _upper(z: Complex) -> Complex:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import EPS, HALF_DIGITS, SUM_ROUNDING, Array, Index, Kept, Mask, root_of_squares
+from sie.basis.data import EPS, HALF_DIGITS, SUM_ROUNDING, Array, Index, Mask, root_of_squares
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.lu import Factored
@@ -26,6 +26,7 @@ from sie.graded.system import (
     first_sizes,
     gradings_of,
 )
+from sie.states.base import Answered
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.rounding import primitive_rounding
 from sie.states.sizes import Sizes
@@ -64,7 +65,7 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class GradedState(Kept):
+class GradedState(Answered):
     """The solution on zones with graded coordinates; it has the members of `State`.
 
     density: the wanted function; solver: LU factors of the rows; conditions_from: index of the
@@ -84,10 +85,6 @@ class GradedState(Kept):
     @property
     def system(self) -> GradedSystem:
         return self.density.system
-
-    @property
-    def equation(self) -> Equation:
-        return self.system.equation
 
     @property
     def whole(self) -> Any:
@@ -121,39 +118,13 @@ class GradedState(Kept):
         return None
 
     @property
-    def iterated(self) -> bool:
-        """Whether the unknowns were computed by an iteration: they are not."""
-        return False
-
-    @property
-    def coupled(self) -> int:
-        """Number of unknowns of the system."""
-        return self.solver.size
-
-    @property
     def unresolved(self) -> bool:
         """Whether even the largest number of modes does not resolve the equation on the zones."""
         return bool(
             np.any((self.system.sizes >= OPTIONS.max_modes) & (self.tails > ERRORS.negligible))
         )
 
-    def with_bounded_ends(self) -> GradedState:
-        """The same state with a density that has no terms in 1/sqrt(distance) at its free ends."""
-        return replace(self, density=self.density.with_bounded_ends())
-
     # The methods below give solutions for other values of the side conditions.
-    @property
-    def condition_index(self) -> Index:
-        """Index of the first row of each side condition among the rows of all side conditions."""
-        counts = [c.count(self.density.zones) for c in self.equation.conditions]
-        return np.cumsum([0, *counts], dtype=np.intp)[:-1]
-
-    def values(self, condition: int = 0, change: float = 1.0) -> Array:
-        """Changes of all side conditions' values: `change` for the given condition, else zero."""
-        out = np.zeros(len(self.condition_scale))
-        out[self.condition_index[condition]] = change
-        return out
-
     def response(self, values: Array, tolerance: float = 0.0) -> GradedDensity:
         """The density caused by changes `values` of the side conditions, for a zero right side."""
         return replace(
@@ -181,14 +152,6 @@ class GradedState(Kept):
     def level_rates(self, values: Array) -> Array:
         """Changes of `levels` that changes of the side conditions' values cause."""
         return np.asarray(self.system.levels()[0] @ self._answer(values))
-
-    def right_side(self, x: Array) -> Array:
-        """The equation's right side at points, including its terms of unknown amplitude."""
-        columns = zip(self.density.amplitudes, self.equation.columns, strict=True)
-        return np.asarray(
-            self.equation.forcing.value(x)
-            + sum(amplitude * column.value(x) for amplitude, column in columns)
-        )
 
     # The methods below estimate errors of the solution. Charges are the values of F.
     @cached_property

@@ -1,5 +1,6 @@
 """The density of an equation of the second kind, on its zones and off them."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
@@ -94,19 +95,23 @@ class SecondKindDensity(DensityBase):
     @cached_property
     def _split(self) -> list[Split]:
         """The series of each zone in a form that keeps its digits beside bounded ends."""
-        zero = self.zones.bounded & ~(self.zones.moves & (not self.bounded_ends))
+        zero = self._vanishing
         return [
             basis.split(c, bool(left), bool(right))
             for basis, c, left, right in zip(self.bases, self.coefficients, *zero, strict=True)
         ]
 
+    @property
+    def _vanishing(self) -> Mask:
+        """Whether the intensity is only round-off at each left and right end (2, Z)."""
+        return self.zones.bounded & ~(self.zones.moves & (not self.bounded_ends))
+
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
         """Intensities K at both ends of each zone: the density is K d^(-p) at a distance d."""
-        zero = self.zones.bounded & ~(self.zones.moves & (not self.bounded_ends))
         values = self.edge_values(self.coefficients.shape[1])
         ends = [np.sum(one * self.coefficients, axis=1) for one in values]
-        left, right = self.zones.edge_scale * np.where(zero, 0.0, ends)
+        left, right = self.zones.edge_scale * np.where(self._vanishing, 0.0, ends)
         return left, right
 
     def edge_values(self, count: int) -> tuple[Array, Array]:
@@ -261,46 +266,43 @@ class SecondKindDensity(DensityBase):
 
     def _potential_on_line(self, x: Array) -> Array:
         """Potential at real x by the kernel's poles."""
-        self._check_potential()
-        zones, out = self.zones, np.zeros(len(x))
-        for i, basis in enumerate(self.bases):
-            c, w, zone = self.coefficients[i], zones.half[i], np.full(len(x), i)
+        if self.known:
+            raise ValueError("with kappa the potential of a right side with jumps is not known")
+        out = np.zeros(len(x))
+        for i, on, left, right, seen in self._seen(x):
+            basis, c, w = self.bases[i], self.coefficients[i], self.zones.half[i]
+            out += w * c[0] * np.log(w / self.kernel.datum)
+            out[~on] += w * basis.potential_of(c, seen)
+            if on.any():
+                out[on] += w * basis.own_potential(c, left, right)
+        return out
+
+    def _seen(self, x: Array) -> Iterator[tuple[int, Mask, Array, Array, Outside]]:
+        """Yield how each zone and image sees the points x (P,).
+
+        (zone, mask of the points on it, 1 + t and 1 - t of these, the other points).
+        """
+        for i, w in enumerate(self.zones.half.tolist()):
+            zone = np.full(len(x), i)
             for shift in self.kernel.poles:
-                left = zones.beyond_a(x - shift, zone) / w
-                right = zones.before_b(x - shift, zone) / w
+                left = self.zones.beyond_a(x - shift, zone) / w
+                right = self.zones.before_b(x - shift, zone) / w
                 on = (left >= 0) & (right >= 0)
                 beyond = np.where(right < 0, -right, -left)
                 seen = Outside(np.where(right < 0, 1.0, -1.0)[~on], beyond[~on])
-                out += w * c[0] * np.log(w / self.kernel.datum)
-                out[~on] += w * basis.potential_of(c, seen)
-                if on.any():
-                    out[on] += w * basis.own_potential(c, left[on], right[on])
-        return out
-
-    def _check_potential(self) -> None:
-        """Raise ValueError if the density contains jumps, whose potential is not known."""
-        if self.known:
-            raise ValueError("with kappa the potential of a right side with jumps is not known")
+                yield i, on, left[on], right[on], seen
 
     def _poles_on_line(self, x: Array) -> Array:
         """Transform at real x by the kernel's poles."""
-        zones, out = self.zones, np.zeros(len(x))
-        for i, basis in enumerate(self.bases):
-            c, w = self.coefficients[i], zones.half[i]
-            zone = np.full(len(x), i)
-            for shift in self.kernel.poles:
-                left = zones.beyond_a(x - shift, zone) / w
-                right = zones.before_b(x - shift, zone) / w
-                on = (left >= 0) & (right >= 0)
-                beyond = np.where(right < 0, -right, -left)
-                seen = Outside(np.where(right < 0, 1.0, -1.0)[~on], beyond[~on])
-                of_zone = [one for one in self.known if one.zone == i]
-                out[~on] += basis.split_transform(self._split[i], seen)
-                out[~on] += sum(one.transform(seen) for one in of_zone)
-                if on.any():
-                    own = basis.own(c, left[on], right[on])
-                    own = own + sum(one.own(left[on], right[on]) for one in of_zone)
-                    out[on] += own - basis.kappa * self._at(i, left[on], right[on])
+        out = np.zeros(len(x))
+        for i, on, left, right, seen in self._seen(x):
+            basis, of_zone = self.bases[i], [one for one in self.known if one.zone == i]
+            out[~on] += basis.split_transform(self._split[i], seen)
+            out[~on] += sum(one.transform(seen) for one in of_zone)
+            if on.any():
+                own = basis.own(self.coefficients[i], left, right)
+                own = own + sum(one.own(left, right) for one in of_zone)
+                out[on] += own - basis.kappa * self._at(i, left, right)
         return out
 
     def _regular(self, x: Any, regular: Regular) -> Any:
@@ -341,9 +343,7 @@ class SecondKindDensity(DensityBase):
                     away, is_slope = (x[:, None] - shift - one.x) / w, what == "derivative"
                     value = one.in_plane(seen, (away, y / w, is_slope))
                     out += value / w if is_slope else value
-        regular = self.kernel.regular if what == "transform" else self.kernel.regular_slope
-        if self.kernel.regular is not None:
-            if regular is None:
-                raise ValueError("the derivative needs the slope of the kernel's regular part")
+        regular = self.kernel.regular_of(what)
+        if regular is not None:
             out = out + self._regular(complex_of(x, y), regular)
         return np.where(z.imag < 0, np.conj(out), out)

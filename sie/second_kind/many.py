@@ -27,11 +27,11 @@ from sie.basis.interval import Outside, decay_rate
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.dense import modes
-from sie.dense.system import Layout, Targets
+from sie.dense.system import Layout
 from sie.equation.conditions import Linear, Rows, ZoneTotals
 from sie.equation.equation import Equation
 from sie.fast.iteration import OPTIONS as ITERATION
-from sie.second_kind.system import SecondKindRows, alike
+from sie.second_kind.system import SecondKindRows, alike, targets_at
 from sie.states.state import THETA
 from sie.trees import lazy
 from sie.trees.far import FarSum, Nested, reaches
@@ -262,14 +262,11 @@ class ManyRows(Rows):
 
     def residuals(self, y: Array) -> Array:
         """Left side minus right side at the angles THETA, times sin(theta) (Z, points)."""
-        zones, count, out = self.zones, len(THETA), self.sums.between(y)
+        zones, out = self.zones, self.sums.between(y)
         left, right = between_nodes(0)
         for basis, m, group, unknowns in self.sums.groups:
             out[group] -= y[unknowns[:, 1:]] @ basis.images.table(m, left, right).T
-        zone = np.repeat(np.arange(len(zones)), count)
-        from_a, from_b = (np.outer(zones.half, one).ravel() for one in (left, right))
-        x = np.where(from_a <= from_b, zones.a[zone] + from_a, zones.b[zone] - from_b)
-        g = self.dense.right_side(Targets(zone, from_a, from_b, x))
+        g = self.dense.right_side(targets_at(zones, np.broadcast_to(THETA, out.shape)))
         return np.asarray((out - g.reshape(out.shape)) * np.sin(THETA))
 
     def totals(self) -> Linear:

@@ -30,7 +30,8 @@ def solve_second_kind(
     tolerance: of the last coefficients, relative to the largest; sizes: numbers of modes to start
     from. Raises ValueError for what is not known with kappa, and SingularSystem.
     """
-    _check(equation, zones)
+    if zones.symmetric:
+        raise ValueError("an equation with kappa has no mirror symmetry: leave out symmetric=True")
     sizes = first_sizes(equation, zones, tolerance) if sizes is None else sizes
     least = np.maximum(sizes.least, OPTIONS.first_modes)
     m = modes.coupled(zones, equation.kernel, tolerance, least)
@@ -60,12 +61,6 @@ def solve_second_kind(
         too_many = solves * np.sum(m + 1) > OPTIONS.max_unknowns and not state.iterated
         if hopeless or too_many or not few.any():
             return state
-
-
-def _check(equation: Equation, zones: Zones) -> None:
-    """Raise ValueError for what is not known for an equation with kappa."""
-    if zones.symmetric:
-        raise ValueError("an equation with kappa has no mirror symmetry: leave out symmetric=True")
 
 
 def solve_moved(state: SecondKindState, outward: Array) -> SecondKindState:

@@ -10,10 +10,9 @@ import numpy as np
 from sie.basis.data import EPS, HALF_DIGITS, SUM_ROUNDING, Array, Index, root_of_squares, widened
 from sie.dense import modes
 from sie.dense.lu import Factored
-from sie.dense.system import Targets
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.second_kind.density import SecondKindDensity
-from sie.second_kind.system import SecondKindRows
+from sie.second_kind.system import SecondKindRows, targets_at
 from sie.states.base import Answered
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.sizes import Sizes
@@ -100,11 +99,6 @@ class SecondKindState(Answered):
     def truncation(self) -> Array:
         """Sizes of the last coefficients of each zone, as `tails` (Z,)."""
         return self.tails
-
-    @property
-    def iterated(self) -> bool:
-        """Whether the unknowns were computed by an iteration, not by LU factors."""
-        return False
 
     def wide_of(self, zones: Index) -> tuple[Self, Index]:
         """The solution on zones without slits, and the indices of the given zones in it."""
@@ -241,15 +235,9 @@ class SecondKindState(Answered):
 
     def _residuals_at(self, theta: Array) -> Array:
         """Left side minus right side at the angles theta (Z, points), times sin(theta)."""
-        zones, count = self.density.zones, theta.shape[1]
-        zone = np.repeat(np.arange(len(zones)), count)
-        half = np.repeat(zones.half, count)
-        left = 2 * np.cos(0.5 * theta).ravel() ** 2 * half
-        right = 2 * np.sin(0.5 * theta).ravel() ** 2 * half
-        x = np.where(left <= right, zones.a[zone] + left, zones.b[zone] - right)
-        targets = Targets(zone, left, right, x)
+        targets = targets_at(self.density.zones, theta)
         found = self.system.left_side(targets) @ self.unknowns - self.system.right_side(targets)
-        return np.asarray(found.reshape(-1, count) * np.sin(theta))
+        return np.asarray(found.reshape(theta.shape) * np.sin(theta))
 
     @cached_property
     def _row_errors(self) -> Array:
@@ -334,22 +322,22 @@ class SecondKindState(Answered):
         """The largest part of the stated error, in words."""
         size, m = max(self.size, 1e-300), self.system.layout.m
         zone = int(np.argmax(self.tails))
-        missing = float(self.missing[zone] * m[zone]) / size
         unknown = float(self.tails[zone]) > HALF_DIGITS
-        if unknown or missing > float(self.density_rounding.max()) / size:
+        if unknown or self.missing[zone] * m[zone] > self.density_rounding.max():
             return (
                 f"on zone {zone} (counted from 0) the last of {int(m[zone])} coefficients is "
                 f"{self.tails[zone]:.1e} of the largest: the right side is rounded, noisy, "
                 "singular or jumps there, or another zone is very close"
             )
-        if float(self.density_rounding.max()) / size > float(np.abs(self._residuals).max()) / size:
+        residuals = np.abs(self._residuals)
+        if self.density_rounding.max() > residuals.max():
             return "that is what rounding leaves: side conditions nearly depend on each other"
-        row, column = np.unravel_index(np.argmax(np.abs(self._residuals)), self._residuals.shape)
+        row, column = np.unravel_index(np.argmax(residuals), residuals.shape)
         zones = self.density.zones
         place = zones.middle[row] + zones.half[row] * math.cos(THETA[column % LOOKS])
         return (
             f"at x = {place:.6g} on zone {int(row)} (counted from 0) the equation is off by "
-            f"{float(np.abs(self._residuals).max()):.1e} of a density of the size {size:.1e}"
+            f"{residuals.max():.1e} of a density of the size {size:.1e}"
         )
 
 

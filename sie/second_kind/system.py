@@ -16,6 +16,7 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, record
+from sie.basis.interval import sides
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.lag_table import regular_values
 from sie.basis.weighted import Weighted
@@ -50,6 +51,15 @@ def nodes(zones: Zones, m: Index) -> tuple[Targets, Array]:
     sines = [np.sin(chebyshev.angles(n)[1:-1]) for n in m.tolist()]
     points = Targets(every.zone[inner], every.left[inner], every.right[inner], every.x[inner])
     return points, np.concatenate(sines)
+
+
+def targets_at(zones: Zones, theta: Array) -> Targets:
+    """The points of each zone at its angles theta (Z, points)."""
+    zone = np.repeat(np.arange(len(zones)), theta.shape[1])
+    half = zones.half[:, None]
+    left, right = ((half * side).ravel() for side in sides(theta))
+    x = np.where(left <= right, zones.a[zone] + left, zones.b[zone] - right)
+    return Targets(zone, left, right, x)
 
 
 def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout) -> Array:
@@ -88,12 +98,26 @@ def regular_fields(
     for basis, m, sources in alike(zones, layout.m):
         for i in sources.tolist():
             w = float(zones.half[i])
-            q = regular_size(kernel, w, m)
-            values = regular_values(kernel, x, zones.middle[i] + w * chebyshev.gauss(q), potential)
-            first = layout.offset[i]
-            means = chebyshev.t_means(values, q)
-            out[:, first : first + m + 1] = w * (means @ basis.moments(m + 1, q))
+            means, first = (
+                regular_means(kernel, (zones.middle[i], w, m), x, potential),
+                layout.offset[i],
+            )
+            out[:, first : first + m + 1] = w * (means @ basis.moments(m + 1, means.shape[1]))
     return out
+
+
+def regular_means(
+    kernel: Kernel, zone: tuple[float, float, int], x: Array, potential: bool
+) -> Array:
+    """Means over a zone of the kernel's regular part times T_l, by theta (points, l).
+
+    zone: its middle, half width and highest mode; x: points; potential: whether those of the
+    potential are meant.
+    """
+    middle, w, m = zone
+    q = regular_size(kernel, w, m)
+    values = regular_values(kernel, x, middle + w * chebyshev.gauss(q), potential)
+    return chebyshev.t_means(values, q)
 
 
 def potentials(zones: Zones, kernel: Kernel, targets: Targets, layout: Layout) -> Array:
@@ -156,10 +180,9 @@ class SecondKindRows(Rows):
                 value = one.transform(seen)[:, 0]
                 out -= value if others is None else value * others[:, 0]
             if kernel.regular is not None:
-                q = regular_size(kernel, float(w), int(self.layout.m[one.zone]))
-                x = zones.middle[one.zone] + w * chebyshev.gauss(q)
-                means = chebyshev.t_means(regular_values(kernel, targets.x, x, False), q)
-                out -= w * (means @ one.moments(q))
+                of_zone = zones.middle[one.zone], float(w), int(self.layout.m[one.zone])
+                means = regular_means(kernel, of_zone, targets.x, False)
+                out -= w * (means @ one.moments(means.shape[1]))
         return out
 
     def left_side(self, targets: Targets | Places) -> Array:
