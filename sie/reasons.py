@@ -21,9 +21,9 @@ from sie.states.state import LOOKS, THETA, State
 class ReasonOptions:
     """Limit above which a measured cause is named as the reason for an error."""
 
-    # Errors of the rows cause errors of the density. If the errors of the density are larger by
-    # more than this factor, the side conditions nearly depend on each other. A residual below this
-    # factor times the round-off of its terms is explained by round-off.
+    # If the rows' errors change the density by more than this multiple of these errors, the side
+    # conditions nearly depend on each other. A residual below this multiple of the round-off of its
+    # terms is explained by round-off.
     max_ratio: float = 1e4
 
 

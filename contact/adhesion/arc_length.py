@@ -225,9 +225,9 @@ class Step:
         return float(smooth_root(lambda part: function(self.at(part, tight)), values, accuracy))
 
     def arriving(self, value: float) -> State | None:
-        """The equilibrium inside the step at which the control has a given value.
+        """The equilibrium between start and end of the step, under a given value of the control.
 
-        None if Newton's method does not reach it at once.
+        None if one Newton search does not find it, or if the profile has sharp corners.
         """
         start, rises, (bend, twist) = self.start, self.start.rises, self._leaves[:, -1]
         wanted = (value - start.at.value) / start.scales[-1]

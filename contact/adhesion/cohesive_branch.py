@@ -451,9 +451,10 @@ def _solved_zones(
 def _solved_at_corners(
     pulled: TractionLoaded, load: float, zones: Array
 ) -> tuple[CohesiveFields, sie.Free, Load]:
-    """The result of `_solved_zones` if the tension fades over zones that are pinned at corners.
+    """The result of `_solved_zones` if some zones are pinned at sharp corners.
 
-    The tension on such a zone depends on its free end. load: the given load.
+    The tension fades out over such a zone, so it depends on the free end of the zone. load: the
+    given load.
     """
     before = np.inf
     while True:

@@ -187,9 +187,9 @@ class CohesiveGapFields(GapFields):
 
     @property
     def borne_beside(self) -> float:  # type: ignore[override]
-        # In the energy, the integral over the zones takes q = p + stress as the pressure. So here
-        # the tension acts on the whole period: -stress times the integral of the profile's height
-        # minus the gap.
+        # The energy's integral over the zones contains the pressure q = p + stress. Therefore the
+        # tension is integrated over the whole period here, zones included: -stress times the
+        # integral of the profile's height minus the gap.
         own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
         return -self.stress * self.period * own
 

@@ -449,7 +449,8 @@ class CohesiveCurve(Curve):
     def vanishes(self, here: State, motion: Array) -> float:
         """The fraction of a motion after which the first zone of contact vanishes.
 
-        The square of a zone's width is linear near the point where it vanishes.
+        The square of a zone's width, not the width, is nearly linear in the motion. So the zone
+        vanishes after half of the fraction that the rate of its width gives.
         """
         assert isinstance(here, CohesiveState)
         widths = np.diff(here.zones, axis=1)[:, 0]

@@ -48,8 +48,8 @@ class StateAccuracy:
     # Accuracy of auxiliary quantities: rates, residuals, turning points, solutions on grids. Errors
     # of rates make Newton's method slower, but its result no less accurate.
     coarse: float = 1e-4
-    # A Newton step longer than this may lead to another equilibrium. So may more Newton steps than
-    # `max_newton_steps`.
+    # Limits of a Newton search that must not end in another equilibrium: length of a step, and
+    # number of steps.
     other_equilibrium: float = 1e-2
     max_newton_steps: int = 8
 
@@ -283,8 +283,8 @@ class Curve:
         values = np.zeros(len(follows.condition_scale))
         first = follows.condition_index[0]
         # `values` is the derivative of the side conditions' right side by the control. A load
-        # stands in one row, that of the total load. An approach stands, with a minus sign, in the
-        # row of every zone.
+        # changes one row, that of the total load. An approach changes, with a minus sign, the row
+        # of every zone.
         by_load = control.load is not None
         values[first : first + (1 if by_load else len(table))] = 1.0 if by_load else -1.0
         unit = np.concatenate(follows.response(values).intensities)

@@ -227,12 +227,13 @@ def first_zero(
     least: Callable[[State, float, float], tuple[float, float]],
     others: Callable[[State], Array],
 ) -> tuple[float, float, float]:
-    """(arc length in the step, position x, width in x) of the first zero of a condition.
+    """The first zero of a condition in a step: (arc length, position x, width in x).
 
-    The condition is a function of the position and of the arc length. The interval is the one in
-    which the condition was found negative. end: the state at the length. seen: intervals (n, 2) in
-    which the condition is negative there. least: (place, value) of the least value of the condition
-    in an interval. others: intervals in which the condition is negative at a state.
+    The condition is a function of the position and of the arc length. Position and width are those
+    of the interval in which the condition was last found negative. end: the state at the length.
+    seen: intervals (n, 2) in which the condition is negative there. least: (place, value) of the
+    least value of the condition in an interval. others: intervals in which the condition is
+    negative at a state.
     """
     place, width = 0.0, 0.0
     while len(seen):

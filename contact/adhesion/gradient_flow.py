@@ -345,8 +345,8 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
         | (here.growth < 0.0 <= ahead.growth)
         | (after < -MOVES.small_drive)
     )
-    # No overshoot is allowed if the step makes a stable state unstable, with at least the same
-    # growth rate in modulus. An end that has passed an equilibrium would not come back.
+    # No overshoot is allowed if the step turns the decay rate `-here.growth` of a stable state into
+    # an equal or larger growth rate. An end that has passed an equilibrium would not come back.
     if 0.0 < -here.growth <= ahead.growth:
         allowed = np.where(before > 0.0, -ACCURACY.coarse, allowed)
     # A pinned end was at rest before the step, so that it has passed no equilibrium.

@@ -147,7 +147,10 @@ class GridGuide(sie.Kept):
         return GridRest(found, placed(self.problem, zones_of(state, self.x)), state)
 
     def least_value(self, table: Array | None, value: float) -> float:
-        """Approximate lowest value of the control at which shrinking intervals come to rest."""
+        """Approximate lowest value of the control at which shrinking intervals do not vanish.
+
+        It is found by bisection between `value` and a value without contact.
+        """
         high, low = value, self._lost(value)
         warm_start: GridRest | None = None
         least = ACCURACY.coarse * (high - low)

@@ -53,11 +53,12 @@ def pull_off(
 def lowered_by_load(
     curve: Curve, here: State, lead_to_load: Callable[[Curve, State], State]
 ) -> State:
-    """The equilibrium under a fixed approach near the least load, where few zones are left.
+    """An equilibrium with few zones under a fixed approach, reached by lowering the load.
 
-    Under a load the zones left do not depend on the path, and ends move one way. Under an approach
-    each lost zone makes others advance. The state itself is returned for one zone, under a fixed
-    load, and if the result is not lower. lead_to_load: leads to an equilibrium near that load.
+    Under a load the zones that are left do not depend on the path, and ends move one way. Under an
+    approach each lost zone makes others advance. The state itself is returned for one zone, under a
+    fixed load, and if the new approach is not lower. lead_to_load(curve, state): an equilibrium
+    near the least load.
     """
     if curve.control.load is not None or len(here.contact) < 2:
         return here

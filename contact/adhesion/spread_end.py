@@ -87,7 +87,10 @@ class SpreadEnd:
     def periodic_primitive(
         self, x: Array, period: float, primitive: Callable[[Array], Array]
     ) -> Array:
-        """Antiderivative of `periodic_log`; primitive: antiderivative of ln|2 sin(pi y/L)|."""
+        """Antiderivative of `periodic_log` by x.
+
+        primitive: an antiderivative of ln|2 sin(pi y/L)| by y, with L = `period`.
+        """
         # The mean of ln|2 sin(pi y/L)| over a period is zero, so the antiderivative is periodic.
         x = nearest_image(x, self.middle, period)
         rate = np.log(2 * np.pi / period**3)

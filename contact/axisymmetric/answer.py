@@ -127,7 +127,7 @@ class Spot(sie.Kept):
 
     @property
     def nominal_pressure(self) -> float | None:
-        """Load times the density of spots [Pa]; None for a spot alone."""
+        """Load times the density of spots [Pa]; None without neighbours."""
         return self.load * self.density if self.density > 0 else None
 
     @property
@@ -137,12 +137,12 @@ class Spot(sie.Kept):
 
     @property
     def contact_fraction(self) -> float | None:
-        """Contact area per unit area of the surface; None for a spot alone."""
+        """Contact area per unit area of the surface; None without neighbours."""
         return pi * self.radius**2 * self.density if self.density > 0 else None
 
     @property
     def circle(self) -> float:
-        """Radius [m] of the circle whose area is the area per spot; inf for a spot alone."""
+        """Radius [m] of the circle whose area is the area per spot; inf without neighbours."""
         return own_radius(self.density) if self.density > 0 else inf
 
     def pressure(self, r: ArrayLike) -> Array:

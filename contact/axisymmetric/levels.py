@@ -399,9 +399,9 @@ def _kinds(
     densities: Sequence[float],
     around: Sequence[Sequence[Surroundings]] = (),
 ) -> list[Kind]:
-    """The kinds of spots, one for each level (asperities of one shape and height).
+    """One `Kind` of spots for each level (asperities of one shape and height).
 
-    Without `around`, the surroundings of each kind are circles only, without single neighbours.
+    Without `around`, the neighbours are smeared out beyond a circle around each spot.
     """
     share = own_radius(sum(densities))
     each = range(len(densities))

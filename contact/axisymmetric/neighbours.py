@@ -43,9 +43,9 @@ from contact.axisymmetric.lattices import Lattice, Site
 from contact.model.profiles.noise import EPS
 from sie import Array
 
-# Rings with radii up to this many lattice spacings are summed one by one. For wider rings, of
-# radius D, the kernel 1/sqrt(D^2 - y^2) is a power series in y^2/D^2. This is below 1/12, as |y| is
-# below one spacing.
+# Rings of neighbours with radii up to this many lattice spacings are summed one by one. For a wider
+# ring, of radius D, 1/sqrt(D^2 - y^2) becomes a power series in y^2/D^2. As |y| is below one
+# spacing, y^2/D^2 is below 1/12.
 _NEAR_RINGS = 3.5
 
 

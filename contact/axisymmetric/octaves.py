@@ -31,8 +31,8 @@ class OctaveOptions:
 
     # Degrees of the series that are tried one after another; the first one resolves any power of r.
     degrees: tuple[int, ...] = (24, 96, 384)
-    # A higher degree should make the last coefficients of a series smaller. If it leaves them above
-    # this fraction of their former size, they are round-off.
+    # A higher degree should reduce the last coefficients of a series. If they stay above this
+    # fraction of their size at the lower degree, they are round-off.
     min_decay: float = 0.2
     # A coefficient of a series counts as zero if it is below this multiple of the series' noise.
     # Two series count as equal if their values differ by less than that.

@@ -210,7 +210,7 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
     lengths = [name for name in given if name not in high and (name in lists or name == "period")]
     long = _together(profile, given, lengths, lengths=2.0) if lists else ()
     if scene.profile.period is not None and len(scene.profile.bodies) > 1:
-        # If two bodies share a period, the length of one alone cannot be changed.
+        # Two bodies share one period, so that the length of one body alone cannot change.
         given.pop("period", None)
     elif long:
         reach = profile.period or float(np.ptp(given[next(name for name in long if name in lists)]))

@@ -215,9 +215,9 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     cuts = np.linspace(panels.a[which], panels.b[which], count + 1)
     parts = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel())
     difference, size = (of.reshape(count, -1) for of in (parts.difference, parts.size))
-    # Leave out the two parts of each panel with the largest difference: near an undeclared corner,
-    # the quadrature fails on one or two parts. If the slope is false, the other parts differ too.
-    # Leaving out two parts adds the noise of up to four heights.
+    # Near an undeclared corner, the quadrature fails on one or two of the `count` parts of a panel.
+    # So the two parts with the largest difference are left out. A false slope differs on the other
+    # parts, too. Each part left out adds the noise of two heights.
     rest = np.argsort(np.abs(difference), axis=0)[:-2]
     difference, size = (
         np.take_along_axis(of, rest, axis=0).sum(axis=0) for of in (difference, size)

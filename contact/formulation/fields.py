@@ -304,9 +304,9 @@ class ZoneFields(sie.Kept):
         return float(self.density.amplitudes[-1])
 
     def _relative_displacement(self, x: Array) -> Array:
-        """Scaled displacement up to a constant: minus the potential, plus the additional terms.
+        """Scaled displacement up to a constant: `unknown_columns` minus the pressure's potential.
 
-        The potential is that of the pressure. The additional terms have unknown amplitudes.
+        Each column is multiplied by its solved amplitude.
         """
         return self._raised(x, self.density.potential(x))
 
@@ -418,8 +418,8 @@ class ZoneFields(sie.Kept):
             yield last + away
 
     def _scaled(self, x: ArrayLike) -> Array:
-        # Move x by whole periods of the problem to the period around the zones. The density in a
-        # localized model's strip has no period itself.
+        # x is moved by whole periods to the period around the zones. `self.density` does not do so
+        # in a localized model's strip, whose density has no period.
         zones = self.density.zones
         middle = 0.5 * float(zones.a[0] + zones.b[-1])
         return nearest_image(

@@ -51,10 +51,10 @@ class Relief(Conjugate):
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
-        """Part of R that the kinks cause through the corrections 1/L_n - 1 of all waves n.
+        """Part of the relief R that the kinks cause where the symbol L_n of a wave n is not 1.
 
         It is the sum over all kinks of (J/pi) times the smooth part of the inverse kernel's
-        potential.
+        potential, with J the jump of the slope.
         """
         x = np.asarray(x, dtype=np.float64)
         if self._sum is None or len(self.kinks) == 0:

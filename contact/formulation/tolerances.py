@@ -23,10 +23,10 @@ class Tolerances:
     # The next four fields are factors in `allowed_overlap`. The first one is the round-off of a gap
     # that is a sum of heights, relative to the largest height.
     height_rounding: float = 64 * EPS
-    # Bound of the noise of a gap, divided by a sample of the noise of the heights.
+    # Bound of a gap's noise, divided by the noise that is measured from samples of the heights.
     noise_multiple: float = 8.0
     # Bound of the error of all gaps, divided by the gap that is computed on the zones. The exact
-    # gap there is zero, so that the computed one is a sample of the error.
+    # gap there is zero, so that the computed one shows the error.
     on_zones_multiple: float = 2.0
     # Allowed overlap of surfaces that attract each other without contact, divided by the reach of
     # the tension. It is round-off times a condition number of 1e3.
@@ -41,8 +41,8 @@ class Tolerances:
     # Bound of the error of sampled pressures, divided by the noise of the zone's right side.
     pressure_noise_multiple: float = 2.0
     # Smallest half width of a gap over a concave kink, relative to the period or to the zone next
-    # to it. Narrower gaps are left out, since the round-off of their ends is as large. The
-    # certificate says so.
+    # to it. Narrower gaps are left out, since they are no wider than the round-off of their ends.
+    # The certificate says so.
     narrowest_gap: float = 1e-13
 
     # Largest allowed relative error of load and moment. It is far above rounding, and far below the

@@ -51,7 +51,7 @@ class TwoContacts:
 
     @property
     def cut_off(self) -> Mask:
-        """Whether the profile alone is in contact at the strip's left and right border (2,)."""
+        """Whether zones of `alone` reach the strip's left and right border (2,)."""
         zones = self.alone.free.density.zones
         return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.cut)
 
@@ -116,14 +116,14 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def alone(self) -> Array:
-        """Motions of the zone ends of the profile alone, for a unit of nominal pressure."""
+        """Motions of the zone ends of the contact `at.alone`, for a unit of nominal pressure."""
         return self.at.period * moved_ends(
             self.at.alone.fields.state, 0, tolerance=OPTIONS.tolerance
         )
 
     @cached_property
     def alone_by_centre(self) -> Array:
-        """Motions of the zone ends of the profile alone, for a unit motion of the strip's centre.
+        """Motions of the zone ends of the contact `at.alone`, for a unit motion of the centre.
 
         An end at a border of the strip moves with this border, and the other ends react.
         """
@@ -146,8 +146,8 @@ class ContactRates(sie.Kept):
     def matrix(self) -> Array:
         """Jacobian (2, 2) of the two conditions by the centre and the nominal pressure.
 
-        They are W - W0, the total width of the strip's zones less that of the profile alone, and
-        the middle of the strip's zones less the centre.
+        The first condition is W = W0: the zones of `at.strip` and of `at.alone` have the same total
+        width. The second: the middle of the strip's zones is the centre.
         """
         wider = (
             self.by_centre.sum() - self.alone_by_centre.sum(),

@@ -85,8 +85,8 @@ class SeveralZones:
             miss = width_of(at.strip) - width_of(at.alone)
             step = self._step(rates, miss)
             error = np.abs(self._step(rates, self._width_error(at)))
-            # The search ends if the step moves the ends by less than the tolerance. It also ends if
-            # the step is within the effect of the errors of the widths.
+            # The search ends if the step moves the ends by less than the tolerance, or by less than
+            # the errors of the widths move them.
             least = max(self.context.tolerance, float(rates.of_ends(error).max()))
             if float(rates.of_ends(step).max()) <= least:
                 off = np.abs(step) + error
@@ -141,7 +141,7 @@ class SeveralZones:
         )
 
     def _width_error(self, at: TwoContacts) -> float:
-        """Bound of the error of W - W0, the strip's total width less that of the profile alone."""
+        """Bound of the error of W - W0, the difference of total widths (head of this module)."""
         missed = 0.0
         for found in (at.strip, at.alone):
             ends = found.free.end_error + found.fields.state.end_truncation
@@ -149,7 +149,7 @@ class SeveralZones:
         return missed
 
     def _at(self, pressure: float, start: Array | None, last: TwoContacts | None) -> TwoContacts:
-        """The contacts of the strip and of the profile alone under a given nominal pressure."""
+        """The contacts of the strip and of the profile without images, at one nominal pressure."""
         strip = self.strip(self.scaled.problem.with_amplitude(pressure), self.scaled.control, start)
         centre = strip.fields.problem.centre
         with self.context.plan.timed("isolated reference"):
@@ -157,7 +157,7 @@ class SeveralZones:
         return TwoContacts(np.array([centre, pressure, strip.fields.density.total]), strip, alone)
 
     def _alone(self, centre: float, load: float, last: TwoContacts | None) -> SolvedZones:
-        """The contact of the profile alone, which is cut off at the borders of the strip."""
+        """The contact of the profile without images, cut off at the borders of the strip."""
         problem = replace(
             self.scaled.problem,
             interaction=Isolated(),

@@ -255,7 +255,10 @@ _POINTS, _TO_SERIES = _chebyshev_transform(OPTIONS.nodes)
 
 
 def _integrated(series: Array, half: Array) -> Array:
-    """The integral of a function from 0. Both are Chebyshev series, one on each panel."""
+    """Chebyshev series, one on each panel, of the integral of a function from 0.
+
+    series: those of the function; half: half widths of the panels, of which the first begins at 0.
+    """
     out, before = np.empty((len(series), series.shape[1] + 1)), 0.0
     for k, (row, width) in enumerate(zip(series, half, strict=True)):
         out[k] = width * np.polynomial.chebyshev.chebint(row, lbnd=-1)

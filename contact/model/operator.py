@@ -309,10 +309,10 @@ class Operator(sie.Kept):
 
     @cached_property
     def rest(self) -> Rest | None:
-        """The function for the smooth part of the potential: the potential at x - xi [m] minus that
-        of line loads on a half-plane, averaged over grid cells.
+        """The function that gives the smooth part of the potential, averaged over grid cells.
 
-        None if there is nothing else, and for a strip.
+        The smooth part is the potential at x - xi [m] minus that of line loads on a half-plane.
+        None if the smooth part is zero, and for a strip.
         """
         if self.interaction.strip or (not self.is_own and self.is_plain):
             return None

@@ -30,7 +30,7 @@ class Borne(NamedTuple):
 def preparation_warnings(
     solution: Solution, min_share: float = 0.01, listed: int = 3
 ) -> tuple[str, ...]:
-    """One sentence for each kind of unmeasured interval with load or with the peak pressure.
+    """One sentence for each kind of unmeasured interval that bears load or the peak pressure.
 
     min_share: smallest fraction of the load that is reported; a short taper carries less at high
     load. listed: number of intervals named in one sentence; the others are counted.

@@ -215,7 +215,7 @@ class Design:
         return complex(out)
 
     def poles(self, x: Array) -> Array:
-        """The part of the right side that the poles of P cause."""
+        """The part of the right side due to the complex pole of P and its conjugate."""
         if self.pole is None:
             return np.zeros(np.shape(x))
         return np.asarray(-2 * (self.residue / (x - self.pole)).real)

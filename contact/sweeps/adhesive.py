@@ -422,7 +422,10 @@ class _PathRun:
             )
 
     def first(self, value: float) -> PathState:
-        """The state at the first value of the control; the surfaces are apart below first touch."""
+        """The state at the first value of the control.
+
+        Below the value `law.first` of first touch, the surfaces are apart.
+        """
         scaled, first = value / self.unit, self.by.law.first
         if scaled < min(first, 0.0) or value < 0.0 == first:
             return PathState(scaled)

@@ -114,9 +114,9 @@ class Seen:
         return np.where(past, large, small), np.where(past, small, large)
 
     def first(self, width: Number) -> Array:
-        """log(width / (2 |rho|)): potential of 1 / sqrt(1 - t^2), divided by the half width w.
+        """Potential of 1 / sqrt(1 - t^2), divided by the half width w: log(width / (2 |rho|)).
 
-        width: w divided by the kernel's `datum`.
+        width: w divided by the kernel's `datum`; rho: see the class.
         """
         return np.asarray(np.log(width / (2 * np.abs(self.rho))))
 
@@ -293,9 +293,9 @@ class InPlane:
         return np.asarray(2 * np.log((self.p + self.m) * np.sqrt(0.5)))
 
     def first(self, width: Number) -> Complex:
-        """log(width / (2 rho)): potential of 1 / sqrt(1 - t^2), divided by the half width w.
+        """Potential of 1 / sqrt(1 - t^2), divided by the half width w: log(width / (2 rho)).
 
-        width: w divided by the kernel's `datum`.
+        width: w divided by the kernel's `datum`; rho: see `rho`.
         """
         return np.asarray(np.log(0.5 * width) + self.log)
 
@@ -465,8 +465,8 @@ def edge_slopes(
 
     at_left, at_right: values of sum u_k U_k at the ends.
     """
-    # These are the parts of the edge slopes A that come from (alpha + beta t) / sqrt(1 - t^2). They
-    # are the coefficients of sqrt(d) in this term at t = -1 + d/w and t = 1 - d/w.
+    # `left` and `right` are the coefficients of sqrt(d) in (alpha + beta t) / sqrt(1 - t^2), at
+    # t = -1 + d/w and t = 1 - d/w.
     left, right = (((alpha + s * beta) / 4 - s * beta) / np.sqrt(2 * w) for s in (-1.0, 1.0))
     scale = HALF.slope_scale(w)
     return scale * at_left + left, scale * at_right + right

@@ -202,7 +202,7 @@ def log_ratio(less: Number, left: Number) -> Number:
 
 
 def transform_table(family: Family, count: int, less: Number, left: Number) -> Number:
-    """Transforms F_n, n = 0 ... count - 1, at points (P,): an array (P, count)."""
+    """The transforms F_n of the members n = 0 ... count - 1 at points (P,), as (P, count)."""
     out = np.empty((count, len(less)), dtype=less.dtype)
     for here, last in _directions(count, less, left, all_terms=True):
         if last == 0:
@@ -299,7 +299,7 @@ def _downward(
 
 
 def _first(family: Family, change: Number, less: Number, left: Number) -> Number:
-    """f_0 of the downward recurrence, from f_1 / f_0 - 1."""
+    """The value f_0, from which `_downward` gives all f_n; change: f_1 / f_0 - 1."""
     if family.bounded:
         return 2 * family.alpha * family.rest / (less - family.steps(1)[0][0] * change)
     return np.asarray(less ** (family.alpha - 1) * left**-family.alpha)

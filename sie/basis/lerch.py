@@ -85,14 +85,14 @@ def beta_share(a: float, b: float, x: Any, rest: Any) -> Array:
 def near_one(a: float, from_one: Number) -> Number:
     """The sum of (1 - a)_k / (k! k) (1 - x)^(k - 1), k = 1, 2, ..., for |1 - x| <= 1/2.
 
-    It is the regular part beside x = 1: x^a times the function plus log(1 - x) plus this one times
-    1 - x is a constant.
+    It is the regular part of `lerch` near x = 1: x^a times `lerch` is a constant, minus log(1 - x),
+    minus (1 - x) times this sum.
     """
     return _polynomial(_beside(a), from_one)
 
 
 def _by_ray(a: float, x: Number) -> Number:
-    """The function, from its value at x / (2 |x|) and the integral along the ray from there."""
+    """The sum `lerch`, from its value at x / (2 |x|) and the integral along the ray to x."""
     nodes, weights = _legendre(OPTIONS.nodes)
     length = np.log(2 * np.abs(x))
     start = _polynomial(_powers(a), 0.5 * x / np.abs(x)) * np.exp(-a * length)
@@ -109,7 +109,7 @@ def _powers(a: float) -> Array:
 
 
 def _constant(a: float) -> float:
-    """The limit of the function plus log(1 - x) at x = 1."""
+    """The limit of `lerch` plus log(1 - x) at x = 1."""
     return -float(special.digamma(a)) - float(np.euler_gamma)
 
 

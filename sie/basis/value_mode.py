@@ -109,7 +109,7 @@ class ValueMode:
         weights = self._half.first_moments(length + 1)
         weights[1:] *= 0.5
         n = np.arange(1.0, length + 1)
-        # Integrals of w T_l over pi, less T_l(-1), over l.
+        # ((1/pi) int w T_n dt - T_n(-1)) / n, with the weight w.
         divided = (weights[1:] - (1 - 2 * (n % 2))) / n
         out = divided.copy()
         out[1:] *= 0.5

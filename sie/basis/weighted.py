@@ -338,7 +338,7 @@ class Weighted(Kept):
         return np.asarray(c[0] * self._first_potential(points) + higher)
 
     def _first_potential(self, points: Points) -> Number:
-        """Potential of S_0: by parts, from the transform of its integral."""
+        """Potential of S_0; integration by parts gives it from the transform of the integral."""
         left, less = from_ends(points)
         distance = np.log(left if np.iscomplexobj(left) else np.abs(left))
         return np.asarray(distance - np.pi * value_transform(self.alpha, self.rest, left, less))
@@ -366,11 +366,14 @@ class Weighted(Kept):
 
     # Matrices between bases.
     def from_u(self, count: int) -> Array:
-        """Matrix C (count, count) with U_j = sum_i C[i, j] D_i; upper triangular."""
+        """Upper triangular matrix C (count, count) with U_j = sum_i C[i, j] D_i.
+
+        U_j are Chebyshev polynomials of the second kind; D_i: see the head of this module.
+        """
         return _from_u(self.kappa, count)
 
     def to_u(self, count: int) -> Array:
-        """The inverse of `from_u`: D_j = sum_i to_u[i, j] U_i."""
+        """The inverse B of the matrix `from_u`: D_j = sum_i B[i, j] U_i."""
         return _to_u(self.kappa, count)
 
     def moments(self, count: int, length: int) -> Array:

@@ -29,8 +29,9 @@ from sie.jumps.right_side import ForcingJumps
 class MomentOptions:
     """Options for computing coefficients of the right side by integrals between its jumps."""
 
-    # From this number of jumps on, a zone uses the integrals between its jumps. With so many jumps,
-    # the truncated powers that represent them are some ten times as large as the right side.
+    # Least number of jumps of a zone for which integrals between its jumps give the coefficients.
+    # With so many jumps, the truncated powers of the other method are some ten times as large as
+    # the right side, and lose digits.
     min_jumps: int = 32
 
 
@@ -38,13 +39,13 @@ OPTIONS = MomentOptions()
 
 
 def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
-    """Indices (ascending) of the solved zones with many jumps of a derivative."""
+    """Indices (ascending) of the solved zones with at least `min_jumps` jumps of a derivative."""
     if len(forcing.jumps) == 0:
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     count[list(jumps.splines)] += OPTIONS.min_jumps
-    # Near an algebraic point, the right side or the density is a power of the distance. Then the
-    # right side is not smooth between its jumps, and the zone does not use the integrals.
+    # Near an algebraic point, the right side or the density is a power of the distance. Integrals
+    # between jumps need a right side that is smooth there, so such zones do not count.
     count[list(jumps.poles.by_zone)] = 0
     return np.asarray(zones.solved[count[zones.solved] >= OPTIONS.min_jumps])
 

@@ -359,9 +359,10 @@ class System(Rows):
 
     @cached_property
     def unseen_moments(self) -> Array | None:
-        """Panel moments of the density's known coefficients above mode m; None if there are none.
+        """Moments on the panels of the density's coefficients above mode m; None without any.
 
-        It is None if the regular part of the kernel acts on no such coefficients.
+        These coefficients are known, from g and its jumps. The result is None if the regular part
+        of the kernel resolves only modes up to m.
         """
         zones, panels = self.zones, self.panels
         if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):

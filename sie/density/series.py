@@ -32,8 +32,8 @@ class DensityOptions:
     # No error of the density is stated closer to a singular end or a kink than this distance,
     # relative to the half width. The error grows without bound there.
     end_distance: float = 0.01
-    # Least number of angles at which the density is sampled on a zone. Also the largest number of
-    # kinks of a zone next to which the density is sampled.
+    # Least number of angles at which the density is sampled on a zone. The density is also sampled
+    # on both sides of the highest kinks of the zone, at most this many.
     samples: int = 32
     # Largest number of angles of a zone at which the density's response to motions of the ends is
     # evaluated.

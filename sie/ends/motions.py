@@ -57,7 +57,7 @@ from sie.trees.krylov import gmres
 
 @record
 class Moved:
-    """Direct effect of motions of ends on the density, without the response of the equation.
+    """Direct effect of motions of ends on the density, before the unknowns respond to it.
 
     coefficients: those that act on other zones like the singular densities (unknowns, ...);
     own_level: change of the level of the same zone (Z, ...); own: change of the intensities at both
@@ -376,8 +376,8 @@ class IteratedMotions(FreeEnds):
             # If the new vector is as small as the error of the responses, the Krylov space is
             # complete: another vector would add only noise.
             whole = k + 1 == most or h[k + 1, k] <= 10 * OPTIONS.response * size
-            # The eigenvalues are computed after an eighth of `max_arnoldi` steps, each time the
-            # number of steps has doubled since, and at the end.
+            # The eigenvalues are computed if the number of steps k + 1 is a power of two that is at
+            # least an eighth of `max_arnoldi`, and at the end.
             if whole or (k & (k + 1) == 0 and 8 * (k + 1) >= OPTIONS.max_arnoldi):
                 found = float(np.linalg.eigvals(h[: k + 1, : k + 1]).real.max())
                 if whole or abs(found - last) <= ERRORS.negligible * abs(found):

@@ -50,8 +50,8 @@ from sie.equation.forcing import Forcing
 # end's uncorrected Newton step. Such a jump changes the step by less than 2 %, which the next step
 # corrects. A root search would lose the digits of small steps.
 _FARTHEST_JUMP = 20.0
-# Largest inward step of an end towards a logarithm of height J < 0, as a fraction of the end's
-# distance from the logarithm. The end must not pass this logarithm.
+# Largest inward step of an end towards a jump J < 0 of the density, as a fraction of the end's
+# distance from the jump. The end must not pass this jump (a logarithm of the right side).
 _STOP_BEFORE = 0.9
 
 

@@ -20,10 +20,10 @@ from sie.states.state import State
 
 @record
 class Branch:
-    """Largest difference from prescribed intensities in one step, and growth of displaced ends.
+    """Two numbers of one step that show which of several roots the search approaches.
 
-    They show which of several roots the search approaches. residual: largest difference from the
-    prescribed intensities; growth: largest real part of the eigenvalues that determine stability.
+    residual: largest difference of an intensity from its prescribed value; growth: largest real
+    part of the eigenvalues that determine the stability of the ends.
     """
 
     residual: float
@@ -152,13 +152,14 @@ def _safe_slopes(
     residual: Array,
     last: LastMoves | None,
 ) -> tuple[Array, Mask]:
-    """(edge slopes A (2, Z) by which Newton's step divides, mask of the replaced slopes).
+    """(slopes (2, Z) by which Newton's step divides, mask of the ends that do not use A).
 
-    At the solution A has the sign of the density. Far from the solution A may have the other sign
-    or vanish. There the change of the residual in the last step gives a slope. If that has the
-    wrong sign, too, A is replaced by its natural size. On a thin layer, A and its natural size can
-    be a hundred times too large, and the steps a hundred times too short. natural: largest
-    coefficient of each zone beyond c_0 (Z,); residual: intensities less the prescribed ones (2, Z).
+    A is the edge slope of the density. At the solution A has the sign of the density. Far from the
+    solution A may have the other sign or vanish. There the change of the residual in the last step
+    gives a slope. If that has the wrong sign, too, A is replaced by its natural size. On a thin
+    layer, A and its natural size can be a hundred times too large, and the steps a hundred times
+    too short. natural: largest coefficient of each zone beyond c_0 (Z,); residual: intensities less
+    the prescribed ones (2, Z).
     """
     a, side = np.array(density.edge_slopes), np.array(options.signs)[:, None]
     size = natural * density.zones.slope_scale / np.sqrt(2)
@@ -204,8 +205,8 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     whole = state.whole
     if not isinstance(whole, State) or state.density.slit_count or not np.isfinite(corners).any():
         return rounding
-    # If an end is at a corner up to round-off, the exact distance from the corner determines the
-    # end.
+    # An end within round-off of a corner follows from its distance to the corner. This distance is
+    # exact, so the end has no such error.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
     cornered, g = whole.density.jumps.kinked, whole.system.g
     # The smooth part of the right side has the coefficients g_k. The sum of k |g_k| is an upper

@@ -88,7 +88,7 @@ class Rows(Protocol):
 
 
 class Condition:
-    """Base class of side conditions, which are linear equations for the density and the amplitudes.
+    """Base class of side conditions: linear equations for the density and the amplitudes.
 
     A user's condition has a method `rows(system)`. It returns (matrix, constants, values) of the
     shapes (count, unknowns), (count,), (count,), which stand for matrix @ unknowns + constants =
@@ -251,8 +251,8 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
     """
     solved, count = zones.solved, condition.count(zones)
     n = len(solved)
-    # With two zones, the single row of a user's condition need not be the difference of the two
-    # levels (means of potential minus primitive).
+    # Whether the rows are differences between the levels of neighbouring zones. With two zones, a
+    # user's condition with one row may be anything else, so only built-in conditions count.
     differences = count == n - 1 and (
         n > 2 or (condition.levels and type(condition).rows in BUILT_IN)
     )
@@ -547,7 +547,7 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The condition: amplitude of `columns[k]` = `value` + `per_total` * integral of the density.
+    """The condition amplitude of `columns[k]` = `value` + `per_total` * integral of density.
 
     Parameters
     ----------

@@ -135,7 +135,7 @@ class Jumps(Kept):
 
     @cached_property
     def broken_at(self) -> Array:
-        """Positions at which the right side g, or the wanted density, is not smooth."""
+        """Positions of the jumps (`at`) and of the algebraic points."""
         points = () if self.algebraic is None else np.asarray(self.algebraic.at)
         return np.concatenate((self.at, points))
 

@@ -275,12 +275,13 @@ class IterativeSystem(System):
         return self.applied(y)[1].level
 
     def level_rounding(self, y: Array) -> Array | float:
-        """Estimated round-off of each zone's level (mean of the potential minus the primitive).
+        """Estimated round-off of each zone's level.
 
-        If a condition on levels applies to each zone by itself, the round-off is that of the sum of
-        all terms of a level. These are at most all totals times the logarithm of the farthest
-        distance, plus the largest own term. Otherwise only differences between neighbours matter,
-        and the round-off is that of the terms between neighbours.
+        A level is a zone's mean of the potential minus the primitive of g. If a condition contains
+        the level of each zone, the round-off is that of the sum of all terms of a level. These are
+        at most all totals times the logarithm of the farthest distance, plus the largest own term.
+        Otherwise only differences between the levels of neighbours matter, and the round-off is
+        that of the terms that differ.
         """
         zones, datum = self.zones, self.equation.kernel.datum
         own = np.abs(zones.half * y[self.layout.offset])

@@ -156,7 +156,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def _series(self) -> tuple[Array, Array, Array]:
-        """The series of psi divided by `Grading.scale`, in the same form."""
+        """The series (alpha, beta, u) as in `_psi`, of psi divided by `Grading.scale`."""
         return self._bounded(self.divided)
 
     def _bounded(self, c: Array) -> tuple[Array, Array, Array]:
@@ -327,7 +327,7 @@ class GradedDensity(DensityBase):
 
     # The methods below give the transform and the potential.
     def _smooth(self, zone: int, places: Places) -> NDArray[Any]:
-        """The sum over R(s, s_k) of the head of this file."""
+        """The sum over k of (F_k / n) R(s, s_k) on a zone (see the head of this file)."""
         matrix = self.system.gradings[zone].smooth_kernel(places, self.nodes.sources[zone])
         return np.asarray(matrix @ self.charges[self.nodes.own(zone)])
 

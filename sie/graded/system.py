@@ -117,7 +117,7 @@ def difference(x: Array, y: Array, shift: float = 0.0) -> Array:
 
 
 class GradedSystem(Rows, Kept):
-    """Matrix rows of the equation on graded zones, and quantities for side conditions (see `Rows`).
+    """Matrix rows of the equation on graded zones, and the quantities of `Rows`.
 
     sizes: number of unknowns of each zone; jumps: jumps of the right side in the zones, whose
     densities are not among the unknowns. Matrices have a column for each node of each zone, then
@@ -438,7 +438,10 @@ class GradedSystem(Rows, Kept):
         return out
 
     def on_finer(self, unknowns: Array, powers: Array, finer: GradedSystem) -> Array:
-        """The unknowns at the nodes of a system with more of them on the same zones."""
+        """The unknowns interpolated to the nodes of `finer`, a system on the same zones.
+
+        powers: those of `powers_for`.
+        """
         out = np.zeros(finer.size)
         out[finer.nodes :] = unknowns[self.nodes :]
         series = self.series(unknowns, powers)

@@ -113,7 +113,7 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def transform(self, zone: Index, rho: Array) -> Array:
-        """Transform of the logarithms' density at points off the zone.
+        """Transform, at points off the zone, of the density that nearby logarithms cause.
 
         rho: zeta - sqrt(zeta^2 - 1) of each point, with its coordinate zeta relative to the zone.
         """
@@ -122,7 +122,7 @@ class ExteriorLogarithms(PerZone):
         )
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the density from the zone's left end, divided by the half width w.
+        """Integral of the density of nearby logarithms from the left end, over the half width.
 
         It is the integral over the whole zone less the one from the point to the right end.
         """

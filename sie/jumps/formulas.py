@@ -25,9 +25,9 @@ class JumpOptions:
     # closed form. The effect of more distant points is smooth on the zone. Values from 0.3 to 1
     # work equally well.
     reach: float = 0.5
-    # The series of all jumps of a zone is summed at points whose |rho|, rho = zeta - sqrt(zeta^2 -
-    # 1), is below a limit. Below the first limit closed forms cancel. The second and third limit
-    # apply to zones with at least `far_jumps` jumps, because the series is then faster.
+    # At points with |rho| below a limit, one series for all jumps of a zone replaces the closed
+    # forms; rho = zeta - sqrt(zeta^2 - 1). Below the first limit closed forms lose digits. The
+    # other two apply to zones with at least `far_jumps` jumps, for which the series is faster.
     far_rho: tuple[float, ...] = (0.25, 0.6, 0.87)
     far_jumps: tuple[int, ...] = (10, 36)
 
@@ -121,8 +121,7 @@ class PlacedJumps(PerZone):
             np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k]), left - self.left[k]
         )
 
-    # The methods below give density, transform and potential of jumps k, divided by h / pi with the
-    # height h.
+    # The methods below give density, transform and potential of jumps k, divided by `height` / pi.
     def on_zone(self, k: Index, left: Array) -> Array:
         """Transform of jumps k at points on the zone, divided by (height / pi)."""
         away = left - self.left[k]
@@ -213,9 +212,9 @@ class PlacedJumps(PerZone):
 
     # The methods below give the series of jumps k.
     def sine_weights(self, k: Index, j: Array) -> Array:
-        """Weights b_j of jumps k: for order 0 the density is (h/pi) sum_j (2/j) b_j sin(j theta).
+        """Weights b_j in the density (h/pi) sum_j (2/j) b_j sin(j theta) of jumps k of order 0.
 
-        h is the height of the jump.
+        h: height of the jump; theta: angle of the place t = cos(theta) on the zone.
         """
         from_left = (self.psi < self.phi)[k][:, None]
         sines = np.sin(j * np.minimum(self.phi, self.psi)[k][:, None])

@@ -53,11 +53,11 @@ class DerivativeOptions:
     # Largest size of the last coefficients of a given function, relative to its largest one. With
     # the given solution's usual tolerance, the derivative has at least half of its digits.
     max_tail: float = 1e-8
-    # Largest stated error of a solution without slits, from which a derivative is computed where
-    # the solution itself has slits or graded coordinates.
+    # The derivative of a solution with slits or graded coordinates is computed from a solution
+    # without them. This is the largest stated error that the latter may have.
     max_error: float = 1e-8
-    # Least and largest number of nodes on a zone for the change of the kernel. It is doubled until
-    # the field no longer changes.
+    # Least and largest number of nodes on a zone for the field of the kernel's change. The number
+    # is doubled until the field no longer changes.
     least_nodes: int = 64
     most_nodes: int = 4096
     # Relative change of the field at which it counts as resolved: some hundred round-offs.
@@ -107,7 +107,7 @@ class Derivative:
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """Derivatives of the data of a problem, checked; `Change.of` makes them from what users give.
+    """Checked derivatives of the data of a problem; `Change.of` makes them from a user's values.
 
     forcing: that of the right side, with the effect of the kernel's change; None: no change.
     values: those of the rows of all side conditions; of_ends: that of the condition on the ends.
@@ -154,7 +154,7 @@ class Change:
         return cls(forcing, rows, of_ends, moved, k)
 
     def held(self, zones: Zones) -> list[float]:
-        """Changes of the prescribed intensities at fixed ends, in the order of their rows."""
+        """Changes of the prescribed intensities at fixed bounded ends, left ends first."""
         return [
             float(self.intensities[side, zones.solved[p]])
             for side, places in enumerate(zones.fixed_bounded)
@@ -239,7 +239,10 @@ class _KernelField:
 
 
 def _kernel_field(density: Density, dkernel: Smooth | Regular) -> Forcing:
-    """The field of a density through the change of the kernel, with enough nodes on each zone."""
+    """Transform and potential of a density with the change `dkernel` of the kernel.
+
+    The number of nodes on each zone is doubled until the transform no longer changes.
+    """
     kernel: Kernel = cauchy() + dkernel
     assert kernel.regular is not None
     zones = density.zones
@@ -300,7 +303,7 @@ def known_parts(system: System | GradedSystem, view: Rows, size: int) -> Array:
 
 
 def end_rates_of(density: AnyDensity, lack: Array) -> Array:
-    """Outward motions (2, Z) of the free ends that change their intensity, zero before, by `lack`.
+    """Outward motions (2, Z) of the free ends that change their intensity from zero to `lack`.
 
     density: the solution, whose edge slopes count.
     """

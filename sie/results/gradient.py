@@ -121,7 +121,7 @@ class Gradient:
 
 
 class Adjoint:
-    """The transposed maps of the derivative of one solution."""
+    """The transposes of the linear maps in the derivative of one solution."""
 
     def __init__(self, state: State) -> None:
         self.state, self.zones, self.free = state, state.density.zones, FreeEnds(state)

@@ -72,7 +72,7 @@ class MovedDensity(DensityBase):
 
     @property
     def amplitudes(self) -> Array:
-        """Derivatives of the amplitudes."""
+        """Derivatives of the unknown amplitudes by the parameter."""
         return self.smooth.amplitudes
 
     @property

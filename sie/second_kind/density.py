@@ -213,7 +213,7 @@ class SecondKindDensity(DensityBase):
         return out
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x lies in a slit, integral of the slit's unknown): there are no slits."""
+        """(False, 0) at every x, because no gap of this density is treated as a slit."""
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
 
@@ -265,7 +265,7 @@ class SecondKindDensity(DensityBase):
         return np.asarray(out.reshape(x.shape))
 
     def _potential_on_line(self, x: Array) -> Array:
-        """Potential at real x by the kernel's poles."""
+        """Part of the potential at real x due to the poles of the kernel."""
         if self.known:
             raise ValueError("with kappa the potential of a right side with jumps is not known")
         out = np.zeros(len(x))
@@ -293,7 +293,7 @@ class SecondKindDensity(DensityBase):
                 yield i, on, left[on], right[on], seen
 
     def _poles_on_line(self, x: Array) -> Array:
-        """Transform at real x by the kernel's poles."""
+        """Part of the transform at real x due to the poles of the kernel."""
         out = np.zeros(len(x))
         for i, on, left, right, seen in self._seen(x):
             basis, of_zone = self.bases[i], [one for one in self.known if one.zone == i]
@@ -306,7 +306,7 @@ class SecondKindDensity(DensityBase):
         return out
 
     def _regular(self, x: Any, regular: Regular) -> Any:
-        """Transform at points x by the kernel's regular part."""
+        """Part of the transform (or potential) at points x due to the smooth kernel `regular`."""
         return by_quadrature(self._quadrature, x, regular, BLOCKS.cache_pairs)
 
     @cached_property

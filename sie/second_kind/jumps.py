@@ -23,7 +23,10 @@ Number = NDArray[Any]
 
 @record
 class KnownJumps:
-    """Jumps of one order k on one zone: their places x, closed forms, and factors J w^k / k!."""
+    """The jumps of g, or of its derivative of one order k, on one zone.
+
+    x: their places; closed: their closed forms; factors: J w^k / k! (see the head of this module).
+    """
 
     zone: int
     order: int

@@ -104,12 +104,12 @@ class FieldSums:
 
     @cached_property
     def near(self) -> Any:
-        """Sparse matrix from the unknowns to the field of near zones at the nodes."""
+        """Sparse matrix from the unknowns to the field at the nodes due to the pairs `far.near`."""
         return self._near(nodes_of)
 
     @cached_property
     def near_between(self) -> Any:
-        """Sparse matrix from the unknowns to the field of near zones between the nodes."""
+        """The matrix like `near` for points between the nodes."""
         return self._near(between_nodes)
 
     def _near(self, points: PointsOf) -> Any:
@@ -221,7 +221,7 @@ class ManyRows(Rows):
 
     @cached_property
     def others(self) -> Index:
-        """Indices of the unknowns c_k with k > 0, which belong to the rows of the equation."""
+        """Indices of the coefficients c_k with k > 0; they are as many as rows of the equation."""
         layout = self.dense.layout
         return np.delete(np.arange(layout.coefficients), layout.offset)
 

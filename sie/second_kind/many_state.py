@@ -28,7 +28,7 @@ class ManyState(SecondKindState):
 
     @property
     def direct(self) -> None:
-        """LU factors of a matrix: none."""
+        """None, because there are no LU factors of a matrix."""
         return None
 
     @property
@@ -43,11 +43,11 @@ class ManyState(SecondKindState):
 
     @property
     def levels(self) -> Array:
-        """Level of each zone: not known with so many zones."""
+        """Raise ValueError, because levels are not computed for so many zones."""
         raise ValueError(_NO_LEVELS)
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of the levels: not known with so many zones."""
+        """Raise ValueError, because levels are not computed for so many zones."""
         raise ValueError(_NO_LEVELS)
 
     @cached_property

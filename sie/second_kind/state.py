@@ -27,12 +27,12 @@ class SecondKindOptions:
     first_modes: int = 16
     # If modes are missing, their number is multiplied by at least this.
     growth: float = 1.6
-    # Limit of unknowns for which modes are added. A matrix of this size takes some seconds.
+    # Largest number of unknowns; then no modes are added. A matrix of this size takes some seconds.
     max_unknowns: int = 4000
-    # A search for free ends stops if so many modes have hardly decayed. That is at gaps below about
-    # 1e-4 of a width. Each solution with more modes would take a second.
+    # A search for free ends stops if coefficients have hardly decayed up to this mode, as beside
+    # gaps below about 1e-4 of a width. Each solution with more modes would take a second.
     search_modes: int = 768
-    # The size of the last coefficients of a zone is the largest of this many.
+    # Number of last coefficients of a zone. The largest of them shows whether modes are missing.
     last: int = 3
 
 
@@ -41,7 +41,7 @@ OPTIONS = SecondKindOptions()
 
 @dataclass(frozen=True, eq=False)
 class SecondKindState(Answered):
-    """The solution of an equation with kappa on given zones, with the data for its error estimate.
+    """The solution of an equation with kappa on given zones, and data for its error estimate.
 
     Attributes
     ----------
@@ -304,7 +304,7 @@ class SecondKindState(Answered):
 
     @property
     def noise(self) -> Array:
-        """Round-off of each zone's right side, relative to the zone's size (Z,)."""
+        """Round-off of the positions on each zone, relative to its half width (Z,)."""
         rounding = modes.place_rounding(self.density.zones, np.arange(len(self.density.zones)))
         return np.asarray(rounding)
 

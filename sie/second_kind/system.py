@@ -63,7 +63,7 @@ def targets_at(zones: Zones, theta: Array) -> Targets:
 
 
 def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout) -> Array:
-    """(kappa + T) of a unit of each unknown coefficient at the targets (points, unknowns)."""
+    """kappa phi + T phi at the targets, for a unit of each coefficient (points, unknowns)."""
     out = np.zeros((len(targets.x), layout.size))
     for basis, m, sources in alike(zones, layout.m):
         block = np.zeros((len(targets.x), len(sources), m + 1))
@@ -82,7 +82,7 @@ def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layo
 
 
 def _add_own(out: Array, zones: Zones, targets: Targets, layout: Layout) -> None:
-    """Add (kappa + T) of each zone's own density to the table `out` of fields."""
+    """Add each zone's field on itself, -sum c_n D_(n-1), to the table `out` of `fields`."""
     for i, basis in enumerate(bases_of(zones)):
         here, m, first = np.flatnonzero(targets.zone == i), int(layout.m[i]), layout.offset[i]
         w = zones.half[i]
@@ -93,7 +93,10 @@ def _add_own(out: Array, zones: Zones, targets: Targets, layout: Layout) -> None
 def regular_fields(
     zones: Zones, kernel: Kernel, x: Array, layout: Layout, potential: bool = False
 ) -> Array:
-    """Transform or potential by the kernel's regular part, by unknowns (points, unknowns)."""
+    """Part of transform or potential due to the kernel's regular part (points, unknowns).
+
+    Each column belongs to a unit of one unknown.
+    """
     out = np.zeros((len(x), layout.size))
     for basis, m, sources in alike(zones, layout.m):
         for i in sources.tolist():
@@ -109,10 +112,10 @@ def regular_fields(
 def regular_means(
     kernel: Kernel, zone: tuple[float, float, int], x: Array, potential: bool
 ) -> Array:
-    """Means over a zone of the kernel's regular part times T_l, by theta (points, l).
+    """Means over a zone of the kernel's regular part times T_l, at points x (points, l).
 
-    zone: its middle, half width and highest mode; x: points; potential: whether those of the
-    potential are meant.
+    The mean is taken over the zone's angle theta. zone: its middle, half width and highest mode;
+    potential: whether the regular part of the potential takes the place of the kernel's.
     """
     middle, w, m = zone
     q = regular_size(kernel, w, m)
@@ -186,14 +189,17 @@ class SecondKindRows(Rows):
         return out
 
     def left_side(self, targets: Targets | Places) -> Array:
-        """The left side at points, minus the columns, for a unit of each unknown."""
+        """Left side of the equation at points, for a unit of each unknown (points, unknowns).
+
+        An unknown amplitude contributes minus its column.
+        """
         out = fields(self.zones, self.equation.kernel, targets, self.layout)
         for number, column in enumerate(self.equation.columns):
             out[:, self.layout.coefficients + number] = -np.asarray(column.value(targets.x))
         return out
 
     def _by_zone(self, of_zone: Callable[[int, Weighted, int], Array]) -> Linear:
-        """Rows whose factors of a zone's coefficients are of_zone(zone, basis, m), no constants."""
+        """(matrix, zeros): row i has of_zone(i, basis, m) at the coefficients of zone i, else 0."""
         out = np.zeros((len(self.zones), self.layout.size))
         for i, basis in enumerate(bases_of(self.zones)):
             m, first = int(self.layout.m[i]), self.layout.offset[i]

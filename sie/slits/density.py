@@ -106,7 +106,7 @@ class SlitDensity(DensityBase):
         return self.smooth.sampling[self.geometry.piece_zone]
 
     def kinks_of(self, here: Slits) -> list[tuple[int, SlitKink]]:
-        """(index of the slit, jump) for each jump of the right side in the slits of one wide zone.
+        """The jumps of the right side in the slits `here` of one wide zone, as (slit index, jump).
 
         The list is empty for a response, whose right side is zero.
         """

@@ -251,7 +251,7 @@ class SlitKink(Kept):
     def outside_slit(
         self, from_left: Array, from_right: Array, outside: Array, past: Mask
     ) -> Array:
-        """Bounded part of the density that psi (see `slope`) causes, at points outside the slit.
+        """Density outside the slit due to psi (see `slope`), without the part of `edge`.
 
         outside: distance from the slit in its half widths; past: whether a point is right of it.
         """

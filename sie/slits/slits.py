@@ -540,8 +540,8 @@ class Slits(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r; r @ d is the zone's mean of the slack's integral, for the slits' series d.
+        """Row r: r @ d is the mean over the wide zone of the integral of the slack.
 
-        The slack is the unknown function in the slits.
+        The slack is the unknown function in the slits; d: its series coefficients on all slits.
         """
         return np.concatenate([slit.mean_row for slit in self.slits])

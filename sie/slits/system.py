@@ -57,7 +57,7 @@ class Opened(Trial):
         return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """The part, due to the slack s (the slits' unknown), of integrals of weight times density.
+        """Contribution of the slack s (the slits' unknown) to integrals of weight times density.
 
         The first coefficients of the density are unknowns of the system and contain the share of s
         already. Only the coefficients of s beyond them are added here.
@@ -372,8 +372,8 @@ class SlitState(Answered):
         At the ends of slits it acts at one point and is not averaged.
         """
         rest = self.rest * row_sizes(self.whole.density.coefficients).max()
-        # The round-off of an intensity K, divided by the scale of K, is the round-off of the sum of
-        # the zone's coefficients.
+        # An intensity K is `edge_scale` times a sum of the zone's coefficients. So its round-off,
+        # divided by `edge_scale`, is that of the sum.
         noise = self.whole.intensity_noise.max(axis=0) / self.geometry.wide.edge_scale
         return self._intensities_of(noise + rest, ERRORS.safety)
 
@@ -575,8 +575,8 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
-    # Unless the number of modes must grow, this solution of the wide zones is only a starting point
-    # for an iteration. A relative error of 1 is then accepted.
+    # The solution on the zones joined across slits (`found.wide`) only starts an iteration, so that
+    # a relative error of 1 is accepted. If modes are added (`equation.grows`), it must be accurate.
     inner.linear = sizes.linear if equation.grows else 1.0
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value

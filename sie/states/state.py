@@ -393,7 +393,7 @@ def residual_errors(
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Last coefficients of other zones' field on each zone, over its density's largest one (Z,).
+    """Last coefficients of the field on each zone, over its density's largest coefficient (Z,).
 
     The field is that of the other zones and of the columns.
     """
@@ -415,10 +415,9 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
 def _last_of_fields(
     system: System, y: Array, fall: Array | None = None, continued: bool = True
 ) -> Array:
-    """Largest of the last three coefficients, up to mode m, of other zones' field on each zone
-    (Z,).
+    """Largest of the last three coefficients, up to mode m, of the field on each zone (Z,).
 
-    The field is that of the other zones and the columns. The result is 0 for fewer than 8 modes.
+    The field is that of the other zones and of the columns. The result is 0 for fewer than 8 modes.
     fall: ratio of successive coefficients; continued: whether each of the three is extrapolated to
     the last one with this ratio. Sampling at m nodes subtracts coefficient m + 1 + j from
     m + 1 - j, so that only the fraction 1 - fall^(2 j) of a slowly decaying one remains.

@@ -41,7 +41,8 @@ class PanelOptions:
     # Largest number of panels for each zone. A kernel that varies so fast that it needs more panels
     # is summed directly, unless the table of the matrices of all panels is small.
     panels_per_zone: int = 8
-    # If a kernel does not depend on x - xi alone, a skeleton is used from this number of zones on.
+    # Least number of zones for a skeleton (`sie.trees.skeleton`). It replaces panels if the kernel
+    # does not depend on x - xi alone.
     min_zones_of_skeleton: int = 32
 
 

@@ -236,7 +236,7 @@ def clenshaw(table: Array, cell: Index, t: Array) -> Array:
 
 
 def _cells(ends: Array, at: Array) -> Array:
-    """Ends of the cells, which are pieces of f, halved until few jumps `at` are near each cell."""
+    """Ends of the cells: intervals between `ends` are halved until few jumps `at` are near each."""
     between = np.append(np.diff(at), np.inf)
     while True:
         length = np.diff(ends)

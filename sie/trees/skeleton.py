@@ -147,8 +147,8 @@ class Seen:
 
 def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
     """The skeleton of the kernel's regular part on the zones; None if its rank is too high."""
-    # It takes longest to find that the rank is too high. So this result is stored for the number of
-    # zones, and no other skeleton is tried for this number.
+    # The search takes longest if the rank is too high. So this outcome is stored, and with the same
+    # number of zones no skeleton is searched again.
     key, too_high = zones.table.tobytes(), ("rank", len(zones))
     if too_high in kernel.kept_panels:
         return None

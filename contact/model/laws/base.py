@@ -148,8 +148,9 @@ class Law(Named, sie.Kept):
 
     @cached_property
     def equilibria(self) -> Equilibria:
-        """Whether the equilibrium contact is unique. If there are several equilibria, a branch of
-        them starts from the contact under another law.
+        """Whether the equilibrium is unique (`convex`); else the law `bare` starts a branch.
+
+        A branch of equilibria under this law is followed from the contact under `bare`.
         """
         return Equilibria(bool(self.convex), self.bare)
 

@@ -232,10 +232,10 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) -> float:
-    """The fraction of the declared powers that the differences do not show. Steps are halved
-    again and again, and the smallest of the fractions found is returned.
+    """The fraction of the declared powers that differences of the function do not show.
 
-    It is 0 where round-off hides the powers, or hides them before smooth parts have vanished.
+    Steps are halved again and again, and the smallest fraction is returned. It is 0 if round-off
+    hides the powers at all steps, or at all steps for which the smooth part is negligible.
     """
     derived = profile.slope_is_derived
     function = profile.height if derived else profile.slope
@@ -254,7 +254,7 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
         if abs(declared) > 10 * rounding / (2 * CHECKS.jump):
             found.append(abs(float(weights @ values) - declared) / abs(declared))
     # If the last halving of the step still decreased the fraction, the differences still contain
-    # the smooth part of the function. Then there is no verdict.
+    # the smooth part of the function. Then nothing is concluded, and 0 is returned.
     return 0.0 if len(found) < 3 or found[-1] < 0.7 * found[-2] else min(found)
 
 

@@ -79,8 +79,9 @@ def _kernel(operator: Operator, unit: float) -> sie.Kernel:
 
 
 def _require_regular(kernel: sie.Kernel) -> None:
-    """Raise a SceneError that names the first fault of the kernel's smooth part, whose typical
-    length is 1.
+    """Raise a SceneError that names the first fault of the kernel's smooth part.
+
+    Lengths are scaled so that the kernel varies over a length of 1.
     """
     regular, potential = kernel.regular, kernel.regular_potential
     assert regular is not None

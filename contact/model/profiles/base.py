@@ -21,7 +21,7 @@ from contact.model.profiles.derive import DETAIL, DIFFERENCES, DerivedSlope, det
 from contact.model.registry import Named, anew, construct, parameters
 from sie import Array
 
-# Places of the tips of a shape whose only tip is at x = 0.
+# Value of `summits` for shapes with one tip, at x = 0.
 AT_ORIGIN = np.zeros(1)
 AT_ORIGIN.setflags(write=False)
 

@@ -34,12 +34,13 @@ class VerdictOptions:
     """Options for comparing differences of heights with integrals of the slope.
 
     nodes: number of Chebyshev points of an interval. 7 to 13 decide the same.
-    ratio: length of an interval over that of the next smaller one. A check of an interval also
+    ratio: length of an interval, relative to the next smaller one. A check of an interval also
         holds for places on a part of it that is shorter by no more than this factor.
-    differs: smallest discrepancy that is a contradiction, over the truncation and round-off of
-        heights and slopes.
-    counts: smallest discrepancy that is a contradiction, over the rise of the height. Heights are
-        used if their truncation and round-off are below the square root of this, over their rise.
+    differs: smallest discrepancy that is a contradiction, relative to the truncation and round-off
+        of heights and slopes.
+    counts: smallest discrepancy that is a contradiction, relative to the rise of the height.
+        Heights are used if their truncation and round-off, relative to their rise, are below the
+        square root of this.
     """
 
     nodes: int = 9
@@ -50,14 +51,14 @@ class VerdictOptions:
 
 @dataclass(frozen=True)
 class DifferenceOptions:
-    """Options for central differences. Their steps are doubled again and again.
+    """Options for central differences, each of whose steps is twice as long as the one before.
 
-    wider: number of steps above the scale of a place. Heights with a large constant need wide
-        steps.
+    wider: number of steps longer than the length scale of a place. Heights with a large constant
+        need wide steps.
     sure: number of successive steps whose quotients must agree. Over 8 steps round-off falls to
-        2^-8. Round-off of heights is measured over as many steps.
-    margin: largest round-off over the median round-off. Also the round-off of an extrapolated
-        quotient, over that of a height divided by the smallest step.
+        2^-8. The round-off of heights is measured over the same number of steps.
+    margin: largest round-off, relative to the median round-off. Also the round-off of an
+        extrapolated quotient, relative to that of a height divided by the smallest step.
     together: number of neighbouring places with one estimate of round-off. 16 to 64 are the same.
     """
 
@@ -392,8 +393,8 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
     # half (`before`). A median of 0 is excluded: such steps were too short to change a height.
     level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
     found = np.where(level, np.max(windows, axis=2), np.inf)
-    # Among the level windows, a value above 128 (`part`) times the least one is not round-off. The
-    # limit is as high as 128 because the shortest steps may show only 1/128 of the round-off.
+    # A level window shows the round-off, or at the shortest steps as little as 1/128 of it. So a
+    # window with more than 128 (`part`) times the least value shows no round-off.
     found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)

@@ -26,8 +26,9 @@ _SPREAD = math.sqrt(WEIGHTS @ WEIGHTS)
 
 
 def deviations(values: Array) -> Array:
-    """Deviations from a smooth function, one for each column of `values`, an array (7, n). A
-    column has the values at seven equally spaced places.
+    """Deviation from a smooth function, for each column of `values` (7, n).
+
+    A column has the values at seven equally spaced places.
     """
     return np.asarray(np.abs(np.tensordot(WEIGHTS, values, axes=1)) / _SPREAD)
 

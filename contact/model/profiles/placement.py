@@ -143,10 +143,10 @@ class Overlap:
 
 
 def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
-    """The interval in which corners of a periodic body are listed, if the other body has no
-    period. It contains a number of cells around the tip of the other body.
+    """The interval in which corners of a periodic body are listed under a body without a period.
 
-    None where the bodies are no such pair.
+    It contains `repeats` cells on each side of the other body's tip. It is None if not exactly one
+    body has a period, if the other body ends at corners, or if there are no corners to list.
     """
     lone, row = sorted(placed, key=lambda one: one.body.period is not None)
     body, period = row.body, row.body.period

@@ -159,7 +159,8 @@ def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
     steps = np.abs(np.diff(height))
     border = here[1:] != here[:-1]
     inner = ~here[1:] & ~here[:-1]
-    # If most of the other steps are zero, equal heights are normal and mark nothing.
+    # `inner` marks the steps between heights outside of `here`. If most of them are zero, equal
+    # heights are normal, and do not mark missing values.
     if not inner.any() or float(np.median(steps[inner])) == 0:
         return False
     usual = float(np.quantile(steps[inner], 0.75))

@@ -120,8 +120,8 @@ _BRACKETS = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]")
 _BRACKETS_FIRST = re.compile(rf"^\s*{_BRACKETS.pattern}")
 _BRACKETS_LAST = re.compile(rf"{_BRACKETS.pattern}\s*$")
 _BRACKETS_ALONE = re.compile(rf"^{_BRACKETS.pattern}$")
-# Patterns for blanks between a name and brackets after the name, and between brackets and a name
-# after the brackets.
+# Pattern for blanks between a name and the brackets after it, and pattern for blanks between
+# brackets and the name after them.
 _NAME_BRACKET = re.compile(r"(?<=[^\s\])>}])\s+(?=[\[(<{][^\])>}]*[\])>}])")
 _BRACKET_NAME = re.compile(r"(?<=[\])>}])\s+(?=[^\s\[(<{])")
 _TO_BRACKET = re.compile(r"[^\[(<{\])>}]+[\[(<{][^\])>}]*[\])>}]")  # words up to brackets
@@ -240,7 +240,7 @@ def bare_name(field: str) -> str:
 
 
 def header_fields(line: str, delimiter: str | None) -> Iterator[list[str]]:
-    """The fields of a header, divided by one delimiter after another, that of the data first.
+    """Yield the fields of a header, one list for each delimiter; that of the data first.
 
     Units stay with their names: in brackets, after a slash, a comma, a colon or "in".
     """

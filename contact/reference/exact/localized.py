@@ -198,8 +198,8 @@ class LocalizedZone(SymmetricZone):
         """Derivative dP/ds of the load P by the half width s, at a fixed nominal load."""
         s = np.asarray(s)
         z = 2.0 * s / self.period
-        # The half width s may be rounded to L/2. There the rate is infinite, but its integral is
-        # finite.
+        # The half width s may be rounded to L/2, where the rate dP/ds is infinite. A lower bound of
+        # `root` is allowed, because the integral of the rate is finite.
         root = np.sqrt(np.maximum(1.0 - z, 1e-16) * (1.0 + z))
         return self.isolated.load_rate(s) + 2.0 * self.nominal_load / self.period * z / root
 

@@ -239,8 +239,8 @@ def pair_at_load(
 
     def log_excess(log_half: float) -> float:
         pair = at(exp(log_half))
-        # Without a pair of zones, the zones have merged. Merged zones carry more load than any
-        # pair.
+        # If there is no pair of this half width, the zones have merged. Merged zones carry more
+        # load than any pair.
         return inf if pair is None else log(pair.load / load)
 
     low = log(limit if np.isfinite(limit) else 1.0) - 1.0

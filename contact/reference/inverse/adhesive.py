@@ -175,9 +175,10 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _zone_integrals(self) -> tuple[Any, Any]:
-        """Loads of all zones: those that each basis function of M causes, and those of the poles.
+        """Loads of all zones due to each basis function of M, and due to the poles of R.
 
-        The first array, (n, count), has one column for each coefficient of M; the second is (n,).
+        M and R: head of this module. The first array, (n, count), has one column for each
+        coefficient of M; the second is (n,).
         """
         half = np.longdouble(self.E_star) / 2
         each = [
@@ -214,9 +215,9 @@ class AdhesiveDesign(GivenZones):
         n, ends = len(self.zones), self._extended.zones.ravel()
         hull = (float(ends[0]), float(ends[-1]))
         if self.period is None:
-            # X and R become series in powers of v, where x = middle + half (v + 1/v)/2. Here middle
-            # and half are those of the hull. An end is e = middle + half cos(phi). In units of
-            # `CutProduct._unit` = half/2, its factor in X^2 is
+            # X and R (head of this module) become series in powers of v, with x = middle +
+            # half (v + 1/v)/2 and the middle and half width of the hull. An end is e = middle +
+            # half cos(phi). In units of `CutProduct._unit` = half/2, its factor in X^2 is
             #     (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
             # Hence X = v^n `root`, where `root` is a series in powers of 1/v.
             phi = 2.0 * np.arctan2(np.sqrt(ends[-1] - ends), np.sqrt(ends - ends[0]))
@@ -430,9 +431,9 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
 def _pole_slope(
     design: AdhesiveDesign, g: int, at: tuple[Array, Array], j: int, pole: Any
 ) -> Array:
-    """Derivative of the product of |X| and the pole of end j, divided by |X|, in gap g.
+    """(|X| `pole`)' / |X| at points in gap g, where `pole` is the pole of R at end j.
 
-    The points are given by their distances `at` from the ends of the gap.
+    X, R: head of this module. at: distances of the points from the ends of the gap.
     """
     ends = design._product.zones.ravel()
     distance = (ends[g] + at[0])[:, None] - ends

@@ -36,7 +36,10 @@ class AtTilt:
     def of(
         cls, tilt: float, window: tuple[float, float], state: GridState, fineness: float
     ) -> "AtTilt":
-        """The contact at a tilt, from its solution `state` on a grid. fineness: in grid cells."""
+        """The contact at a tilt, from its solution `state` on a grid.
+
+        fineness: as in the class, but in grid cells.
+        """
         h = state.influence.h
         x = np.asarray(window[0] + h * (np.arange(state.influence.n) + 0.5), dtype=np.float64)
         centre = float(state.pressure @ x) * h / state.load
@@ -87,8 +90,8 @@ def balanced(
         low, high = (max(low, tilt), high) if lean.centre < centre else (low, min(high, tilt))
         if miss <= before:
             # Newton's step is tried next if the error was halved, or if the bracket is still
-            # infinite. It is also tried if `rate` has more than doubled, as more places are then in
-            # contact.
+            # infinite. A `rate` that has more than doubled shows that new places have come into
+            # contact: then Newton's step with the new rate is tried, too.
             newton = (
                 miss <= 0.5 * before
                 or high - low == math.inf

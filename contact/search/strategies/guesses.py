@@ -164,9 +164,9 @@ def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -
         if full := full_under(context, control, but_for_kinks=True):
             return full
     has_branch = control.load is not None or control.approach is not None
-    # In a localized model's strip with neighbours, contact never becomes full. A guess almost as
-    # wide as the strip is useless, so the width is searched along the contacts from zero load. The
-    # corners of a punch may limit the width instead.
+    # In a localized model with neighbours, contact never becomes full. A guess almost as wide as
+    # the strip is useless, unless the corners of a punch limit it. A better guess is found along
+    # the branch of contacts from zero load.
     needs_branch = bool(
         has_branch
         and problem.interaction.neighbours

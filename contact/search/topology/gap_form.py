@@ -126,7 +126,7 @@ class GapForm:
         )
 
     def is_slight(self, found: Solved) -> bool:
-        """Whether the pressure outside the gaps has a minimum as small as the error."""
+        """Whether the least minimum of the pressure outside the gaps is as small as its error."""
         return found.certificate.dip <= TOLERANCES.margin * found.tolerance
 
 

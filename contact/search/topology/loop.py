@@ -195,7 +195,7 @@ def refine_topology(
 
 
 class _Loop(Generic[Kind]):
-    """The rounds of one search, with the settings and intervals that rounds pass on."""
+    """The rounds of one search; it stores what one round passes on to the next."""
 
     def __init__(
         self,

@@ -73,7 +73,7 @@ class PressureForm:
     def formal(
         self, load: float, table: Array, tolerance: float, decay: float | None = None
     ) -> ZoneFields:
-        """Fields with this number of zones under a load, without a check of signs.
+        """Fields under a load, with as many zones as `table`, whatever the signs are.
 
         decay: see `sie.NewtonOptions`.
         """
