@@ -21,7 +21,7 @@ from functools import lru_cache
 import numpy as np
 
 from contact.errors import SceneError
-from contact.model.plugin_checks.jumps import CHECKS
+from contact.model.plugin_checks.jumps import CHECKS, declared_jumps
 from contact.model.profiles.base import Profile, is_of_package
 from contact.model.profiles.noise import EPS, PLACES, STEP, deviations, rounding
 from sie import Array, record
@@ -251,13 +251,8 @@ def _kink_fault(profile: Profile, panels: _Panels) -> str:
     places = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
     apart = float(np.diff(places).min(initial=float(np.max(panels.b - panels.a))))
     distance = CHECKS.same * apart + 4 * np.spacing(np.abs(kinks[:, 0]))
-    sides = np.asarray(
-        profile.slope(kinks[:, 0] + distance * np.array([[-1.0], [1.0]])), dtype=np.float64
-    )
-    seen = sides[1] - sides[0]
-    error = np.abs(seen - kinks[:, 1]) - CHECKS.jump * np.maximum(
-        np.abs(kinks[:, 1]), np.abs(sides).max(axis=0)
-    )
+    powers = np.asarray(profile.algebraic_points, dtype=np.float64)
+    seen, error = declared_jumps(profile.slope, kinks, distance, powers)
     worst = int(np.argmax(np.where(np.isfinite(error), error, -np.inf)))
     if not error[worst] > 0.0:
         return ""

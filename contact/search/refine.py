@@ -7,11 +7,9 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.extras import require
-from contact.formulation.tolerances import TOLERANCES
-from contact.model.profiles.noise import EPS
 from contact.search.context import SolveContext
-from contact.search.grid.proposals import about, placed
-from contact.search.grid.scaling import ScaledScene, scaled_scene_about
+from contact.search.grid.proposals import about
+from contact.search.grid.scaling import ScaledScene
 from contact.search.strategies.full_contact import Full
 from contact.search.strategies.gaps import tightened_gaps
 from contact.search.strategies.guesses import Outcome
@@ -65,30 +63,7 @@ def _refined_once(context: SolveContext, found: Outcome, search: Search) -> Outc
             with context.plan.timed("zone ends"):
                 found = tightened_gaps(context, found, retry=True)
         return found
-    return _tightened(context, _from_near_origin(context, found), search)
-
-
-def _from_near_origin(context: SolveContext, found: SolvedZones) -> SolvedZones:
-    """Zones of a lone body far from x = 0, solved again with the origin at the zones.
-
-    Without this, rounding of positions is more than the smallest stated error.
-    """
-    scene, zones = context.scene, found.free.density.zones
-    span = float(zones.b[-1] - zones.a[0])
-    distance = float(max(-zones.a[0], zones.b[-1]))
-    if (
-        scene.interaction.needs_period
-        or scene.turned
-        or scene.profile.support is not None
-        or EPS * distance < TOLERANCES.rounding * span
-    ):
-        return found
-    table = np.asarray(found.fields.problem.units.x(zones.table))
-    scaled = scaled_scene_about(scene, 0.0, table)
-    moved = context.refine_topology(
-        scaled.problem, context.control(scaled.problem), placed(scaled.problem, table)
-    )
-    return found if isinstance(moved, Failure) else moved
+    return _tightened(context, found, search)
 
 
 def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedGaps:

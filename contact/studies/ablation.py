@@ -148,9 +148,6 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
     "half of a symmetric contact": (
         Switch("contact.search.topology.pressure_form:is_symmetric", returning(False)),
     ),
-    "origin at the zones of an isolated body": (
-        Switch("contact.search.refine:_from_near_origin", _first_argument),
-    ),
     "zones after gaps, if these are less precise": (
         Switch("contact.search.refine:_by_zones", _first_argument),
     ),

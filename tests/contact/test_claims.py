@@ -277,6 +277,18 @@ def test_a_faint_corner_in_a_zone_is_named_by_the_refusal():
     assert "the slope jumps by" in said and "kinks" in said
 
 
+@pytest.mark.parametrize("size", [1e-7, 1e-4])
+@pytest.mark.parametrize("lie", [{"too_large": 1.3}, {"too_large": -1.0}, {"beside": 0.1 * PERIOD}])
+def test_faint_declared_corners_are_held_against_the_slope(lie, size):
+    """Corners of a millionth of the slopes: true ones pass, others are named."""
+    assert claims.of(Told(corner=0.5 * size)).error < 1e-12
+    false = Told(corner=0.5 * size, **lie)
+    with pytest.raises(contact.SceneError, match="kink declared at .* the slope jumps by"):
+        claims.of(false)
+    report = contact.testing.check_profile(false, raises=False)
+    assert any("kink declared at" in fault for fault in report.faults)
+
+
 @pytest.mark.parametrize("times", [-1.0, 1.001, 1 + 1e-7, 1 + 1e-10])
 @pytest.mark.parametrize("route", BY_RELIEF)
 def test_a_false_transform_of_the_slope_is_harmless_or_named(route, times):

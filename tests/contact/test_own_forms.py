@@ -100,7 +100,7 @@ def test_a_profile_of_the_right_form_is_solved():
     ids=["slope", "kink", "jump"],
 )
 def test_a_profile_that_contradicts_itself_is_told_so_where_it_leads_nowhere(said, fault):
-    with pytest.raises(contact.NotConverged, match=fault):
+    with pytest.raises(contact.ContactError, match=fault):
         contact.solve(scene(own(**said)))
 
 

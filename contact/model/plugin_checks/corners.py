@@ -12,6 +12,7 @@ import numpy as np
 from contact.model.plugin_checks.jumps import (
     BEND_STEP,
     CHECKS,
+    declared_jumps,
     jumps_at,
     room_around,
     slope_jumps,
@@ -38,14 +39,11 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
     declared = np.asarray(profile.kinks, dtype=np.float64).reshape(-1, 2)
     slope, reach, rounding = _sharp_slope(profile, width, x)
     points = np.asarray(profile.algebraic_points, dtype=np.float64)
-    for s, jump in declared:
-        seen = float(np.diff(slope(np.array([s - 2 * reach, s + 2 * reach])))[0])
-        # The slopes at s - 2 `reach` and s + 2 `reach` also differ because of an algebraic point at
-        # s, noticeably if its exponent is near 1. This difference is subtracted.
-        seen -= sum(
-            (left + right) * n * (2 * reach) ** (n - 1) for at, n, left, right in points if at == s
-        )
-        if abs(seen - jump) > CHECKS.jump * max(scale, abs(jump)) + rounding:
+    jumps, errors = declared_jumps(
+        slope, declared, np.full(len(declared), 2 * reach), points, rounding
+    )
+    for (s, jump), seen, error in zip(declared, jumps, errors, strict=True):
+        if error > 0.0:
             yield (
                 f"kink declared at {s:.6g} with jump {jump:.6g}: the slope jumps by {seen:.6g} "
                 "there"

@@ -26,7 +26,8 @@ class CheckOptions:
     points: number of points on either side of a place. Also the order of the differences that
         separate powers from smooth parts.
     unchanged: largest relative change of a jump between two distances from which it is estimated.
-        Also the largest relative round-off of such an estimate.
+        Also the largest relative round-off of such an estimate, and the largest relative error of a
+        declared jump that is small.
     jump: smallest jump of the slope that is a kink, over the largest slope. Smaller changes may be
         a steep slope. Twice this part of a declared power may be missing.
     same: largest relative difference of two values that agree.
@@ -111,6 +112,34 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
     nearer &= rounding[1:] <= CHECKS.unchanged * np.abs(height)
     same = np.abs(seen[1:] - height) <= CHECKS.unchanged * np.abs(height)
     return JumpEstimates(height, doubt, np.all(~nearer | same, axis=0))
+
+
+def declared_jumps(
+    slope: Callable[[Array], Array],
+    kinks: Array,
+    distance: Array,
+    powers: Array,
+    rounding: float = 0.0,
+) -> tuple[Array, Array]:
+    """Jumps of `slope` at the kinks (n, 2) that a profile declares, and their errors beyond doubt.
+
+    The slope is read at `distance` and at half of it on both sides of each kink, and the jump is
+    extrapolated to the kink. An error is positive if the declared jump is false. powers: the
+    algebraic points of the profile. rounding: round-off of `slope`, beyond that of its values.
+    """
+    at, declared = kinks.T
+    seen, size = [], np.abs(declared)
+    for d in (distance, distance / 2):
+        left, right = (np.asarray(slope(at + side * d), dtype=np.float64) for side in (-1, 1))
+        jump, size = right - left, np.maximum(size, np.maximum(np.abs(left), np.abs(right)))
+        for s, n, on_left, on_right in powers:
+            # The slope of a power at the same place differs between the sides, too.
+            jump -= np.where(at == s, (on_left + on_right) * n * d ** (n - 1), 0.0)
+        seen.append(jump)
+    jump = 2 * seen[1] - seen[0]
+    doubt = 2 * np.abs(seen[1] - seen[0]) + 16 * EPS * size + rounding
+    allowed = np.minimum(CHECKS.jump * size, CHECKS.unchanged * np.abs(declared)) + doubt
+    return jump, np.abs(jump - declared) - allowed
 
 
 def slope_jumps(

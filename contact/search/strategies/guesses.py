@@ -17,6 +17,7 @@ import numpy as np
 
 from contact.closed.half_width import guess_half_width, single_branch, widest
 from contact.errors import ContactError, OutOfRange
+from contact.formulation import claims
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.search.context import SolveContext
@@ -268,8 +269,11 @@ class _GridSearch:
             found = self._from_proposal(proposal)
             if not isinstance(found, Failure):
                 return found
-            if found is not NOT_APPLICABLE and self._is_hopeless(found, points):
-                break
+            if found is not NOT_APPLICABLE:
+                # A profile with a false claim has no contact. Finer grids take long to show it.
+                claims.of(context.scene.profile, np.asarray(proposal.zones))
+                if self._is_hopeless(found, points):
+                    break
             points *= OPTIONS.refinement
         raise self._error(proposal, points)
 
