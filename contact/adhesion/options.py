@@ -58,8 +58,8 @@ class MoveOptions:
     # it replaces.
     few_zones: int = 8
     # Relative changes of the adhesion or of the control, tried in ascending order. In an
-    # approximate solution, some ends tend to advance and others to recede. After a change that exceeds the
-    # error of this solution, all ends tend to move the same way.
+    # approximate solution, some ends tend to advance and others to recede. After a change that
+    # exceeds the error of this solution, all ends tend to move the same way.
     margins: tuple[float, ...] = (0.02, 0.06, 0.2)
 
 
