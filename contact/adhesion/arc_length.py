@@ -212,8 +212,8 @@ class Step:
     ) -> float:
         """Length inside the step at which a function of the equilibrium is zero.
 
-        first, last: its values of opposite signs at the start and at the end (or at a length).
-        accuracy: relative accuracy.
+        first, last: values of the function, of opposite signs, at the start and at `length` (None:
+        at the end of the step). accuracy: relative accuracy.
         """
         end = self.length if length is None else length
         known = {
@@ -254,8 +254,8 @@ class Step:
 def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterator[Step]:
     """Generate the steps along the curve of equilibria that starts from an equilibrium.
 
-    The control first rises (sense 1) or falls (-1). tight: whether the states at their ends are
-    solved to full accuracy.
+    The control first rises (sense 1) or falls (-1). tight: whether the states at the ends of the
+    steps are solved to full accuracy.
     """
     place, length, why, stands = (
         _stood_by(curve, here, sense),

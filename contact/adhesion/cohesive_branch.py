@@ -427,7 +427,7 @@ def _solved_zones(
 ) -> tuple[CohesiveFields, sie.Free, Load]:
     """(fields, result of the search for the ends, control) of zones under a tension.
 
-    load: the load of the contact pressure q.
+    load: the integral of the contact pressure q.
     """
     if pulled.pulling.spread != (None, None):
         return _solved_at_corners(pulled, load - pulled.pulling.total, zones)

@@ -491,7 +491,7 @@ class CohesiveCurve(Curve):
     ) -> CohesiveState:
         """The state that has the given fields, with its residuals and rates.
 
-        same_rates: a state so close that its rates are reused, if it has as many zones.
+        same_rates: a close state, whose rates are reused if it has as many zones.
         """
         pulled, state = fields.problem, fields.state.whole
         assert isinstance(pulled, TractionLoaded)

@@ -312,7 +312,7 @@ class Curve:
         return Curve(self.problem, control)
 
     def again(self, here: State, value: float) -> State:
-        """The state at a value of this curve's control, on intervals of another curve's state."""
+        """The state at a value of this curve's control, on the intervals of the state `here`."""
         return self.at(here.table, value)
 
     def unit(self, here: State) -> float:

@@ -125,10 +125,10 @@ class GridGuide(sie.Kept):
         reach: float,
         warm_start: GridState | None = None,
     ) -> GridRest:
-        """The intervals and zones at rest, after growth (sign 1) or shrinking (sign -1).
+        """Intervals and zones at equilibrium, after growth (sign 1) or shrinking (sign -1).
 
-        reach: factor of the law's reach. table: None for tension in all of a period. Raises
-        ContactLost, Closed, or NotConverged at the border of the window.
+        reach: factor on the law's reach. table: the first intervals; None for tension in all of a
+        period. Raises ContactLost, Closed, or NotConverged at the border of the window.
         """
         limit = reach * self.problem.law.reach
         share = np.ones(self.points) if table is None else self._shares(table)

@@ -26,8 +26,8 @@ def pull_off(
 ) -> State:
     """The last equilibrium with contact as the control falls.
 
-    recede: brings ends that are driven inward to rest. past_cut: positive for a state past the cut
-    of one of its intervals.
+    recede: moves ends inward to an equilibrium. past_cut: a function of a state that is positive if
+    one of its intervals must be cut in two.
     """
     with suppress(NotConverged):
         for _ in range(LIMITS.patience):

@@ -168,13 +168,13 @@ class Spot(sie.Kept):
 
     @cached_property
     def _bend(self) -> tuple[Array, Array, Array]:
-        """Chebyshev series of e'(x)/x, with e the effect of other spots; Gauss nodes; weights.
+        """(Chebyshev series of e'(x)/x, Gauss nodes, weights), with e the effect of other spots.
 
-        The series is in x^2/a^2, with a the radius of the spot. The rule is that for the integral
-        over s from 0 to 1 at the head of this module.
+        The series is in x^2/a^2, with a the radius of the spot. Nodes and weights are those for the
+        integral over s from 0 to 1 at the head of this module.
 
-        The nearest singularity is the neighbours' rim, so the coefficients fall like
-        (rim + sqrt(rim^2 - 1))^(-degree): to round-off at the degree taken.
+        The nearest singularity is at `rim`, where the neighbours begin. So the coefficients fall
+        like (rim + sqrt(rim^2 - 1))^(-degree), to round-off at the degree taken.
         """
         rim = 2.0 * (self.reach / self.radius) ** 2 - 1.0
         needed = 8 + int(-log(EPS) / log(rim + sqrt(rim**2 - 1.0)))

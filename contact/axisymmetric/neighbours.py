@@ -54,7 +54,8 @@ class NeighbourKernel:
     """Kernel K(y): the sum of 1/sqrt(D^2 - y^2) over neighbours of one kind, at distances D.
 
     If a circle stands for further neighbours, a constant is subtracted (`surroundings`). radii,
-    counts: the near rings [m]; tail: coefficients of (y/l)^(2k)/l for the other rings.
+    counts: the near rings [m]; tail: coefficients of (y/l)^(2k)/l for the other rings, with l =
+    `spacing`.
     """
 
     radii: Array
@@ -91,7 +92,7 @@ class Surroundings:
     """Neighbours of one kind around a spot: near ones as a sum, far ones as a mean pressure.
 
     kernel: the sum over single neighbours; None if there are none. circle: radius A outside which
-    the pressure is the mean one; 0 if all neighbours are summed.
+    the mean pressure stands for the neighbours; 0 if all neighbours are summed.
     """
 
     kernel: NeighbourKernel | None = None

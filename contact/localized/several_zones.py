@@ -53,7 +53,7 @@ class ClosureOptions:
 
     widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
     # If Newton's steps from both ends of the bracket exceed this many bracket widths, W - W0 jumps
-    # past zero. W is the total width of the zones of the strip, W0 that of the profile alone.
+    # past zero. W and W0 are the total widths at the head of this module.
     jump: float = 3.0
     margin: float = 2.0  # stated error of the root over its last Newton step
 
@@ -115,7 +115,7 @@ class SeveralZones:
     def _step(self, rates: ContactRates, miss: float) -> Array:
         """Newton's step of (centre, nominal pressure, load) that removes the excess width `miss`.
 
-        The excess is W - W0, the width of the zones of the strip less that of the profile alone.
+        The excess is W - W0 (head of this module).
         """
         held = np.array([0.0, 0.0, 1.0]) if self.scaled.control.load is not None else rates.approach
         by_load = np.array([[rates.by_load.sum()], [middle_motion(rates.by_load)]])
@@ -196,7 +196,7 @@ def no_isolated_load() -> OutOfRange:
 
 
 def _from_grid(problem: Problem, load: float) -> Array:
-    """Contact zones of the profile alone, from a grid between the borders of the strip."""
+    """Contact zones of the profile without images, from a grid between the borders of the strip."""
     profile, units = problem.profile, problem.units
     left, right = units.x(np.array(problem.cut))
     found = propose(

@@ -335,8 +335,9 @@ class Operator(sie.Kept):
 
     @cached_property
     def strip_rest(self) -> Rest | None:
-        """The function for the smooth part of the potential of a strip and its images. It is
-        defined up to a constant, and None on a half-plane.
+        """The function that gives the smooth part of the potential of a strip and its images.
+
+        It is defined up to a constant, and None on a half-plane.
         """
         if self.is_own or self.smooth_part.is_zero:
             return None

@@ -244,7 +244,7 @@ def _directions(
 ) -> Iterator[tuple[Index, int]]:
     """Yield (indices of points, first n of the downward recurrence; 0: the upward one is used).
 
-    The error of the first ratio, at n = N, is in F_n by rho^(2 (N - n)) F_n, and N is so large that
+    An error of the first ratio, at n = N, changes F_n by rho^(2 (N - n)) F_n. N is so large that
     this is round-off of F_0 for all n below `count`. Without `all_terms`, terms below round-off of
     F_0 may be left out.
     """

@@ -73,7 +73,8 @@ def lerch(a: float, x: Number, from_one: Number) -> Number:
 def beta_share(a: float, b: float, x: Any, rest: Any) -> Array:
     """The regularised incomplete beta function I_x(a, b), with rest = 1 - x.
 
-    It is evaluated at the smaller one of x and 1 - x, because the larger one lacks digits of it.
+    It is evaluated at the smaller one of x and 1 - x, because the larger one does not show all
+    digits of the smaller one.
     """
     x, rest = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(rest, dtype=float))
     out, small = np.empty(x.shape), x <= rest
@@ -104,7 +105,7 @@ def _by_ray(a: float, x: Number) -> Number:
 
 @lru_cache(maxsize=256)
 def _powers(a: float) -> Array:
-    """Coefficients of the powers of x."""
+    """Coefficients 1 / (k + a) of the powers x^k, k = 0, 1, ..."""
     return np.asarray(1 / (np.arange(OPTIONS.terms) + a))
 
 
@@ -115,7 +116,7 @@ def _constant(a: float) -> float:
 
 @lru_cache(maxsize=256)
 def _beside(a: float) -> Array:
-    """Coefficients (1 - a)_k / (k! k), k = 1, 2, ..., of the powers of 1 - x, but one."""
+    """Coefficients (1 - a)_k / (k! k) of the powers (1 - x)^(k - 1), k = 1, 2, ..."""
     k = np.arange(1.0, OPTIONS.terms)
     return np.asarray(np.cumprod((k - a) / k) / k)
 

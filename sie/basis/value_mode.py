@@ -78,7 +78,7 @@ class ValueMode:
         return beta_share(w.alpha, w.rest, 0.5 * far, 0.5 * near)
 
     def own(self, left: Any, right: Any) -> Array:
-        """(kappa + T) of the density on the interval."""
+        """kappa phi + T phi of this density phi on the interval."""
         near, _ = self._sides(left, right)
         constant = float(special.digamma(self._half.alpha)) + float(np.euler_gamma)
         return np.asarray(self._sign / np.pi * (np.log(0.5 * near) - constant))
@@ -94,7 +94,8 @@ class ValueMode:
     def edge_slopes(self) -> tuple[float, float]:
         """Factors A of d^gamma at the left and the right end, for the half width 1.
 
-        gamma is 1 - alpha at the left end and alpha at the right one; the value 1 comes on top.
+        gamma is 1 - alpha at the left end and alpha at the right one. At the end with the value 1,
+        A d^gamma is added to this value.
         """
         w = self._half
         near = -w.sine / np.pi / w.rest * 0.5**w.rest
@@ -104,7 +105,8 @@ class ValueMode:
     def moments(self, length: int) -> Array:
         """Chebyshev coefficients (2 - delta_l0) / pi int V T_l dt, l < `length`.
 
-        They are those of `Weighted.moments`. By parts they follow from those of the weight.
+        They are those of `Weighted.moments`. Integration by parts gives them from those of the
+        weight.
         """
         weights = self._half.first_moments(length + 1)
         weights[1:] *= 0.5
@@ -136,7 +138,7 @@ class ValueMode:
     def _mirrored(
         self, points: Points, of: Callable[[Weighted, Number, Number], Number], sign: float
     ) -> Number:
-        """A function of (weighted, zeta + 1, zeta - 1); for the right end of the mirror image."""
+        """The value of `of` at the points; if the right end has the value 1, by mirror symmetry."""
         left, less = from_ends(points)
         if self.at_left:
             return of(self._half, left, less)

@@ -299,17 +299,18 @@ class Weighted(Kept):
         c = np.concatenate((np.zeros(1), -split.q * np.arange(1, count + 1)))
         return self._by_halves(points, of) + self.transform_of(c, points)
 
-    # The potential (1/pi) int phi(t) log|zeta - t| dt, the integral of the transform.
+    # The methods below give the potential (1/pi) int phi(t) log|zeta - t| dt, which is an integral
+    # of the transform.
     @cached_property
     def level(self) -> float:
-        """The potential of S_0, plus kappa times its integral from -1 to t: a constant."""
+        """Potential of S_0 plus kappa times the integral of S_0 from -1 to t, which is constant."""
         return math.log(2.0) + float(special.digamma(self.rest)) + float(np.euler_gamma)
 
     def own_potential(self, c: Array, left: Any, right: Any) -> Array:
         """Potential of sum_n c_n S_n on the interval.
 
-        Plus kappa times the integral from -1 to t, it is `level` for n = 0 and -1/n times the
-        mirrored family's p_n for n > 0.
+        The potential of S_n plus kappa times the integral of S_n from -1 to t is `level` for n = 0,
+        and -1/n times the mirrored family's p_n for n > 0.
         """
         divided = c / np.maximum(np.arange(len(c)), 1)
         divided[0] = 0.0
@@ -387,7 +388,8 @@ class Weighted(Kept):
     def first_moments(self, length: int) -> Array:
         """The first column of `moments`, that of the weight w.
 
-        From S_0's transform: it is the power series of ((1 + rho) / (1 - rho))^(1 - 2 alpha).
+        It follows from the transform of S_0. It is the power series of
+        ((1 + rho) / (1 - rho))^(1 - 2 alpha).
         """
         twice = 2 * self.recurrence(1)[0][0]
         out = np.ones(max(length, 2))

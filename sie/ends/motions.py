@@ -59,10 +59,10 @@ from sie.trees.krylov import gmres
 class Moved:
     """Direct effect of motions of ends on the density, before the unknowns respond to it.
 
-    coefficients: those that act on other zones like the singular densities (unknowns, ...);
-    own_level: change of the level of the same zone (Z, ...); own: change of the intensities at both
-    ends of the same zone (2, Z, ...); strength: factors of the singular densities of the left and
-    the right ends (2, Z, ...).
+    coefficients: those of a density that acts on other zones as the singular densities do
+    (unknowns, ...); own_level: change of the level of the same zone (Z, ...); own: change of the
+    intensities at both ends of the same zone (2, Z, ...); strength: factors of the singular
+    densities of the left and the right ends (2, Z, ...).
     """
 
     coefficients: Array

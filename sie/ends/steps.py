@@ -45,10 +45,10 @@ class LastMoves:
 class NewtonStep:
     """One undamped Newton step of the free ends.
 
-    moves: mask of the free ends (2, Z); delta: their outward steps (2, Z); noise: round-off in
-    these; change: step of the open condition's value; weak: mask of the zones (Z,) with an end next
-    to which the density has the wrong sign, so that the step is only a guess; branch: None if the
-    prescribed intensities are zero.
+    moves: mask of the free ends (2, Z); delta: their outward steps (2, Z); noise: the round-off of
+    `delta`; change: step of the open condition's value; weak: mask of the zones (Z,) with an end
+    next to which the density has the wrong sign, so that the step is only a guess; branch: None if
+    the prescribed intensities are zero.
     """
 
     moves: Mask

@@ -353,7 +353,7 @@ class GradedDensity(DensityBase):
         return out if self.closed is None else out + self.closed.potential(x)
 
     def _poles_at(self, x: Array, what: What) -> Array:
-        """Field of the kernel's poles at real points."""
+        """Part of the field at real points due to the poles of the kernel."""
         out = np.zeros(x.shape)
         for shift in self.kernel.poles:
             for zone in range(len(self.zones)):
@@ -361,7 +361,7 @@ class GradedDensity(DensityBase):
         return out
 
     def _regular_at(self, x: Array, regular: Regular | None) -> Array | float:
-        """Field of the kernel's regular part at real points."""
+        """Part of the field at real points due to the kernel's regular part."""
         if regular is None:
             return 0.0
         potential = regular is not self.kernel.regular

@@ -390,11 +390,11 @@ class GradedSystem(Rows, Kept):
 
     @cached_property
     def kept(self) -> Index:
-        """The unknowns that are solved for."""
+        """Indices of the unknowns that are solved for; on symmetric zones, half of all."""
         return np.flatnonzero(self.source_of == np.arange(self.size))
 
     def fold(self, matrix: Array) -> Array:
-        """The matrix for the unknowns that are solved for."""
+        """The matrix for the unknowns `kept`; on symmetric zones, equal unknowns are merged."""
         if not self.zones.symmetric:
             return matrix
         follow = np.setdiff1d(np.arange(self.size), self.kept)
@@ -403,7 +403,7 @@ class GradedSystem(Rows, Kept):
         return np.asarray(matrix[:, self.kept])
 
     def unfold(self, y: Array) -> Array:
-        """All unknowns from those that are solved for; the last axis of the result is theirs."""
+        """All unknowns from the unknowns `kept`."""
         out = np.zeros((self.size, *y.shape[1:]))
         out[self.kept] = y
         return np.asarray(out[self.source_of])
@@ -424,9 +424,10 @@ class GradedSystem(Rows, Kept):
     def powers_for(self, unknowns: Array) -> Array:
         """Powers (2, zones) of the distances from both gaps that divide F before its series.
 
-        Round-off of a series is relative to its largest value. Next to a narrow gap of the relative
-        width e, F may be of the size of that on the rest of the zone, or fall as the distance. The
-        errors of the density times sqrt(1 - t^2) are then least without and with the division.
+        Round-off of a series is relative to its largest value. Next to a narrow gap, F may be as
+        large as on the rest of the zone, or fall in proportion to the distance. The errors of the
+        density times sqrt(1 - t^2) are least without the division in the first case, and with it in
+        the second.
         """
         out = np.zeros((2, len(self.zones)))
         for zone, grading in enumerate(self.gradings):

@@ -50,8 +50,9 @@ from sie.states.state import State
 class DerivativeOptions:
     """Limits of errors, and numbers of nodes for the change of the kernel."""
 
-    # Largest size of the last coefficients of a given function, relative to its largest one. With
-    # the given solution's usual tolerance, the derivative has at least half of its digits.
+    # Largest size of the last coefficients of a user's function, relative to the function's largest
+    # coefficient. With the given solution's usual tolerance, the derivative has at least half of
+    # its digits.
     max_tail: float = 1e-8
     # The derivative of a solution with slits or graded coordinates is computed from a solution
     # without them. This is the largest stated error that the latter may have.

@@ -142,9 +142,10 @@ class Adjoint:
             raise SingularSystem("the ends are not determined")
 
     def back(self, q: Array, s: Array, e: Array) -> _Adjoint:
-        """Derivatives of q y + s d + e (motions of all ends), with s and e of shape (2, Z).
+        """Derivatives of q y + s d + e m, with s and e of shape (2, Z), by the data of the problem.
 
-        d are the motions that cause singular densities.
+        y are the unknowns, d the motions of ends that cause singular densities, m those of all
+        ends.
         """
         state, zones, free = self.state, self.zones, self.free
         factors = state.direct

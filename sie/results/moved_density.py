@@ -33,7 +33,7 @@ class MovedDensity(DensityBase):
     """Derivative of a density, with terms distance^(-3/2) at ends that move.
 
     It is called like a `Density`, and has its `transform`, `transform_slope` and `potential`. The
-    derivative of the transform at a fixed point off the zones is the transform of this.
+    derivative of the transform at a fixed point off the zones is the transform of this object.
 
     Attributes
     ----------

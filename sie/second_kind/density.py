@@ -278,7 +278,7 @@ class SecondKindDensity(DensityBase):
         return out
 
     def _seen(self, x: Array) -> Iterator[tuple[int, Mask, Array, Array, Outside]]:
-        """Yield how each zone and image sees the points x (P,).
+        """Yield the positions of the points x (P,) relative to each zone and each of its images.
 
         (zone, mask of the points on it, 1 + t and 1 - t of these, the other points).
         """

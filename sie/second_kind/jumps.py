@@ -50,7 +50,7 @@ class KnownJumps:
         return self.closed.own(self._away(left, right), self.order) @ self.factors
 
     def integral_to(self, left: Array, right: Array) -> Array:
-        """Integral of the density from the left end to points (P,) of the zone, over w."""
+        """Integral of the density from the left end to points (P,) of the zone, divided by w."""
         away = self._away(left, right)
         values = self.closed.integral_to(left[:, None], right[:, None], away, self.order)
         return np.asarray(values @ self.factors)
@@ -63,8 +63,7 @@ class KnownJumps:
     def in_plane(self, points: InPlane, what: tuple[Array, Array, bool]) -> Complex:
         """Transform, or its slope by zeta, at complex points (P,).
 
-        what: the points' places over w from each jump (x - s) / w (P, places), y / w, and whether
-        the slope is wanted.
+        what: ((x - s) / w for points and jumps (P, places), y / w, whether the slope is wanted).
         """
         x, y, is_slope = what
         away = complex_of(x, y[:, None])

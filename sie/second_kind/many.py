@@ -209,7 +209,9 @@ class ManyRows(Rows):
 
     @classmethod
     def of(cls, system: SecondKindRows, far: FarSum | None = None) -> Self:
-        """The rows of the equation of `system`; far: sums over far zones, if they are at hand."""
+        """The rows of the equation of `system`; far: sums over far zones; None: new ones are
+        made.
+        """
         zones, layout = system.zones, system.layout
         if far is None:
             return cls(system, FieldSums.of(zones, system.equation.kernel, layout))

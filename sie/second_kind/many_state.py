@@ -69,7 +69,7 @@ class ManyState(SecondKindState):
         errors = self._row_errors * signs
         unit = float(np.abs(errors).max(initial=0.0)) or 1.0
         rights = [self.solver.projected(one / unit) for one in errors]
-        # The tolerance holds for the norm over all zones, to which each contributes.
+        # The tolerance limits a norm over all zones. The square root makes it one for each zone.
         tolerance = ERRORS.negligible * np.sqrt(len(self.density.zones))
         changes = [unit * self.solver(one, tolerance) for one in rights]
         out = np.array([self.system.layout.padded(one) for one in changes])

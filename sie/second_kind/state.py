@@ -74,7 +74,7 @@ class SecondKindState(Answered):
     condition_scale: Array
     sizes: Sizes
 
-    # The density's responses to further right sides.
+    # The methods below give the density's responses to further right sides.
     @property
     def whole(self) -> Any:
         """The solution on the zones without slits, which is this object itself."""
@@ -342,7 +342,7 @@ class SecondKindState(Answered):
 
 
 def density_of(system: SecondKindRows, y: Array, is_change: bool = False) -> SecondKindDensity:
-    """The density with the unknowns y; of a change of the density, the jumps are zero."""
+    """The density with the unknowns y; it has no jumps if `is_change`."""
     layout = system.layout
     amplitudes = y[layout.coefficients :]
     table = widened(layout.padded(y), 2)

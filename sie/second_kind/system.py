@@ -227,7 +227,9 @@ class SecondKindRows(Rows):
         return self._by_zone(of_zone)[0], known
 
     def _means(self, weight: Callable[[Array], Array], zone: int, count: int) -> Array:
-        """Means of `weight` times T_l over a zone, by theta, until they have decayed."""
+        """Means of `weight` times T_l over a zone in its angle theta, up to l where they have
+        decayed.
+        """
         size = max(count, MODES.first_nodes)
         while True:
             x = self.zones.middle[zone] + self.zones.half[zone] * chebyshev.gauss(size)

@@ -183,10 +183,10 @@ class Law(Named, sie.Kept):
         return 0.0
 
     def without_range(self, share: float) -> "Law | None":
-        """A law without range whose work of adhesion is `share` times the present law's; or None.
+        """A law without range whose work of adhesion is `share` times this law's; or None.
 
-        Contacts under the law approach those under the returned one where its strips of tension
-        are narrow. None if there is no such law.
+        The narrower the strips of tension are, the closer are contacts under this law to those
+        under the returned law. None if there is no such law.
         """
         return None
 

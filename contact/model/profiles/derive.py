@@ -79,9 +79,9 @@ _FINER = int(-np.log2(EPS)) - 2 * DIFFERENCES.sure
 class DerivedSlope:
     """The slope f' computed from the height f alone.
 
-    length: over which f varies, if known.
-    ends: outside which there is no f.
-    period: of f, if it has one.
+    length: the length over which f varies, if known.
+    ends: the interval in which f is defined, if it is limited.
+    period: the period of f, if it has one.
     """
 
     def __init__(
@@ -374,12 +374,13 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
 
 
 def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptions) -> Array:
-    """Round-off of the heights in each block of places, if it is larger than the size of the
-    heights suggests (as for cosh(x) - 1); otherwise 0.
+    """Round-off of heights in each block of places, found from differences; 0 if not found.
 
-    evens: second differences by growing steps. rounding: of the heights by their size. A
-    combination of second differences of sixth order is level while it is round-off, and grows with
-    the step where it is not.
+    It may exceed `rounding`: near x = 0, the round-off of cosh(x) - 1 is that of cosh(x).
+
+    evens: second differences, one row for each step, with growing steps. rounding: the round-off
+    that follows from the size of the heights. A combination of sixth order of these differences
+    grows with the step, unless it is round-off.
     """
     part = 128
     rough = np.abs(evens[2:] - 20 * evens[1:-1] + 64 * evens[:-2]) / part

@@ -52,7 +52,7 @@ def rounding(values: Array) -> float:
 def noise_at(function: Callable[[Array], Array], x: Array, length: float) -> float:
     """Round-off and noise of the values of a function near the places x.
 
-    length: of the function's shortest wave.
+    length: the shortest wavelength of the function.
     """
     at = x + STEP * length * PLACES[:, None]
     return rounding(np.asarray(function(at), dtype=np.float64))

@@ -162,8 +162,8 @@ def unit_of(field: str, short: bool = False) -> Unit | None:
 def units_of(cells: Sequence[str]) -> tuple[Unit | None, ...]:
     """The units in the fields of a header.
 
-    A single letter behind a name is one where all fields have one, or where it is a volt. A word
-    that stands behind every name is a unit, though perhaps an unknown one.
+    A single letter after a name is a unit if all fields have one, or if one is no length (V). A
+    word after every name is a unit, though perhaps an unknown one.
     """
     units = tuple(unit_of(cell) for cell in cells)
     ends = {last[1] if (last := _LAST_WORD.match(cell)) else "" for cell in cells}
@@ -269,8 +269,7 @@ def _with_mark(found: re.Match[str]) -> str:
 
 
 def in_pairs(fields: Sequence[str]) -> list[str]:
-    """Names joined again with their units if the header's division had separated them, as in
-    "Lateral um Raw nm".
+    """Names joined with the units that follow them as separate fields: "Lateral um Raw nm".
 
     It is empty unless all units are known or equal, or all names are usual ones.
     """

@@ -182,7 +182,7 @@ def refine_topology(
         for found in _Loop(form, control, newton, observer, formal).rounds(table):
             if formal or found.tolerance <= LEAST or not form.is_slight(found):
                 return found
-            # A minimum of the pressure as small as its error may be a gap. To find out, the loop
+            # A minimum of the pressure as small as its error may hide a gap. To find out, the loop
             # continues with the smallest tolerance.
             slight = slight or found
     except WrongTopology as wrong:
