@@ -224,9 +224,9 @@ class GridGuide(sie.Kept):
         return np.minimum(out, 1.0)
 
     def _table(self, below: Mask, above: Array) -> Array:
-        """Scaled intervals in which the gap is below the reach that is used on the grid.
+        """Scaled intervals in which the gap on the grid is below a limit.
 
-        above: the gap less the limit.
+        below: cells with a gap below the limit; above: the gap less the limit.
         """
         if self.repeats and below.all():
             raise Closed

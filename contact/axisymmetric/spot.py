@@ -347,8 +347,9 @@ def first_radius(
 ) -> float:
     """The smallest radius at which a quantity that grows from 0 reaches the target.
 
-    It is a start for Newton's method. If the quantity falls before, the branch from zero load ends
-    there: OutOfRange. ratio: of successive radii that are tried; a smaller one costs time only.
+    It is a start for Newton's method. If the quantity falls before it reaches the target, the
+    branch from zero load ends there, and OutOfRange is raised. ratio: ratio of successive trial
+    radii; a smaller one only costs time.
     """
     a = 1e-3 * scale
     # The first radius `a` is halved until 0 <= growing(a) < target. A negative value is round-off,

@@ -328,7 +328,7 @@ def _series_error(coefficients: Array, used: int, rounding: float) -> float:
 
 
 def _last_octaves(size: Array) -> tuple[float, float]:
-    """Root mean squares of a series' terms: over the last octave, and over the octave before."""
+    """Root mean squares of the terms n/2 ... n of a series, and of its terms n/4 ... n/2."""
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
     return last, before

@@ -110,7 +110,7 @@ class Problem(sie.Kept):
 
     @property
     def round(self) -> float | None:
-        """Scaled period; None without a period, or if no zone may cross the border of the cell."""
+        """Scaled period if zones may cross the border of the cell (no sharp corners); else None."""
         return self.period if self.corners == (-np.inf, np.inf) else None
 
     @cached_property
@@ -292,8 +292,8 @@ class Problem(sie.Kept):
             )
         conditions, ends = control.conditions()
         if self.moment is not None:
-            # The unknown amplitude of this column is the correction of the tilt, in units of the
-            # slope.
+            # The column is the slope of a unit tilt. Its unknown amplitude is the correction of the
+            # tilt.
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
             columns = (
                 *columns,

@@ -63,7 +63,7 @@ def found(context: SolveContext) -> Outcome:
 def _says_more(later: Exception, first: Exception | None) -> bool:
     """Whether a later error replaces the first one: it must state that no contact exists.
 
-    It does not replace the error of a grid that the approach is that of full contact.
+    It does not replace the error `LevelOfFullGrid`: the given approach is that of full contact.
     """
     return isinstance(later, OutOfRange) and not isinstance(first, LevelOfFullGrid)
 

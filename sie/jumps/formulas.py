@@ -197,7 +197,7 @@ class PlacedJumps(PerZone):
         return out
 
     def _potential(self, q: int, k: Index, parts: tuple[Any, ...]) -> Any:
-        """The potential in closed form of jumps k, which all have the same order q."""
+        """The potential, in closed form, of jumps k that all have the order q."""
         away, z, turn, grown, root = parts
         s, sine = self.s[k], self.sine[k]
         if q == 0:

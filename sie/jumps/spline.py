@@ -522,7 +522,7 @@ class ConjugateSpline(Kept):
     def _cubics(self) -> tuple[float, float]:
         """Coefficients of the cube of the angle in the density close to the left and right end.
 
-        Close to an end the density is a series of odd powers of the angle.
+        Close to an end the density is a series of odd powers of the angle theta from that end.
         """
         cuts = self._cells[0]
         theta, angle = cuts[[-1, 0]], np.array([np.pi - cuts[-1], cuts[0]])

@@ -51,7 +51,7 @@ from sie.slits.slits import OPTIONS, SlitGeometry, Slits
 # give the slack's field to round-off.
 _FAR = float(np.exp(-DIGITS / OPTIONS.min_slack_modes))
 # Number of panels of the vertical path along which the potential is integrated. Each panel is half
-# as high as the panel above it. The height of the lowest panel, relative to the path, is round-off.
+# as high as the panel above it. The lowest panel is as high as the round-off of the path's height.
 _PANELS = -int(np.log2(EPS))
 
 

@@ -197,7 +197,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:
-    """Whether all zones have one constant of the potential, and no condition is for one zone.
+    """Whether all zones share one constant of the potential, and no condition is for one zone.
 
     Only with one common level does the slack integrate to zero over each slit. A user's own
     condition may be about single zones, and there are fewer wide zones than given ones.

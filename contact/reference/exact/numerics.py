@@ -97,7 +97,7 @@ def sine(x: ArrayLike, period: float | None) -> Array:
 
 
 def cosine(x: ArrayLike, period: float | None, inward: Array | float = 0.0) -> Array:
-    """cos(pi (x - inward)/L) with the period L, accurate near L/2; 1 if the period is None."""
+    """cos(pi (x - inward)/L) with the period L, without cancellation near L/2; 1 if L is None."""
     if period is None:
         return np.ones(np.shape(inward))
     return sine(0.5 * period - np.asarray(x) + inward, period)

@@ -37,8 +37,8 @@ def proposed(
     units, profile, by_load = problem.units, problem.profile, control.load is not None
     detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
     if detail is not None:
-        # A Newton step may move an end by about the length of the kernel. Grid cells may therefore
-        # be up to twice this length. `detail` is divided into `per_feature` cells.
+        # A Newton step may move an end by about the length over which the kernel varies. Grid cells
+        # may therefore be up to twice this length. `detail` is divided into `per_feature` cells.
         cells = 2 * nested_grids.OPTIONS.per_feature
         detail = min(detail, cells * problem.kernel.length * units.length)
     return propose(
@@ -164,7 +164,7 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
 
 
 def placed(problem: Problem, zones: Array) -> Array:
-    """Zones [m] converted to scaled variables, in the order that the problem needs.
+    """Zones [m] in scaled variables, moved by whole periods into the cell of the problem.
 
     In a strip the period is cut at its widest gap. A body between sharp corners is never cut.
     """

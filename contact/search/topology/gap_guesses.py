@@ -45,8 +45,8 @@ class GapGuesses:
     def gaps(self, mean: float) -> Array:
         """First guesses (n, 2) of the gaps under a mean pressure.
 
-        They are the runs of samples of R above the mean pressure, widened as a lone gap in a
-        parabola of R would be, and lone gaps over kinks.
+        They are the runs of samples at which the relief R exceeds the mean pressure, and single
+        gaps over kinks. Each run is widened like a single gap where R is a parabola.
         """
         valleys = self._over_kinks(mean)
         above = self.value > mean
