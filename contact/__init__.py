@@ -58,6 +58,7 @@ with uncollected():
 
 if TYPE_CHECKING:
     from contact.explorer.explore import explore
+    from contact.inside.stress import Stress
     from contact.model.scene_file import load_scene
     from contact.sweeps.adhesive import AdhesiveEvent, AdhesivePath
     from contact.sweeps.path import path
@@ -71,6 +72,7 @@ if TYPE_CHECKING:
 # imports above.
 _HOMES = {
     "contact.explorer.explore": "explore",
+    "contact.inside.stress": "Stress",
     "contact.model.scene_file": "load_scene",
     "contact.sweeps.adhesive": "AdhesiveEvent AdhesivePath",
     "contact.sweeps.solve_many": "solve_many",
@@ -139,6 +141,7 @@ __all__ = [
     "SceneError",
     "Sinusoid",
     "Solution",
+    "Stress",
     "Substrate",
     "Wedge",
     "controls",

@@ -13,7 +13,7 @@ from contact.adhesion.uniform_tension import UniformTension
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from sie import Array, record
+from sie import Array, Complex, record
 
 
 @record
@@ -105,6 +105,12 @@ class CohesiveFields(ZoneFields):
         scaled = self._scaled(x)
         q = self.density(scaled)
         return np.asarray(q * self.problem.units.pressure - self._pull * self.tension.share(scaled))
+
+    def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
+        units, (value, slope) = self.problem.units, super().pressure_transform(x, y)
+        pull, bend = self.tension.in_plane(self._scaled(x) + 1j * (y / units.length))
+        rate = units.pressure / units.length
+        return value - pull * units.pressure, slope - bend * rate
 
     @property
     def _pull(self) -> float:
@@ -218,6 +224,10 @@ class CohesiveGapFields(GapFields):
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         return super().pressure_at(zone, t) - self._lower
+
+    def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
+        value, slope = super().pressure_transform(x, y)
+        return value + 1j * self._lower, slope
 
     @cached_property
     def max_pressure(self) -> float:

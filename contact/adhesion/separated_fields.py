@@ -11,7 +11,7 @@ from contact.adhesion.uniform_tension import UniformTension
 from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import cuts_between, panels
-from sie import Array, record, wrapped
+from sie import Array, Complex, record, wrapped
 
 
 def integral_outside(
@@ -84,6 +84,17 @@ class SeparatedFields(NoZones):
 
     def pressure(self, x: ArrayLike) -> Array:
         return np.asarray(-self.problem.law.tension * self.tension.holds(self._scaled(x)))
+
+    def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
+        units = self.problem.units
+        pull, bend = self.tension.in_plane(self._scaled(x) + 1j * (y / units.length))
+        return -pull * units.pressure, -bend * (units.pressure / units.length)
+
+    @property
+    def deep_pressure(self) -> float:
+        if not self.problem.operator.is_periodic:
+            return 0.0
+        return self.load / (self.problem.repeat_length * self.problem.units.length)
 
     def displacement(self, x: ArrayLike) -> Array:
         return np.asarray(self.tension.height(self._scaled(x)) * self.problem.units.height)

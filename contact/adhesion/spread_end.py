@@ -16,9 +16,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import digamma, loggamma
 
 from contact.formulation.quadrature import gauss
-from sie import Array, nearest_image
+from sie import Array, Complex, nearest_image
 
 # Number of nodes for integrals of smooth functions, such as remainders that vary on the scale of
 # the period.
@@ -84,6 +85,40 @@ class SpreadEnd:
             + self.mean(remainder, x)
         )
 
+    def in_plane(self, z: Complex, period: float | None) -> tuple[Complex, Complex]:
+        """The potential `log` (or `periodic_log`) and its derivative at z (n,), Im z >= 0.
+
+        With a period, whole periods are added to z only in the imaginary part of the potential.
+        """
+        if period is None:
+            return self._alone(z)
+        turns = np.round((z.real - self.middle) / period)
+        z = z - turns * period
+        value: Complex = np.asarray(-1j * np.pi * turns)
+        slope: Complex = np.zeros(len(z), dtype=complex)
+        # Near the zone and its next images these are subtracted from the mean over the zone.
+        near = np.flatnonzero(z.imag < period)
+        far = np.flatnonzero(z.imag >= period)
+        angle = np.pi * (np.arange(_SMOOTH_NODES) + 0.5) / _SMOOTH_NODES
+        xi = self.middle + self.half * np.cos(angle)
+        logs, rates = line_load(z[far, None] - xi, period)
+        value[far] += logs.mean(axis=1)
+        slope[far] = rates.mean(axis=1)
+        for shift in (-period, 0.0, period):
+            one = self._alone(z[near] - shift)
+            value[near], slope[near] = value[near] + one[0], slope[near] + one[1]
+        rest, bend = _remainder(z[near, None] - xi, period)
+        value[near] += rest.mean(axis=1)
+        slope[near] += bend.mean(axis=1)
+        return value, slope
+
+    def _alone(self, z: Complex) -> tuple[Complex, Complex]:
+        t = (z - self.middle) / self.half
+        root = np.sqrt(t - 1) * np.sqrt(t + 1)
+        with np.errstate(divide="ignore"):
+            value = np.log(0.5 * self.half) + np.log(t + root)
+            return np.asarray(value), np.asarray(1 / (self.half * root))
+
     def periodic_primitive(
         self, x: Array, period: float, primitive: Callable[[Array], Array]
     ) -> Array:
@@ -121,6 +156,33 @@ class SpreadEnd:
         angle, weight = gauss(cuts, PANEL_NODES)
         part = 1 - angle / np.pi if end else angle / np.pi
         return self.middle + self.half * np.cos(angle), self.half * weight * np.sin(angle) * part
+
+
+def line_load(z: Complex, period: float | None) -> tuple[Complex, Complex]:
+    """The complex potential of a unit line load and its derivative at distances z, Im z >= 0.
+
+    It is ln z, or ln(2 sin(pi z/L)) with a period L, continuous in the upper half plane.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if period is None:
+            return np.log(z), 1 / z
+        # 2 sin(u) = i exp(-iu) (1 - exp(2iu)). Whole turns stay out of the last factor.
+        u = np.pi / period * z
+        turned = u - np.pi * np.round(z.real / period)
+        less = -np.expm1(2j * turned)
+        value = 0.5j * np.pi - 1j * u + np.log(less)
+        rate = -1j * np.pi / period * (1 + 2 * np.exp(2j * turned) / less)
+        return np.asarray(value), np.asarray(rate)
+
+
+def _remainder(z: Complex, period: float) -> tuple[Complex, Complex]:
+    """`line_load` with a period minus ln(z (z - L) (z + L)), and its derivative, |Re z| < L.
+
+    It is the sum of ln(1 - (z/kL)^2) over k > 1, by psi(2 + z/L) and the gamma function.
+    """
+    u = z / period
+    value = np.log(2 * np.pi / period**3) - loggamma(2 - u) - loggamma(2 + u) - 1j * np.pi
+    return value, (digamma(2 - u) - digamma(2 + u)) / period
 
 
 def _log_primitive(y: Array) -> Array:

@@ -17,11 +17,11 @@ import numpy as np
 
 import sie
 from contact.adhesion.end_sums import Cells, EndSum
-from contact.adhesion.spread_end import PANEL_NODES, SpreadEnd
+from contact.adhesion.spread_end import PANEL_NODES, SpreadEnd, line_load
 from contact.formulation.conjugate import clausen2
 from contact.formulation.quadrature import gauss
 from contact.formulation.tables import located
-from sie import Array, Index, Mask, nearest_image, record, wrapped
+from sie import Array, Complex, Index, Mask, nearest_image, record, wrapped
 
 # Number of quadrature panels on each length over which the kernel's regular part varies.
 _PANELS_PER_LENGTH = 4.0
@@ -119,6 +119,24 @@ class UniformTension(sie.Kept):
         if not self.plain and len(self.table):
             out += self._regular(np.asarray(x, dtype=float))
         return self.stress / np.pi * out
+
+    def in_plane(self, z: Complex) -> tuple[Complex, Complex]:
+        """The transform of the tension and its derivative at scaled points z, Im z >= 0."""
+        flat = np.ravel(z)
+        value: Complex = np.zeros(len(flat), dtype=complex)
+        slope: Complex = np.zeros(len(flat), dtype=complex)
+        if self.everywhere:
+            value -= 1j * np.pi
+        block = max(1, 2**18 // max(1, self.table.size))
+        for start in range(0, 0 if self.everywhere else len(flat), block):
+            here = slice(start, start + block)
+            logs, rates = line_load(flat[here, None] - self.table.ravel(), self.period)
+            value[here], slope[here] = logs @ self._signs, rates @ self._signs
+        for end, zone in self.spreads:
+            log, rate = zone.in_plane(flat, self.period)
+            value, slope = (value - log, slope - rate) if end else (value + log, slope + rate)
+        factor = self.stress / np.pi
+        return factor * value.reshape(np.shape(z)), factor * slope.reshape(np.shape(z))
 
     def logs(self, x: Array) -> Array:
         """Potentials (P, 2 m) at points (P,) due to a unit line load at each interval end."""

@@ -207,8 +207,31 @@ class Transform:
     scale: float = 0.0
 
 
-def _series(profile: Profile, length: float) -> Transform:
-    """The transform H f', by the Fourier series of the slope f' without its declared jumps."""
+@record
+class SlopeParts:
+    """The slope of a periodic profile as the sum of closed forms and of a Fourier series.
+
+    kinks, jumps: piecewise quadratics with the jumps of f', and with those of f'' and f'''. first,
+    over: the place (1,) and the jump of f''' of a cubic Bernoulli polynomial; empty without jumps.
+    points: poles of algebraic points. terms: complex Fourier terms c_k, k = 1, 2, ... of the rest,
+    whose value is Re sum c_k exp(2 pi i k (x - x0)/L). error, limit, settled, scale: as in
+    `Transform`.
+    """
+
+    kinks: Pieces
+    jumps: Pieces
+    first: Array
+    over: Array
+    points: "PeriodicPoles"
+    terms: Complex
+    error: float
+    limit: str
+    settled: bool
+    scale: float
+
+
+def slope_parts(profile: Profile, length: float) -> SlopeParts:
+    """The parts of the slope f': closed forms of the declared jumps and points, and the rest."""
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
     # `Pieces` needs jumps of f''' with the sum 0. So the jump -`over` is added at the first place.
@@ -220,7 +243,7 @@ def _series(profile: Profile, length: float) -> Transform:
     )
     of_kinks = Pieces.of(profile.x0, length, kinks[:, 0], kinks[:, 1, None] * [1.0, 0.0, 0.0])
 
-    points = _PeriodicPoles.of(profile, length)
+    points = PeriodicPoles.of(profile, length)
 
     def closed(x: Array) -> Array:
         return np.asarray(
@@ -241,16 +264,27 @@ def _series(profile: Profile, length: float) -> Transform:
     used = np.flatnonzero(size > max(1e-17 * scale, series.noise))
     k = np.arange(int(used[-1]) + 1 if len(used) else 1)
     c = (2 * coefficients[: len(k)] * np.exp(-1j * pi * k / len(series.x)))[1:]
+    error = _series_error(coefficients, len(k), rounding)
+    limit = _limit_of_series(series.x, series.residual, size, series.settled)
+    return SlopeParts(
+        of_kinks, of_jumps, first, over, points, c, error, limit, series.settled, scale
+    )
+
+
+def _series(profile: Profile, length: float) -> Transform:
+    """The transform H f', by the Fourier series of the slope f' without its declared jumps."""
+    parts = slope_parts(profile, length)
+    first, over, of_jumps, points = parts.first, parts.over, parts.jumps, parts.points
     # H multiplies the complex Fourier terms by -i: cos becomes sin, and sin becomes -cos. `Sum`
     # takes the real part of its terms.
-    left = Sum.of(-1j * c) if len(c) else None
+    left = Sum.of(-1j * parts.terms) if len(parts.terms) else None
 
     def smooth(x: Array) -> Array:
         x = np.asarray(x, dtype=float)
         turns = (np.asarray(profile.wrap(x)) - profile.x0) / length
         out = np.zeros(x.shape) if left is None else left(turns.ravel()).reshape(x.shape)
         out = out + points(x, True)
-        if len(jumps) == 0:
+        if len(profile.jumps) == 0:
             return np.asarray(out)
         return np.asarray(
             out
@@ -258,9 +292,7 @@ def _series(profile: Profile, length: float) -> Transform:
             + over_jumps(x, first, over * length**2 / (4 * pi**3), length, clausen3)
         )
 
-    error = _series_error(coefficients, len(k), rounding)
-    limit = _limit_of_series(series.x, series.residual, size, series.settled)
-    return Transform(smooth, error, limit, series.settled, scale)
+    return Transform(smooth, parts.error, parts.limit, parts.settled, parts.scale)
 
 
 @record
@@ -359,7 +391,7 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
 
 
 @record
-class _PeriodicPoles:
+class PeriodicPoles:
     """Poles that represent a periodic slope near points where it is a power of the distance.
 
     A pole with distance eta from the line is stored as tanh(pi eta/L) and a coefficient, L the
@@ -375,7 +407,7 @@ class _PeriodicPoles:
     poles: list[tuple[Array, Complex]]
 
     @classmethod
-    def of(cls, profile: Profile, length: float) -> "_PeriodicPoles":
+    def of(cls, profile: Profile, length: float) -> "PeriodicPoles":
         at, n, left, right = np.asarray(profile.algebraic_points, dtype=float).T
         points = sie.AlgebraicPoints(at, n - 1, -n * left, n * right)
         some = [points.poles(k, 0.5 * length) for k in range(len(points.places))]

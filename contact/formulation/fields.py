@@ -19,7 +19,7 @@ from contact.formulation.roots import maximum, reaches
 from contact.formulation.tolerances import allowed_overlap
 from contact.model.profiles.derive import DETAIL, detail_of
 from contact.model.profiles.noise import ROUND_OFF
-from sie import Array, Index, Mask, nearest_image, record, wrapped
+from sie import Array, Complex, Index, Mask, nearest_image, record, wrapped
 
 
 @dataclass(frozen=True)
@@ -575,6 +575,34 @@ class ZoneFields(sie.Kept):
 
     def pressure(self, x: ArrayLike) -> Array:
         return self.density(self._scaled(x)) * self.problem.units.pressure
+
+    def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
+        units = self.problem.units
+        z = self._scaled(x) + 1j * (y / units.length)
+        value: Complex = self.density.transform(z)
+        slope: Complex = self.density.transform_slope(z)
+        if self._nominal:
+            # Outside the strip (a, b) with its copies acts the nominal pressure P, whose transform
+            # is -P (i + (1/pi) ln((z - a)/(z - b))).
+            half = (self.problem.interaction.neighbours + 0.5) * self.problem.repeat_length
+            left, right = z - (self.problem.centre - half), z - (self.problem.centre + half)
+            value = value - self._nominal * np.asarray(1j + np.log(left / right) / np.pi)
+            slope = slope - self._nominal / np.pi * (1 / left - 1 / right)
+        return value * units.pressure, slope * (units.pressure / units.length)
+
+    @property
+    def _nominal(self) -> float:
+        """Scaled nominal pressure outside the strip of a localized model; 0 without a strip."""
+        if not self.problem.interaction.strip:
+            return 0.0
+        given = self.problem.amplitude
+        return float(self.density.amplitudes[0]) if given is None else given
+
+    @property
+    def deep_pressure(self) -> float:
+        if self.problem.operator.is_periodic:
+            return self.load / (self.problem.repeat_length * self.problem.units.length)
+        return self._nominal * self.problem.units.pressure
 
     def _beyond(self, x: Array) -> Mask:
         lo, hi = self.problem.borders

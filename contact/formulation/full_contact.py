@@ -10,11 +10,13 @@ in full contact.
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
+from contact.extras import require
 from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.relief import Relief, period_samples
@@ -24,7 +26,7 @@ from contact.model.laws.base import Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.derive import detail_of
-from sie import Array, record
+from sie import Array, Complex, record
 
 
 class FullLimit(sie.Kept):
@@ -139,6 +141,21 @@ class FullFields(NoZones):
         slope = self.relief(np.asarray(x, dtype=float))
         return np.asarray(self.mean_pressure - 0.5 * self.problem.units.E_star * slope)
 
+    def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
+        # On the surface p = pbar - (E*/2) Re R, and Im F = -p.
+        value, slope = self._slope_inside(x, y)
+        half = 0.5 * self.problem.units.E_star
+        return -1j * (self.mean_pressure - half * value), 1j * half * slope
+
+    @cached_property
+    def _slope_inside(self) -> Any:
+        """The transform of the profile's slope in the half plane (`ContinuedSlope`)."""
+        return require("contact.formulation.continued").ContinuedSlope(self.problem.profile)
+
+    @property
+    def deep_pressure(self) -> float:
+        return self.mean_pressure
+
     def gap(self, x: ArrayLike) -> Array:
         return np.zeros(np.shape(x))
 
@@ -171,10 +188,14 @@ class ApartFields(NoZones):
 
     problem: Problem
     approach: float | None
-    load = max_pressure = contact_fraction = stiffness = 0.0
+    load = max_pressure = contact_fraction = stiffness = deep_pressure = 0.0
 
     def pressure(self, x: ArrayLike) -> Array:
         return np.zeros(np.shape(x))
+
+    def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
+        zero = np.zeros(x.shape, dtype=complex)
+        return zero, zero
 
     def displacement(self, x: ArrayLike) -> Array:
         return np.zeros(np.shape(x))

@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
+from contact.extras import require
 from contact.formulation import zone_loads
 from contact.formulation.fields import OPTIONS, mean_shape, moved_ends
 from contact.formulation.problem import Problem
@@ -36,7 +37,7 @@ from contact.formulation.relief import ScaledRelief
 from contact.formulation.roots import maximum
 from contact.formulation.tables import gaps_between
 from contact.formulation.tolerances import allowed_overlap
-from sie import Array, Index, record
+from sie import Array, Complex, Index, record
 
 
 @record
@@ -151,6 +152,24 @@ class GapFields(sie.Kept):
         t = np.asarray(t, dtype=float)
         value = self.pressure_in(zone, 1 + t, 1 - t)
         return np.where(np.abs(t) == 1, 0.0, value) * self.problem.units.pressure
+
+    def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
+        # On the surface p = pbar - Re R + Re S, with the transform S of the gap's slope.
+        units = self.problem.units
+        relief, bend = self._slope_inside(x, y)
+        z = units.scaled(x) + 1j * (y / units.length)
+        value = self.mean - relief / units.slope + self.gap_slope.transform(z)
+        slope = self.gap_slope.transform_slope(z) / units.length - bend / units.slope
+        return -1j * units.pressure * value, -1j * units.pressure * slope
+
+    @cached_property
+    def _slope_inside(self) -> Any:
+        """The transform of the profile's slope in the half plane (`ContinuedSlope`)."""
+        return require("contact.formulation.continued").ContinuedSlope(self.problem.profile)
+
+    @property
+    def deep_pressure(self) -> float:
+        return self.load / (self.period * self.problem.units.length)
 
     def gap(self, x: ArrayLike) -> Array:
         scaled = self.problem.units.scaled(np.asarray(x, dtype=float))

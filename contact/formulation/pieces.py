@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from sie import Array, record
+from sie import Array, Complex, record
 
 
 @record
@@ -78,6 +78,15 @@ class Pieces(sie.Kept):
         """
         t = (np.asarray(x, dtype=float) - self.start) % self.period
         return self._transform(np.where(t < self.places[0], t + self.period, t))
+
+    def continued(self, t: Array, y: Array) -> tuple[Complex, Complex]:
+        """The transform and its derivative at points of the half plane, y >= 0.
+
+        t: distances from the start of the period, moved to lie between the first place and the one
+        a period later.
+        """
+        z = t + 1j * y
+        return self._transform.in_plane(z, "transform"), self._transform.in_plane(z, "derivative")
 
     @cached_property
     def _transform(self) -> sie.PiecewiseTransform:

@@ -13,9 +13,8 @@ The unknown of the method, the pressure or the slope of the gap, is not part of 
     CohesiveGapFields     gaps, with tension everywhere          contact.adhesion.cohesive_fields
     SeparatedFields       tension without contact                contact.adhesion.separated_fields
 
-All places are on the line. Stresses in the body follow from the transform of the pressure at
-complex points, which `ZoneFields.density` has: see docs/architecture.md, "A stress field from a
-solution".
+Places are on the line, except those of `pressure_transform`, from which the stresses in the body
+follow (contact.inside).
 """
 
 from typing import Protocol
@@ -23,7 +22,7 @@ from typing import Protocol
 from numpy.typing import ArrayLike
 
 from contact.formulation.problem import Problem
-from sie import Array, Index
+from sie import Array, Complex, Index
 
 
 class Fields(Protocol):
@@ -49,6 +48,19 @@ class Fields(Protocol):
 
     def displacement(self, x: ArrayLike) -> Array:
         """Displacement into the body [m]."""
+
+    # The next members concern the body below the surface.
+
+    def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
+        """F [Pa] and F' [Pa/m] at the points z = x + iy [m] of the body, y >= 0, of one shape.
+
+        F(z) = (1/pi) int p(xi) K(z - xi) dxi is the transform of the pressure p, with the kernel K
+        of a half-plane. On the surface it is the limit from inside the body, so that Im F = -p.
+        """
+
+    @property
+    def deep_pressure(self) -> float:
+        """The limit of -Im F far below the surface [Pa]: 0 if the load is on finite zones only."""
 
     # The next members describe the zones.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
 from os import PathLike
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,7 +26,11 @@ from contact.solution.quantities import Energy, PullOff, peaks
 from contact.verify.certificate import Certificate
 from sie import Array, Index, wrapped
 
+if TYPE_CHECKING:
+    from contact.inside.stress import Stress
+
 # Names of modules that are imported only when a solution is drawn, written, or asked for warnings.
+_INSIDE = "contact.inside.field"
 _FIGURES = "contact.solution.plotting"
 _FILES = "contact.solution.export"
 _WARNINGS = "contact.solution.model_warnings"
@@ -298,6 +302,51 @@ class Solution(sie.Kept):
         if self.find_pull_off is None:
             raise SceneError("there is no pull-off of a state that did not converge", "pull_off")
         return self.find_pull_off(self.fields)
+
+    def stress(
+        self, x: ArrayLike, y: ArrayLike, lateral: str = "as loaded", nu: float | None = None
+    ) -> "Stress":
+        """Plane stresses [Pa] in body 1 at points (x, y) [m], y >= 0 into the body.
+
+        The body is a half-plane. Far below periodic contact, the field of line loads on all of the
+        surface is a uniform pressure in the plane.
+
+        Parameters
+        ----------
+        x, y : array_like
+            Places and depths [m], of shapes that broadcast to one.
+        lateral : str
+            How a periodic body is held along the surface. "as loaded" adds nothing to the field of
+            the loads; "free" makes the mean of s_xx zero; "confined" makes the mean of the strain
+            e_xx zero. Without a period, all are the same.
+        nu : float or None
+            Poisson's ratio; "confined" needs it.
+
+        Returns
+        -------
+        Stress
+            `xx`, `yy`, `xy` [Pa], positive in tension, with their `error`, and `shear`, `zz(nu)`,
+            `mises(nu)`, `tresca(nu)`.
+
+        Raises
+        ------
+        SceneError
+            If y < 0, `lateral` is unknown, or the body is not a half-plane.
+
+        Examples
+        --------
+        >>> import contact
+        >>> wave = contact.Scene(contact.Sinusoid(1.0, 1.0), 1.0, contact.Periodic(), load=1.0)
+        >>> solution = contact.solve(wave)
+        >>> for lateral in ("as loaded", "free"):
+        ...     print(lateral, solution.stress(0.0, 9.0, lateral).xx.round(6))
+        as loaded -1.0
+        free 0.0
+        """
+        inside = require(_INSIDE)
+        places = inside.body_points(x, y)
+        found: Stress = inside.stress_of(self.fields, *places, self.error, lateral, nu)
+        return found
 
     @property
     def cohesive(self) -> Array:

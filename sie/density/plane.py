@@ -29,25 +29,19 @@ from sie.basis.interval import (
     InPlane,
     What,
     complex_of,
-    decay_rate,
     of_t,
     transform_of,
     transform_slope_of,
 )
 from sie.basis.kernels import Regular
-from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.sums import Grouped, pair_blocks
 from sie.density.series import Series, by_quadrature
 from sie.jumps.formulas import OPTIONS as JUMPS
 from sie.jumps.right_side import ForcingJumps
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.trees.far import Nested
-from sie.trees.tree import SEPARATION, TERMS, Tree
-
-# Limit of |rho| for far points. Here rho = zeta - sqrt(zeta^2 - 1), and zeta is the point's
-# position from the middle of a tree node, in half widths. Below this limit, the node's field
-# follows from its first TERMS moments.
-_FAR = float(np.exp(-decay_rate(SEPARATION)))
+from sie.trees.plane import field_of_tree
+from sie.trees.tree import TERMS, Tree
 
 
 class Plane:
@@ -86,39 +80,10 @@ class Plane:
     # The methods below give the part of the fields that the kernel's poles cause, without the
     # regular part.
     def poles(self, x: Array, y: Array, what: What) -> Complex:
-        """Field at x + i y that the kernel's poles cause, summed by the tree.
-
-        For each point, nodes are split from the root down until they are far or are a single zone.
-        """
-        tree, datum = self.nested.tree, self.density.kernel.datum
-        lo, hi, half = tree.lo, tree.hi, tree.half
-        out = np.zeros(len(x), dtype=complex)
-        for shift in self.density.kernel.poles:
-            block = max(1, BLOCKS.memory_pairs // len(tree))
-            for start in range(0, len(x), block):
-                point = np.arange(start, min(start + block, len(x)))
-                node = np.zeros(len(point), dtype=np.intp)
-                while len(point):
-                    at, w = x[point] - shift, half[node]
-                    seen = InPlane.of((at - lo[node]) / w, (at - hi[node]) / w, y[point] / w)
-                    far = np.abs(seen.rho) < _FAR
-                    np.add.at(
-                        out,
-                        point[far],
-                        of_t(self.series, seen[far], w[far], datum, node[far], what),
-                    )
-                    leaf = ~far & (tree.item[node] >= 0)
-                    if leaf.any():
-                        i = point[leaf]
-                        np.add.at(
-                            out, i, self.of_zones(x[i] - shift, y[i], tree.item[node[leaf]], what)
-                        )
-                    split = ~far & ~leaf
-                    point = np.repeat(point[split], 2)
-                    node = np.column_stack(
-                        (tree.left[node[split]], tree.right[node[split]])
-                    ).ravel()
-        return out
+        """Field at x + i y that the kernel's poles cause, summed by the tree."""
+        return field_of_tree(
+            self.nested.tree, self.series, self.density.kernel, (x, y), what, self.of_zones
+        )
 
     def of_zones(self, x: Array, y: Array, zone: Index, what: What) -> Complex:
         """Field of one zone at each point x + i y, for pairs of a point and a zone."""

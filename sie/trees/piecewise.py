@@ -14,16 +14,18 @@ So no number is larger than f itself, whereas truncated powers of n jumps grow t
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, by_rows
-from sie.basis.interval import Outside
-from sie.basis.kernels import Kernel
+from sie.basis.data import Array, Complex, Index, by_rows, record
+from sie.basis.interval import Outside, What, complex_of
+from sie.basis.kernels import Kernel, Regular
 from sie.basis.sums import OPTIONS as SUMS
 from sie.trees.far import FarSum, Nested
+from sie.trees.plane import field_of_tree
 from sie.trees.tree import SEPARATION, TERMS, Tree
 
 
@@ -104,6 +106,7 @@ class PiecewiseTransform:
         self._first = np.searchsorted(self._at, self.ends[:-1] - reach)
         self._count = np.searchsorted(self._at, self.ends[1:] + reach, side="right") - self._first
         self._series = np.ascontiguousarray(self._made(ends, pieces).T)
+        self._pieces = ends, pieces
 
     def __len__(self) -> int:
         return len(self.half)
@@ -210,12 +213,76 @@ class PiecewiseTransform:
         x = np.asarray(x, dtype=float)
         return np.reshape(by_rows(self._at_points, x.ravel(), max_rows=SUMS.cache_pairs), x.shape)
 
+    def in_plane(self, z: Complex, what: What) -> Complex:
+        """The transform of f, or its derivative, at points z (n,) with Im z >= 0.
+
+        With a period, the points lie within half a period of the middle of the pieces.
+        """
+        plane = self._plane
+        out = field_of_tree(plane.tree, plane.series, self.kernel, (z.real, z.imag), what, plane)
+        regular = self.kernel.regular_of(what)
+        return out if regular is None else out + plane.regular(z, regular)
+
+    @cached_property
+    def _plane(self) -> "_PiecesInPlane":
+        return _PiecesInPlane.of(*self._pieces)
+
     def _at_points(self, x: Array) -> Array:
         cell = np.clip(np.searchsorted(self.ends, x, side="right") - 1, 0, len(self) - 1)
         left, right = x - self.ends[cell], self.ends[cell + 1] - x
         return np.asarray(
             clenshaw(self._series, cell, 0.5 * (left - right) / self.half[cell])
             + self._near(cell, left, right)
+        )
+
+
+@record
+class _PiecesInPlane:
+    """The pieces of a function as sources of fields in the plane.
+
+    tree: over the pieces. series: first moments of its nodes, as coefficients of T_l / sqrt(1 -
+    t^2). local: coefficients of each piece in the variable u, which goes from -1 to 1.
+    """
+
+    tree: Tree
+    series: Array
+    local: Array
+
+    @classmethod
+    def of(cls, ends: Array, pieces: Array) -> "_PiecesInPlane":
+        tree, w = Tree.over(ends[:-1], ends[1:]), 0.5 * np.diff(ends)
+        p, q, r = pieces.T
+        local = np.column_stack((p + w * (q + w * r), (q + 2 * w * r) * w, r * w * w))
+        twice = np.where(np.arange(TERMS), 2.0, 1.0)
+        moments = Nested(tree, kept=False).upward((local @ _monomials()) * (w / np.pi)[:, None])
+        return cls(tree, moments * twice / tree.half[:, None], local)
+
+    def __call__(self, x: Array, y: Array, piece: Index, what: What) -> Complex:
+        """Field of one piece at each point x + i y."""
+        leaf = self.tree.leaves[piece]
+        w = self.tree.half[leaf]
+        left = complex_of((x - self.tree.lo[leaf]) / w, y / w)
+        right = complex_of((x - self.tree.hi[leaf]) / w, y / w)
+        p, q, r = self.local[piece].T
+        z = np.where(np.abs(left) < np.abs(right), left - 1, right + 1)
+        value = p + z * (q + z * r)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # The logarithm is infinite at an end of a piece. There f is continuous, and the
+            # infinite terms of the pieces on both sides cancel.
+            log = np.log(np.where(left == 0, 1.0, left)) - np.log(np.where(right == 0, 1.0, right))
+            if what == "transform":
+                return np.asarray((value * log - 2 * (q + z * r)) / np.pi)
+            return np.asarray(
+                ((q + 2 * z * r) * log + value * (1 / left - 1 / right) - 2 * r) / (np.pi * w)
+            )
+
+    def regular(self, z: Complex, kernel: Regular) -> Complex:
+        """Field at z of a kernel that is smooth over all pieces."""
+        tree = self.tree
+        xi = 0.5 * (tree.lo[0] + tree.hi[0]) + tree.half[0] * chebyshev.gauss(TERMS)
+        weights = chebyshev.t_matrix(TERMS, TERMS) @ self.series[0] * (tree.half[0] / TERMS)
+        return np.asarray(
+            by_rows(lambda at: kernel(at[:, None], xi) @ weights, z, max_rows=SUMS.cache_pairs)
         )
 
 

@@ -1,0 +1,201 @@
+r"""`ContinuedSlope`: the transform of the slope of a periodic profile at points of the half plane.
+
+The transform H f' on the line is the real part of an analytic function R(z), z = x + iy with y > 0,
+which is zero far from the line:
+
+    R(z) = (1/L) int f'(xi) cot(pi (z - xi)/L) dxi,       R(x + i0) = H f' - i f'.
+
+With w = exp(2 pi i (z - s)/L), the parts of f' (contact.formulation.conjugate) have
+
+    jump J of f' at s       (J / pi) ln(1 - w)
+    piecewise quadratic     the sum over its pieces (sie.PiecewiseTransform)
+    Bernoulli polynomial    (J L^2 / 4 pi^3) Li_3(w),      Li_n(w) = sum_k w^k / k^n
+    Re sum c_k w^k          -i sum c_k w^k
+    pole c / (y - i eta)    (pi/L) (Re c - i conj(c) cot(pi (z - s + i eta)/L))
+"""
+
+from math import pi
+
+import numpy as np
+from scipy.special import zeta
+
+import sie
+from contact.formulation.conjugate import OPTIONS, PeriodicPoles, SlopeParts, slope_parts
+from contact.model.profiles.base import Profile
+from contact.model.profiles.noise import EPS
+from sie import Array, Complex, wrapped
+
+# Values of a function and of its derivative.
+Pair = tuple[Complex, Complex]
+
+
+class ContinuedSlope(sie.Kept):
+    """The transform R(z) of the slope of a periodic profile and its derivative R'(z).
+
+    The sum of both bodies, if the profile has two.
+    """
+
+    def __init__(self, profile: Profile) -> None:
+        bodies = profile.bodies if len(profile.bodies) > 1 else {"": profile}
+        self.profile = profile
+        self.bodies = {place: _OneBody(body) for place, body in bodies.items()}
+
+    @property
+    def error(self) -> float:
+        """Estimate of the largest error of R."""
+        return sum(body.parts.error for body in self.bodies.values())
+
+    def __call__(self, x: Array, y: Array) -> Pair:
+        """R and R' [1/m] at x + iy [m], y >= 0, arrays of one shape."""
+        shape, x, y = x.shape, x.ravel(), y.ravel()
+        value, slope = np.zeros(len(x), dtype=complex), np.zeros(len(x), dtype=complex)
+        facing = self.profile.facing(x) if "" not in self.bodies else {"": x}
+        for place, at in facing.items():
+            one, its_slope = self.bodies[place](np.asarray(at), y)
+            if self._is_mirrored(place):
+                # The transform of -g(-x) is that of g at -z, the mirror image of the conjugate.
+                one, its_slope = np.conj(one), -np.conj(its_slope)
+            value, slope = value + one, slope + its_slope
+        return value.reshape(shape), slope.reshape(shape)
+
+    def _is_mirrored(self, place: str) -> bool:
+        return place == "counter" and bool(getattr(self.profile, "mirrored", False))
+
+
+class _OneBody(sie.Kept):
+    """The transform of the slope of one profile."""
+
+    def __init__(self, profile: Profile) -> None:
+        assert profile.period is not None
+        self.length, self.x0 = profile.period, profile.x0
+        self.kinks = np.asarray(profile.kinks, dtype=float)
+        self.parts: SlopeParts = slope_parts(profile, self.length)
+        self.has_jumps = len(profile.jumps) > 0
+
+    def __call__(self, x: Array, y: Array) -> Pair:
+        pairs = [self._of_waves(x, y), self._of_kinks(x, y)]
+        if self.has_jumps:
+            pairs += [self._of_jumps(x, y), self._of_polynomial(x, y)]
+        if self.parts.points.poles:
+            pairs.append(self._of_points(self.parts.points, x, y))
+        values, slopes = zip(*pairs, strict=True)
+        return sum(values[1:], values[0]), sum(slopes[1:], slopes[0])
+
+    def _exponents(self, x: Array, y: Array, at: Array | float) -> Complex:
+        """2 pi i (z - s)/L, for the nearest image of each place s."""
+        turns = (x - at) / self.length
+        return np.asarray(2 * pi * (1j * (turns - np.round(turns)) - y / self.length))
+
+    def _of_kinks(self, x: Array, y: Array) -> Pair:
+        value, slope = np.zeros(len(x), dtype=complex), np.zeros(len(x), dtype=complex)
+        for at, height in self.kinks.tolist():
+            exponent = self._exponents(x, y, at)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                less = -np.expm1(exponent)  # 1 - w
+                value += height / pi * np.log(less)
+                slope -= 2j * height / self.length * np.exp(exponent) / less
+        return value, slope
+
+    def _of_jumps(self, x: Array, y: Array) -> Pair:
+        pieces = self.parts.jumps
+        return pieces.continued(wrapped(x - self.x0, float(pieces.places[0]), self.length), y)
+
+    def _of_polynomial(self, x: Array, y: Array) -> Pair:
+        (at,), (height,), length = self.parts.first, self.parts.over, self.length
+        exponent = self._exponents(x, y, float(at))
+        third, second = polylogarithms(exponent)
+        size = height * length**2 / (4 * pi**3)
+        return size * third, size * (2j * pi / length) * second
+
+    def _of_waves(self, x: Array, y: Array) -> Pair:
+        terms = -1j * self.parts.terms
+        value, slope = power_sums(terms, self._exponents(x, y, self.x0))
+        return value, slope * (2j * pi / self.length)
+
+    def _of_points(self, points: PeriodicPoles, x: Array, y: Array) -> Pair:
+        value, slope = np.zeros(len(x), dtype=complex), np.zeros(len(x), dtype=complex)
+        for at, (tanh, size) in zip(points.points.places.tolist(), points.poles, strict=True):
+            away = np.arctanh(tanh) * (self.length / pi)
+            block = max(1, OPTIONS.block // len(tanh))
+            for start in range(0, len(x), block):
+                here = slice(start, start + block)
+                exponent = self._exponents(x[here, None], y[here, None] + away, at)
+                w, less = np.exp(exponent), -np.expm1(exponent)
+                # cot(u) = -i (1 + 2 w/(1 - w)), and its derivative -1/sin(u)^2 = 4 w/(1 - w)^2.
+                value[here] += size.real.sum() - (1 + 2 * w / less) @ np.conj(size)
+                slope[here] -= 1j * (4 * w / less**2) @ np.conj(size) * (pi / self.length)
+        return value, slope
+
+
+def power_sums(terms: Complex, exponent: Complex) -> Pair:
+    """The sums of c_k w^k and of k c_k w^k, k = 1, 2, ..., at w = exp(exponent), |w| <= 1.
+
+    Deep points need few terms: those below round-off are left out.
+    """
+    value, slope = np.zeros(len(exponent), dtype=complex), np.zeros(len(exponent), dtype=complex)
+    if len(terms) == 0:
+        return value, slope
+    decay = np.maximum(-exponent.real, 1e-300)
+    needed = np.minimum(-np.log(0.01 * EPS) / decay + 1, len(terms)).astype(np.intp)
+    order = np.argsort(needed)
+    block = 1 << 12
+    for start in range(0, len(order), block):
+        here = order[start : start + block]
+        w, count = np.exp(exponent[here]), int(needed[here[-1]])
+        total, rate = np.zeros(len(here), dtype=complex), np.zeros(len(here), dtype=complex)
+        for term in terms[count - 1 :: -1].tolist() if count < len(terms) else terms[::-1].tolist():
+            # Horner's rule for a polynomial and its derivative.
+            rate *= w
+            rate += total
+            total *= w
+            total += term
+        value[here], slope[here] = w * total, w * (total + w * rate)
+    return value, slope
+
+
+def polylogarithms(exponent: Complex) -> Pair:
+    """Li_3(w) and Li_2(w) at w = exp(-u), u with Re u >= 0 and |Im u| <= pi.
+
+    For |u| > 1 it is the sum of w^k/k^n if |w| is small. Otherwise, for |u| < 2 pi,
+
+        Li_2 = zeta(2) - u (1 - ln u) + ...,    Li_n = sum_{k != n - 1} zeta(n - k) (-u)^k / k! + ...
+
+    (A. Erdelyi et al., Higher Transcendental Functions I, 1953, 1.11 (9); DLMF 25.12.12).
+    """
+    u = -exponent
+    near = np.abs(u) < 1.25 * pi
+    third, second = np.empty(len(u), dtype=complex), np.empty(len(u), dtype=complex)
+    third[near], second[near] = _near_one(u[near])
+    k = np.arange(1, 61, dtype=float)
+    third[~near] = power_sums((1 / k**3).astype(complex), exponent[~near])[0]
+    second[~near] = power_sums((1 / k**2).astype(complex), exponent[~near])[0]
+    return third, second
+
+
+def _near_one(u: Complex) -> Pair:
+    """Li_3 and Li_2 of exp(-u) by their series in u, |u| < 1.25 pi."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        log = np.where(u == 0, 0.0, np.log(np.where(u == 0, 1.0, u)))
+    # zeta(1 - 2k) = -B_2k / 2k; zeta vanishes at the other negative integers.
+    third = 0.5 * u * u * (1.5 - log) + zeta(3) - zeta(2) * u
+    second = -u * (1.0 - log) + zeta(2)
+    third_terms, second_terms = _zeta_terms()
+    square = u * u
+    total, rate = np.zeros(len(u), dtype=complex), np.zeros(len(u), dtype=complex)
+    for one, other in zip(third_terms[::-1], second_terms[::-1], strict=True):
+        total, rate = total * square + one, rate * square + other
+    third += u * square * (1 / 12) + square * square * total
+    second += -0.25 * square + u * square * rate
+    return third, second
+
+
+def _zeta_terms(terms: int = 40) -> tuple[list[float], list[float]]:
+    """zeta(1 - 2m)/(2m + 2)! and -zeta(1 - 2m)/(2m + 1)! for m = 1, 2, ...
+
+    |zeta(1 - 2m)| = 2 (2m - 1)! zeta(2m) / (2 pi)^2m, with the sign (-1)^m (DLMF 25.4.1).
+    """
+    m = np.arange(1, terms + 1, dtype=float)
+    sign = np.where(m % 2, -1.0, 1.0)
+    size = sign * 2 * zeta(2 * m) / (2 * pi) ** (2 * m) / (2 * m)
+    third, second = size / ((2 * m + 1) * (2 * m + 2)), -size / (2 * m + 1)
+    return third.tolist(), second.tolist()

@@ -1,0 +1,128 @@
+"""The stresses of a solution at points of its body, with a bound of their errors.
+
+The stresses at a point are means of the pressure with kernels whose absolute values have integrals
+of at most 1. So an error of the pressure at equal normalised positions causes no larger error of
+the stresses. A wrong end of a zone moves a pressure that grows like the square root of the distance
+from the end; near the end that counts more.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.errors import SceneError
+from contact.formulation.protocol import Fields
+from contact.inside.stress import Stress, Transform, stress_from, tension_along
+from contact.model.checks import real
+from contact.model.operator import Operator
+from sie import Array, nearest_image
+
+
+@dataclass(frozen=True)
+class FieldErrorOptions:
+    """Factors of the bound of the stresses' errors."""
+
+    # Kernels of s_xx and s_yy have the integral 1, and those of the derivatives up to 2.
+    of_pressure: float = 2.0
+    of_ends: float = 2.0  # derivative of sqrt(1 - t^2) near an end, and two ends
+    rounding_margin: float = 64.0  # round-off of F and of y F' in units of the last digit
+
+
+OPTIONS = FieldErrorOptions()
+
+
+def body_points(x: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
+    """Points (x, y) [m] as arrays of one shape; SceneError names a depth y < 0."""
+    x, y = real("x", x), real("y", y)
+    if np.any(y < 0):
+        raise SceneError.of("y", float(y[y < 0].ravel()[0]), "at least 0: y is the depth")
+    try:
+        x, y = np.broadcast_arrays(x, y)
+    except ValueError:
+        raise SceneError(
+            f"x and y are places of points, and their shapes {x.shape} and {y.shape} do not fit",
+            "y",
+        ) from None
+    return x, y
+
+
+def needs_half_plane(operator: Operator) -> None:
+    """Raise SceneError unless the body is a half-plane, whose inside is known."""
+    if operator.is_own or operator.own_columns:
+        raise SceneError(
+            "there are no stresses under an own interaction: its kernel describes the surface only",
+            "interaction",
+        )
+    if not operator.is_plain:
+        raise SceneError(
+            f"there are no stresses in the substrate {operator.substrate.name}: its symbol "
+            "describes the surface only; take contact.HalfPlane()",
+            "substrate",
+        )
+
+
+def stress_of(
+    fields: Fields, x: Array, y: Array, error: float, lateral: str, nu: float | None
+) -> Stress:
+    """Stresses of a contact without friction at points (x, y) [m] of one shape.
+
+    error: relative error of the pressure at equal normalised positions, and of ends.
+    """
+    needs_half_plane(fields.problem.operator)
+    along = tension_along(lateral, fields.deep_pressure, nu)
+    normal = fields.pressure_transform(x, y)
+    bound = error_at(fields, x, y, normal, error)
+    return stress_from(y, normal, None, bound).with_tension(along)
+
+
+def error_at(fields: Fields, x: Array, y: Array, normal: Transform, error: float) -> Array:
+    """Bound of the errors of the stresses [Pa] that follow from the transform of the pressure."""
+    local = np.abs(normal[0]) + np.where(y == 0, 0.0, y * np.abs(normal[1]))
+    size = unit_pressure(fields)
+    rounding = OPTIONS.rounding_margin * np.finfo(float).eps
+    steep = _near_ends(fields, x, y, error)
+    return np.asarray(
+        error * (OPTIONS.of_pressure * size + OPTIONS.of_ends * size * np.sqrt(steep))
+        + error * local * (OPTIONS.of_pressure + (steep if _singular(fields) else 0.0))
+        + rounding * (local + size)
+    )
+
+
+def unit_pressure(fields: Fields) -> float:
+    """The pressure [Pa] of which errors are parts: the peak, or the mean on the zones."""
+    if np.isfinite(fields.max_pressure):
+        return max(fields.max_pressure, abs(fields.deep_pressure))
+    table = fields.zone_table
+    width = float(np.diff(table, axis=1).sum()) or fields.problem.profile.period or 1.0
+    return abs(fields.load) / width
+
+
+def _singular(fields: Fields) -> bool:
+    """Whether ends of zones move at which the pressure is infinite."""
+    return bool(fields.problem.end.intensity)
+
+
+def _near_ends(fields: Fields, x: Array, y: Array, error: float) -> Array:
+    """Width of a zone over the distance from its end, the largest of the next ends on both sides.
+
+    Distances are at least the error of the end.
+    """
+    table = fields.zone_table
+    out = np.zeros(x.shape)
+    if len(table) == 0:
+        return out
+    period = fields.problem.profile.period if fields.problem.interaction.needs_period else None
+    table = table[np.argsort(table[:, 0])]
+    width = np.repeat(table[:, 1] - table[:, 0], 2)
+    ends = table.ravel()
+    if period is not None:
+        x = nearest_image(x, 0.5 * (ends[0] + ends[-1]), period)
+        ends = np.concatenate((ends - period, ends, ends + period))
+        width = np.tile(width, 3)
+    after = np.searchsorted(ends, x)
+    for step in (-2, -1, 0, 1):
+        i = np.clip(after + step, 0, len(ends) - 1)
+        away = np.hypot(x - ends[i], y)
+        out = np.maximum(out, width[i] / (away + error * width[i]))
+    return out
