@@ -18,7 +18,7 @@ with uncollected():
     )
     from contact.model.controls import Control
     from contact.model.interactions import Interaction, Isolated, Localized, Periodic
-    from contact.model.laws import JKR, Dugdale, Frictionless, Law
+    from contact.model.laws import JKR, Dugdale, Frictionless, Law, Sliding, dundurs_beta
     from contact.model.profiles import (
         Biquadratic,
         Combined,
@@ -140,11 +140,13 @@ __all__ = [
     "Scene",
     "SceneError",
     "Sinusoid",
+    "Sliding",
     "Solution",
     "Stress",
     "Substrate",
     "Wedge",
     "controls",
+    "dundurs_beta",
     "explore",
     "interaction",
     "interactions",

@@ -400,6 +400,11 @@ def _show_solution(solution: Solution, seconds: float, zones_shown: int = 20) ->
         if scene.turning
         else []
     )
+    sliding = (
+        [("tangential load", quantity(solution.tangential_load, "N/m", 10))]
+        if scene.law.shear_ratio
+        else []
+    )
     others = [
         what
         for what, part in (("substrate", scene.substrate), ("law", scene.law))
@@ -413,6 +418,7 @@ def _show_solution(solution: Solution, seconds: float, zones_shown: int = 20) ->
         ("quantity", "value"),
         [
             ("load", quantity(solution.load, "N/m", 10)),
+            *sliding,
             ("mean pressure", quantity(solution.mean_pressure, "Pa", 10)),
             ("max pressure", quantity(solution.max_pressure, "Pa", 10)),
             ("approach", quantity(solution.approach, "m", 10)),

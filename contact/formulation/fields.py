@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
+from contact.extras import require
 from contact.formulation.controls import Load
-from contact.formulation.problem import Problem
+from contact.formulation.problem import MISMATCH, Problem
 from contact.formulation.quadrature import cuts_between, over_period, panels, sides
 from contact.formulation.roots import maximum, reaches
 from contact.formulation.tolerances import allowed_overlap
@@ -52,6 +53,14 @@ class NoZones(sie.Kept):
         raise IndexError("there are no zones: use pressure(x)")
 
 
+def has_tips(density: sie.AnyDensity, problem: Problem) -> bool:
+    """Whether the pressure is infinite at a convex kink inside a zone."""
+    if problem.kappa:
+        kinks, heights = problem.forcing.kinks
+        return bool(density.locate(kinks[heights > 0])[2].any())
+    return bool(np.any((density.jumps.height > 0) & (density.jumps.order == 0)))
+
+
 def moved_ends(
     state: sie.AnyState,
     condition: int = 0,
@@ -75,14 +84,14 @@ def moved_ends(
 def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
     """Outward motions (2, Z) of the ends as `density` is added to `on`; 0 for fixed ends.
 
-    The motion of an end is 2 K / A, with the intensity K of `density` and the edge slope A of `on`.
+    The motion of an end is 2 K / A, with the intensity K of `density` and the edge slope A of `on`
+    (another factor than 2 with kappa, see `sie`).
     Both densities are on the same zones. The ends have no prescribed intensities. The motions are
     first derivatives by the multiple of `density` that is added.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(
-            on.zones.moves, 2 * np.array(density.intensities) / np.array(on.edge_slopes), 0.0
-        )
+        k, slopes = np.array(density.intensities), np.array(on.edge_slopes)
+        return np.where(on.zones.moves, on.zones.weight.end_step(k, slopes), 0.0)
 
 
 def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
@@ -134,7 +143,16 @@ class ZoneFields(sie.Kept):
         if len(zones) == 1:
             end = zones.b
             return -(self._relative_displacement(end) + self.standing_shape(end))
-        return self.state.levels
+        levels = self.state.levels
+        return levels - self._shift(self.density) if self.problem.kappa else levels
+
+    def _shift(self, density: sie.AnyDensity) -> float:
+        """The constant of the displacement by a density, see contact.formulation.mismatch."""
+        problem = self.problem
+        shift: float = require(MISMATCH).shift(
+            problem.kappa, problem.period, density.total, density.moment()
+        )
+        return shift
 
     @cached_property
     def level(self) -> float:
@@ -162,6 +180,8 @@ class ZoneFields(sie.Kept):
             return None
         state, values = self.state, self.state.values()
         rate = self.centring - float(state.level_rates(values).mean())
+        if self.problem.kappa:
+            rate += self._shift(state.response(values))
         if self.amplitude_rate:
             rate -= self.amplitude_rate * float(
                 by_nominal_pressure(self.problem, self.density.zones, ROUND_OFF).levels.mean()
@@ -308,7 +328,19 @@ class ZoneFields(sie.Kept):
 
         Each column is multiplied by its solved amplitude.
         """
-        return self._raised(x, self.density.potential(x))
+        raised = self._raised(x, self.density.potential(x))
+        return raised + self._sheared(x, self.density) if self.problem.kappa else raised
+
+    def _sheared(self, x: Array, density: sie.AnyDensity) -> Array:
+        """Scaled displacement by the shear of a pressure, but for the mean pressure's column."""
+        place, zone, inside = density.locate(x)
+        totals, passed = density.totals, place > density.zones.b[zone]
+        before = (np.cumsum(totals) - totals)[zone] + np.where(passed, totals[zone], 0.0)
+        before = np.where(inside, before + density.integral(x), before)
+        # The column of the mean pressure is not periodic: it counts from the places themselves.
+        if self.problem.period is not None:
+            before = before + np.round((x - place) / self.problem.period) * density.total
+        return np.asarray(self._shift(density) - self.problem.kappa * before)
 
     def _raised(self, x: Array, potential: Array) -> Array:
         return self._with_columns(x, potential, self.density.amplitudes)
@@ -458,6 +490,8 @@ class ZoneFields(sie.Kept):
         zones, load = self.density.zones, self.density.total
         places = np.append(zones.middle[0], x)
         sunk = self._with_columns(places, response.potential(places), response.amplitudes)
+        if self.problem.kappa:
+            sunk = sunk + self._sheared(places, response)
         opens = sunk[1:] - sunk[0]
         return moved_ends(self.state, 0, response).T * load, np.asarray(opens * load)
 
@@ -524,7 +558,7 @@ class ZoneFields(sie.Kept):
             left, right = density.intensities
             if max(left.max(), right.max()) > ROUND_OFF * np.abs(density.coefficients).max():
                 return True
-        return bool(np.any((density.jumps.height > 0) & (density.jumps.order == 0)))
+        return has_tips(density, self.problem)
 
     @cached_property
     def _sampled(self) -> tuple[Array, float]:

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 import sie
 from contact.extras import require
 from contact.formulation.fields import NoZones, mean_shape
-from contact.formulation.problem import Problem
+from contact.formulation.problem import MISMATCH, Problem
 from contact.formulation.relief import Relief, period_samples
 from contact.formulation.roots import maximum
 from contact.formulation.tolerances import TOLERANCES
@@ -46,6 +46,11 @@ class FullLimit(sie.Kept):
 
     @cached_property
     def relief(self) -> Relief:
+        if self.law.kappa:
+            sliding: Relief = require(MISMATCH).SlidingRelief(
+                self.profile, self.operator, self.law.kappa
+            )
+            return sliding
         return Relief(self.profile, self.operator)
 
     @property
@@ -142,9 +147,9 @@ class FullFields(NoZones):
         return np.asarray(self.mean_pressure - 0.5 * self.problem.units.E_star * slope)
 
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
-        # On the surface p = pbar - (E*/2) Re R, and Im F = -p.
+        # On the surface p = pbar - (E*/2) Re skew R, and Im F = -p.
         value, slope = self._slope_inside(x, y)
-        half = 0.5 * self.problem.units.E_star
+        half = 0.5 * self.problem.units.E_star * self.problem.skew
         return -1j * (self.mean_pressure - half * value), 1j * half * slope
 
     @cached_property

@@ -101,7 +101,12 @@ class GapFields(sie.Kept):
         It is pbar - R + G s. Here pbar is the mean pressure, R the relief, and G s the transform of
         the slope s of the gap.
         """
-        return np.asarray(self.mean - self.relief(x) + self.gap_slope.transform(x))
+        return np.asarray(self.mean - self.relief(x) + self._by_gaps(self.gap_slope.transform(x)))
+
+    def _by_gaps(self, value: Array) -> Array:
+        """Part of the pressure by the gap slope s, from T s; see contact.formulation.mismatch."""
+        kappa = self.problem.kappa
+        return value / (1 + kappa**2) if kappa else value
 
     def pressure_in(self, zone: int | Index, left: Array, right: Array) -> Array:
         """Scaled pressure in zones, at places given by their distances from both zone ends.
@@ -115,7 +120,19 @@ class GapFields(sie.Kept):
         # The factor replaces the distance `kept`, computed from the rounded x, by the exact
         # `nearer`.
         nearer, kept = half * np.minimum(left, right), np.where(left <= right, x - a, b - x)
-        return np.asarray(self.bearing(x) * np.sqrt(nearer / np.where(kept > 0, kept, np.inf)))
+        ratio = nearer / np.where(kept > 0, kept, np.inf)
+        if not self.problem.kappa:
+            return np.asarray(self.bearing(x) * np.sqrt(ratio))
+        # With kappa the exponents at the two ends differ. The zone's left end is a gap's right end.
+        at_right, at_left = 1 - self.gap_slope.zones.weight.exponent[:, 0]
+        return np.asarray(self.bearing(x) * ratio ** np.where(left <= right, at_left, at_right))
+
+    def bounded_weight(self, left: Array, right: Array) -> Array:
+        """The function sqrt(1 - t^2), with other exponents for kappa, by which p ends in a zone."""
+        if not self.problem.kappa:
+            return np.asarray(np.sqrt(left * right))
+        at_right, at_left = 1 - self.gap_slope.zones.weight.exponent[:, 0]
+        return np.asarray(left**at_left * right**at_right)
 
     @property
     def zone_table(self) -> Array:
@@ -154,12 +171,14 @@ class GapFields(sie.Kept):
         return np.where(np.abs(t) == 1, 0.0, value) * self.problem.units.pressure
 
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
-        # On the surface p = pbar - Re R + Re S, with the transform S of the gap's slope.
+        # On the surface p = pbar - Re skew (R - S), with the transform S of the gap's slope.
         units = self.problem.units
         relief, bend = self._slope_inside(x, y)
         z = units.scaled(x) + 1j * (y / units.length)
-        value = self.mean - relief / units.slope + self.gap_slope.transform(z)
-        slope = self.gap_slope.transform_slope(z) / units.length - bend / units.slope
+        skew = self.problem.skew
+        value = self.mean - skew * (relief / units.slope - self.gap_slope.transform(z))
+        bend = bend / units.slope - self.gap_slope.transform_slope(z) / units.length
+        slope = -skew * bend
         return -1j * units.pressure * value, -1j * units.pressure * slope
 
     @cached_property
@@ -197,7 +216,7 @@ class GapFields(sie.Kept):
     @cached_property
     def loads(self) -> Array:
         """Load of each zone [N/m]."""
-        rise = np.diff(self.gap_slope.potential(self.zones), axis=1)[:, 0]
+        rise = np.diff(self._by_gaps(self.gap_slope.potential(self.zones)), axis=1)[:, 0]
         return zone_loads.loads(self.mean, self.relief, self.zones, rise) * self.problem.units.load
 
     @cached_property
@@ -229,7 +248,7 @@ class GapFields(sie.Kept):
             for part in (x + turns * self.period, relief)
         )
         bears, value = ~self.gap_slope.locate(x)[2], np.zeros(len(x))
-        value[bears] = self.mean - relief[bears] + self.gap_slope.transform(x[bears])
+        value[bears] = self.mean - relief[bears] + self._by_gaps(self.gap_slope.transform(x[bears]))
         return x, value
 
     @cached_property

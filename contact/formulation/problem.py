@@ -19,6 +19,7 @@ from functools import cached_property
 import numpy as np
 
 import sie
+from contact.extras import require
 from contact.formulation.controls import Control
 from contact.formulation.units import Units
 from contact.model.interactions.base import Interaction
@@ -29,6 +30,12 @@ from contact.model.profiles.base import Profile, onto
 from contact.model.profiles.tilted import Tilted
 from contact.model.substrates.base import Substrate
 from sie import Array, Index, nearest_image, record
+
+Conditions = tuple[sie.Condition, ...]
+
+
+# The module for bodies that slide and differ elastically, imported for their scenes only.
+MISMATCH = "contact.formulation.mismatch"
 
 
 def minus_one(x: Array) -> Array:
@@ -245,7 +252,20 @@ class Problem(sie.Kept):
     @property
     def unknown_columns(self) -> tuple[sie.Forcing, ...]:
         """Additional columns of the equation whose amplitudes are unknown."""
-        return self.columns if self.amplitude is None else ()
+        columns = self.columns if self.amplitude is None else ()
+        if not self.kappa or self.period is None:
+            return columns
+        return (*columns, require(MISMATCH).MEAN)
+
+    @property
+    def kappa(self) -> float:
+        """Factor of the pressure itself on the left side; 0 unless different bodies slide."""
+        return self.law.kappa
+
+    @property
+    def skew(self) -> complex:
+        """Factor 1 / (1 + i kappa) of what a given slope of the surface adds to the transform."""
+        return 1 / (1 + 1j * self.kappa) if self.kappa else 1.0
 
     @cached_property
     def compression(self) -> float:
@@ -281,7 +301,7 @@ class Problem(sie.Kept):
 
     def equation(self, control: Control) -> sie.Equation:
         """The integral equation with the side conditions of the control."""
-        closure: tuple[sie.Condition, ...] = ()
+        closure: Conditions = ()
         columns = self.unknown_columns
         if self.amplitude is None and self.interaction.follows_isolated:
             closure = (sie.Amplitude(0, 0.0),)
@@ -291,6 +311,8 @@ class Problem(sie.Kept):
                 sie.Condition, self.interaction.placed_conditions, self.period, self.units.scaled
             )
         conditions, ends = control.conditions()
+        if self.kappa:
+            conditions, closure = self._with_mismatch(conditions, closure)
         if self.moment is not None:
             # The column is the slope of a unit tilt. Its unknown amplitude is the correction of the
             # tilt.
@@ -299,7 +321,25 @@ class Problem(sie.Kept):
                 *columns,
                 sie.Forcing(minus_one, self.units.minus_place, resolution=sie.Resolution(modes=1)),
             )
-        return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), columns, ends)
+        return sie.Equation(
+            self.kernel, self.forcing, (*conditions, *closure), columns, ends, self.kappa
+        )
+
+    def _with_mismatch(self, conditions: Conditions, closure: Conditions) -> tuple[Conditions, ...]:
+        """The conditions, with levels from which the mean displacement is taken off.
+
+        With a period, the amplitude of the last column is kappa times the mean pressure.
+        """
+        kappa, period = self.kappa, self.period
+        mean_level = require(MISMATCH).MeanLevel
+        conditions = tuple(
+            mean_level(one.value, kappa, period) if isinstance(one, sie.Level) else one
+            for one in conditions
+        )
+        if period is None:
+            return conditions, closure
+        mean = sie.Amplitude(len(self.unknown_columns) - 1, 0.0, per_total=kappa / period)
+        return conditions, (*closure, mean)
 
     def with_amplitude(self, amplitude: float) -> Problem:
         return replace(self, amplitude=amplitude)

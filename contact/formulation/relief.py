@@ -36,6 +36,8 @@ class Relief(Conjugate):
     """
 
     operator: Operator
+    # Factor of the logarithms of kinks in R.
+    kink_factor = 1.0
 
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:
@@ -127,7 +129,8 @@ class ScaledRelief(sie.Kept):
 
     @classmethod
     def of(cls, relief: Relief, problem: Problem) -> "ScaledRelief":
-        return cls(relief, problem.units, *problem.forcing.kinks)
+        at, heights = problem.forcing.kinks
+        return cls(relief, problem.units, at, heights * relief.kink_factor)
 
     @property
     def period(self) -> float:

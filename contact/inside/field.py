@@ -26,6 +26,9 @@ class FieldErrorOptions:
     # Kernels of s_xx and s_yy have the integral 1, and those of the derivatives up to 2.
     of_pressure: float = 2.0
     of_ends: float = 2.0  # derivative of sqrt(1 - t^2) near an end, and two ends
+    # Kernels of the shear have no absolute integrals: their transform of an error as rough as the
+    # pressure's is larger than the error.
+    of_shear: float = 8.0
     rounding_margin: float = 64.0  # round-off of F and of y F' in units of the last digit
 
 
@@ -65,15 +68,19 @@ def needs_half_plane(operator: Operator) -> None:
 def stress_of(
     fields: Fields, x: Array, y: Array, error: float, lateral: str, nu: float | None
 ) -> Stress:
-    """Stresses of a contact without friction at points (x, y) [m] of one shape.
+    """Stresses of a contact at points (x, y) [m] of one shape; in sliding with those of the shear.
 
     error: relative error of the pressure at equal normalised positions, and of ends.
     """
     needs_half_plane(fields.problem.operator)
     along = tension_along(lateral, fields.deep_pressure, nu)
     normal = fields.pressure_transform(x, y)
-    bound = error_at(fields, x, y, normal, error)
-    return stress_from(y, normal, None, bound).with_tension(along)
+    bound, ratio = error_at(fields, x, y, normal, error), fields.problem.law.shear_ratio
+    if not ratio:
+        return stress_from(y, normal, None, bound).with_tension(along)
+    tangential = ratio * normal[0], ratio * normal[1]
+    bound = bound * (1 + OPTIONS.of_shear * abs(ratio))
+    return stress_from(y, normal, tangential, bound).with_tension(along)
 
 
 def error_at(fields: Fields, x: Array, y: Array, normal: Transform, error: float) -> Array:

@@ -132,6 +132,9 @@ def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Sc
     if COUNTER in tables:
         profile = _under(f"[{COUNTER}]", _read_counter, tables[COUNTER], Path(directory), profile)
     modulus = _under("[material]", _read_material, tables["material"])
+    if "law" in tables:
+        law = _under("[law]", _read_law, tables["law"], tables["material"])
+        tables = {**tables, "law": law}
     model = _under("[interaction]", _read_model, tables["interaction"], INTERACTIONS)
     others = {
         name: _under(f"[{name}]", _read_model, tables[name], known)
@@ -173,6 +176,13 @@ def _read_material(table: Table) -> float:
                 "counter-body"
             )
     return E_star(**table)
+
+
+def _read_law(table: Table, moduli: Table) -> Table:
+    """The table of a law, with what the law takes from the moduli of the bodies."""
+    model, given = _named(table, "model")
+    completed: Table = LAWS.find(model, "model").completed(given, moduli)
+    return {"model": model, **completed}
 
 
 def _read_model(table: Table, registry: Registry) -> Any:

@@ -50,7 +50,7 @@ def zone_solution(
     density, problem = found.fields.density, found.fields.problem
     zones = density.zones
     plan["symmetry"].used = zones.symmetric
-    if not zones.symmetric and scene.profile.symmetric:
+    if not zones.symmetric and scene.profile.symmetric and not scene.law.kappa:
         plan["symmetry"].reason = "the zones straddle the border of the cell"
     plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
     plan["certificate"].detail = f"{found.certificate.points} points"
@@ -87,7 +87,8 @@ def gap_solution(scene: Scene, found: SolvedGaps, plan: Plan, tol: float) -> Sol
     fields = found.fields
     plan["zone ends"].reason = "nearly full contact: the gaps are solved for"
     plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {len(fields.zones)} gaps"
-    plan["symmetry"].used, plan["symmetry"].reason = False, "the gaps are solved for"
+    if not scene.law.kappa:
+        plan["symmetry"].used, plan["symmetry"].reason = False, "the gaps are solved for"
     _record_sizes(plan, len(fields.zones), found.free.state)
     table = in_cell(scene, np.asarray(fields.problem.units.x(fields.zones)))
     claimed = claims.of(scene.profile)

@@ -34,6 +34,7 @@ UNITS = {
     "zone_loads": "N/m",
     "zone_peaks": "Pa",
     "load": "N/m",
+    "tangential_load": "N/m",
     "mean_pressure": "Pa",
     "max_pressure": "Pa",
     "approach": "m",
@@ -51,6 +52,7 @@ _FIELDS = {
     "displacement": ("m", "displacement into the body"),
     "gap": ("m", "gap between the deformed surfaces"),
     "pressure": ("Pa", "contact pressure"),
+    "shear": ("Pa", "shear traction on body 1 along +x"),
 }
 
 
@@ -124,10 +126,11 @@ def to_csv(solution: Solution) -> str:
 def fields_to_csv(solution: Solution) -> str:
     """The fields as CSV text with a header line: FIELD_COLUMNS [m, Pa, m, m, m].
 
-    The spacing of the positions is smaller near the ends of zones.
+    With friction the shear [Pa] is the last column. The spacing of the positions is smaller near the ends of zones.
     """
     fields = _fields(solution)
-    return csv_of(FIELD_COLUMNS, np.column_stack([fields[name] for name in FIELD_COLUMNS]).tolist())
+    columns = [name for name in (*FIELD_COLUMNS, "shear") if name in fields]
+    return csv_of(columns, np.column_stack([fields[name] for name in columns]).tolist())
 
 
 def csv_of(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -180,13 +183,16 @@ def new_file(
 
 def _fields(solution: Solution) -> dict[str, Any]:
     x = positions(solution, *window(solution))
-    return {
+    fields = {
         "x": x,
         "profile": np.asarray(solution.scene.profile.height(x)),
         "displacement": solution.displacement(x),
         "gap": solution.gap(x),
         "pressure": solution.pressure(x),
     }
+    if solution.scene.law.shear_ratio:
+        fields["shear"] = solution.shear(x)
+    return fields
 
 
 def to_xarray(solution: Solution) -> Any:
@@ -196,7 +202,9 @@ def to_xarray(solution: Solution) -> Any:
     """
     fields = _fields(solution)
     attributes = {
-        name: {"units": units, "long_name": label} for name, (units, label) in _FIELDS.items()
+        name: {"units": units, "long_name": label}
+        for name, (units, label) in _FIELDS.items()
+        if name in fields
     }
     data: dict[str, Any] = {
         name: ("x", np.asarray(fields[name]), named) for name, named in attributes.items()

@@ -257,6 +257,8 @@ def _symmetry(scene: Scene) -> Part:
     """The part of the plan that solves for one half of a symmetric contact."""
     if scene.turned:
         return Part("symmetry", False, "the body is turned")
+    if scene.law.kappa:
+        return Part("symmetry", False, "different bodies slide, which has a direction")
     return _part(
         "symmetry", bool(scene.profile.symmetric), "profile symmetric", "profile not symmetric"
     )

@@ -151,6 +151,18 @@ class Solution(sie.Kept):
             raise SceneError.of("t", t, "from -1 to 1, the ends of the zone")
         return self.fields.pressure_at(int(self._order[zone]), t)
 
+    def shear(self, x: ArrayLike) -> Array:
+        """Shear traction on body 1 along +x [Pa] at x [m], any shape; 0 without friction.
+
+        In sliding it is direction * friction * pressure, with the relative error of the pressure.
+        """
+        return self.scene.law.shear_ratio * self.pressure(x) + 0.0
+
+    @property
+    def tangential_load(self) -> float:
+        """Tangential load on body 1 along +x [N/m], per period if periodic; 0 without friction."""
+        return self.scene.law.shear_ratio * self.load + 0.0
+
     def gap(self, x: ArrayLike) -> Array:
         """Gap [m] at x [m], any shape; 0 inside the zones, inf where no profile is given."""
         return self.fields.gap(real("x", x))
@@ -251,8 +263,11 @@ class Solution(sie.Kept):
     def energy(self) -> Energy | None:
         """Elastic and surface energy [J/m], per period if the scene is periodic.
 
-        None without an approach, and for localized contact, whose strip is not the whole body.
+        None without an approach, for localized contact, whose strip is not the whole body, and with
+        friction, as the energy of the shear is not computed.
         """
+        if self.scene.law.shear_ratio:
+            return None
         elastic, period = elastic_energy(self.fields), self.scene.period
         if elastic is None:
             return None

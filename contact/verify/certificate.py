@@ -292,9 +292,8 @@ def _pressures(fields: ZoneFields) -> Signs:
 
     def over_root(zone: Index, angle: Array) -> Array:
         left, right = sides(angle)
-        return np.asarray(
-            fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right)
-        )
+        bearing = fields.problem.bearing(density, zone, left, right)
+        return np.asarray(bearing / bounded_weight(density.zones, left, right))
 
     def sampled(group: Index, theta: Array) -> tuple[Array, Array, Array]:
         value = over_root(group[:, None], theta)
@@ -312,6 +311,14 @@ def _pressures(fields: ZoneFields) -> Signs:
         )
 
     return signs_on(density.zones, density.sampling, sampled, over_root)
+
+
+def bounded_weight(zones: sie.Zones, left: Array, right: Array) -> Array:
+    """The function sqrt(1 - t^2), with other exponents for kappa, by which a pressure ends."""
+    if zones.weight.is_half:
+        return np.asarray(np.sqrt(left * right))
+    at_left, at_right = 1 - zones.weight.exponent[:, 0]
+    return np.asarray(left**at_left * right**at_right)
 
 
 def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from contact.formulation.fields import ZoneFields, moved_ends
+from contact.formulation.fields import ZoneFields, has_tips, moved_ends
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import chebyshev_nodes, sides
@@ -50,7 +50,7 @@ class SolvedZones(Solved):
         _, by_left, by_right = density.sensitivity
         singular, peak = (
             _is_singular(density),
-            reference(density, problem.end, problem.borne(density)),
+            reference(density, problem.end, problem.borne(density), has_tips(density, problem)),
         )
         moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
         on_zones = (TOLERANCES.singular_end if singular else 1) * (
@@ -172,13 +172,18 @@ def _is_singular(density: sie.AnyDensity) -> bool:
     return any(end.intensity != 0.0 for end in (*density.zones.left, *density.zones.right))
 
 
-def reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None) -> float:
+def reference(
+    density: sie.AnyDensity, free: sie.End, borne: float | None = None, tips: bool | None = None
+) -> float:
     """The pressure by which errors are divided: the peak, or the mean contact pressure.
 
     The mean is taken where the peak is infinite. Where free ends have a singular tension, it is the
     largest p sqrt(1 - t^2), and at least the part of the ends in it. free: kind of the free ends.
-    borne: load of all zones, if it is not the density's total.
+    borne: load of all zones, if it is not the density's total. tips: whether convex kinks lie in
+    the zones, if that is known.
     """
+    if tips is None:
+        tips = bool(np.any((density.jumps.height > 0) & (density.jumps.order == 0)))
     if free.intensity is not None and free.intensity < 0.0:
         angle = np.arccos(chebyshev_nodes(64))
         highest = float(
@@ -187,7 +192,7 @@ def reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None
             ).max()
         )
         return max(highest, abs(free.intensity) * float(np.sqrt(2 / density.zones.half).max()))
-    if _is_singular(density) or np.any((density.jumps.height > 0) & (density.jumps.order == 0)):
+    if _is_singular(density) or tips:
         return abs(density.total if borne is None else borne) / float(
             (density.zones.b - density.zones.a).sum()
         )

@@ -93,9 +93,10 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
 
     def over_root(i: Index, angles: Array) -> Array:
         zone, angle = np.repeat(i.ravel(), angles.shape[1]), angles.ravel()
-        return np.asarray(fields.pressure_in(zone, *sides(angle)) / np.sin(angle)).reshape(
-            angles.shape
-        )
+        left, right = sides(angle)
+        value = fields.pressure_in(zone, left, right)
+        root = fields.bounded_weight(left, right) if fields.problem.kappa else np.sin(angle)
+        return np.asarray(value / root).reshape(angles.shape)
 
     before, after = sampled.angle(places - 1), sampled.angle(places + 1)
     dips = follow(over_root, zone[places], before, after, scale[zone[places]], rough[places])
@@ -168,7 +169,7 @@ def _sampled(fields: GapFields) -> _Samples:
     # The pressure is a difference of numbers as large as the relief R. Next to an end the pressure
     # is small, and may consist only of the rounding of these numbers.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
-    over_sine = 1 / np.sqrt(left * right)
+    over_sine = 1 / fields.bounded_weight(left, right)
     return _Samples(
         run, zone, left, right, pressure * over_sine, TOLERANCES.rounding * size * over_sine
     )

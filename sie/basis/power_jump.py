@@ -26,7 +26,12 @@ densities (t - s)^k J_s:
 
     (kappa + T) (t - s)^k J_s = (t - s)^k (H(t - s) - h) - sum_(j < k) P_j (t - s)^(k - 1 - j) / pi,
 
-P_j the integral of (t - s)^j J_s, which is total / (pi (j + 1)) times that of (t - s)^j w.
+P_j the integral of (t - s)^j J_s, which is total / (pi (j + 1)) times that of (t - s)^j w. By
+parts, as (t - s) J_s' = -total / pi w, their potential V_k is that of
+
+    (k + 1) V_k = F[(t - s)^(k + 1) J_s] + total / pi V[(t - s)^k w],
+
+F the transform and V[] the potential. The same holds for the integrals of the densities.
 """
 
 import math
@@ -57,6 +62,8 @@ class JumpOptions:
 
 
 OPTIONS = JumpOptions()
+# Number of moments that a transform needs where |rho| is `far` or less.
+FAR_TERMS = int(np.ceil(-DIGITS / np.log(OPTIONS.far)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +143,15 @@ class PowerJump(Kept):
         return np.asarray(
             (np.where(away == 0, 0.0, edge) + self.total / np.pi * rest) / (1 + order)
         )
+
+    def by_parts(self, order: int = 0) -> Array:
+        """Coefficients of total / pi (t - s)^k w in S_n, along a new first axis."""
+        out: Array = np.asarray(0.0)
+        for c, factor in zip(
+            _monomials(self.weighted, order + 1), self._binomial(order), strict=True
+        ):
+            out = out + np.multiply.outer(c, self.total / np.pi * factor)
+        return out
 
     def powers(self, count: int) -> list[Array]:
         """Integrals of (t - s)^j J_s, j = 0 ... count - 1."""
@@ -224,7 +240,7 @@ class PowerJump(Kept):
             away = np.where((left + less).real > 0, less + self.right, left - self.left)
         which = np.arange(self.left.size).reshape(self.left.shape)
         left, less, away, which = np.broadcast_arrays(left, less, away, which)
-        far = np.abs(_rho(left, less)) < OPTIONS.far
+        far = np.abs(rho_of(left, less)) < OPTIONS.far
         out, near = np.empty(left.shape, dtype=less.dtype), ~far
         if far.any():
             out[far] = self._by_moments(which[far], left[far], less[far], what)
@@ -237,17 +253,8 @@ class PowerJump(Kept):
         self, which: NDArray[np.intp], left: Number, less: Number, what: tuple[int, int]
     ) -> Number:
         """Transform or slope at points far away: sum m_l rho^l / sqrt(zeta^2 - 1)."""
-        length = int(np.ceil(-DIGITS / np.log(OPTIONS.far)))
-        table = self.moments(length, what[0]).reshape(-1, length)
-        rho = _rho(left, less)
-        root = 0.5 * (left + less) - rho
-        value, slope = np.zeros_like(rho), np.zeros_like(rho)
-        for l in range(length - 1, -1, -1):
-            value = value * rho + table[which, l]
-            slope = slope * rho + l * table[which, l]
-        if not what[1]:
-            return np.asarray(value / root)
-        return np.asarray(-(slope + 0.5 * (left + less) / root * value) / root**2)
+        table = self.moments(FAR_TERMS, what[0]).reshape(-1, FAR_TERMS)[which].T
+        return series_slope(table, left, less) if what[1] else series(table, left, less)
 
     def _near(
         self, which: NDArray[np.intp], point: tuple[Number, Number, Number], order: int
@@ -339,9 +346,42 @@ def _monomials(weighted: Weighted, count: int) -> Array:
     return out
 
 
-def _rho(left: Number, less: Number) -> Number:
+def rho_of(left: Number, less: Number) -> Number:
     """zeta - sqrt(zeta^2 - 1) from zeta + 1 and zeta - 1."""
     if np.iscomplexobj(less):
         return np.asarray(2 / (np.sqrt(left) + np.sqrt(less)) ** 2)
     size = 2 / (np.sqrt(np.abs(left)) + np.sqrt(np.abs(less))) ** 2
     return np.asarray(np.copysign(size, left))
+
+
+def series(moments: Array, left: Number, less: Number) -> Number:
+    """Sum of m_l rho^l / sqrt(zeta^2 - 1), the transform of sum m_l T_l / sqrt(1 - t^2).
+
+    moments: along the first axis, with further axes none or those of the points. left, less:
+    zeta + 1 and zeta - 1.
+    """
+    rho = rho_of(left, less)
+    value = np.zeros_like(rho)
+    for moment in moments[::-1]:
+        value = value * rho + moment
+    return np.asarray(value / (0.5 * (left + less) - rho))
+
+
+def series_slope(moments: Array, left: Number, less: Number) -> Number:
+    """Derivative of `series` by zeta."""
+    rho = rho_of(left, less)
+    root = 0.5 * (left + less) - rho
+    value, slope = np.zeros_like(rho), np.zeros_like(rho)
+    for l in range(len(moments) - 1, -1, -1):
+        value = value * rho + moments[l]
+        slope = slope * rho + l * moments[l]
+    return np.asarray(-(slope + 0.5 * (left + less) / root * value) / root**2)
+
+
+def series_potential(moments: Array, left: Array, less: Array) -> Array:
+    """Potential of sum m_l T_l / sqrt(1 - t^2) at real points off the interval."""
+    rho = rho_of(left, less)
+    value = np.zeros_like(rho)
+    for l in range(len(moments) - 1, 0, -1):
+        value = value * rho + moments[l] / l
+    return np.asarray(-moments[0] * np.log(2 * np.abs(rho)) - value * rho)

@@ -309,13 +309,19 @@ class Weighted(Kept):
     def own_potential(self, c: Array, left: Any, right: Any) -> Array:
         """Potential of sum_n c_n S_n on the interval.
 
-        The potential of S_n plus kappa times the integral of S_n from -1 to t is `level` for n = 0,
-        and -1/n times the mirrored family's p_n for n > 0.
+        Plus kappa times the integral from -1 to t, it is `own_level`.
+        """
+        level = self.own_level(c, left, right)
+        return np.asarray(level - self.kappa * self.integral_to(c, left, right))
+
+    def own_level(self, c: Array, left: Any, right: Any) -> Array:
+        """Potential of sum_n c_n S_n on the interval, plus kappa times the integral from -1 to t.
+
+        It is `level` for n = 0 and -1/n times the mirrored family's p_n for n > 0.
         """
         divided = c / np.maximum(np.arange(len(c)), 1)
         divided[0] = 0.0
-        sums = self.singular.mirrored.sums(divided, left, right)
-        return np.asarray(c[0] * self.level - sums - self.kappa * self.integral_to(c, left, right))
+        return np.asarray(c[0] * self.level - self.singular.mirrored.sums(divided, left, right))
 
     def potentials(self, count: int, points: Points) -> Number:
         """Potentials of S_n off the interval, n = 0 ... count - 1, along a new last axis.

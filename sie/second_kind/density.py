@@ -207,10 +207,23 @@ class SecondKindDensity(DensityBase):
             here, w = at[zone.ravel()[at] == i], self.zones.half[i]
             left = (x.ravel()[here] - self.zones.a[i]) / w
             right = (self.zones.b[i] - x.ravel()[here]) / w
-            value = self.bases[i].integral_to(self.coefficients[i], left, right)
-            of_jumps = [one.integral_to(left, right) for one in self.known if one.zone == i]
-            out.ravel()[here] = w * (value + sum(of_jumps))
+            out.ravel()[here] = self._integral_to(i, left, right)
         return out
+
+    def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
+        """Integral of the density from a zone's left end to positions t = cos(angle) in it."""
+        zone, angle = np.broadcast_arrays(np.asarray(zone, np.intp), np.asarray(angle, float))
+        left, right = interval.sides(angle)
+        out = np.empty(zone.shape)
+        for i in np.unique(zone).tolist():
+            out[zone == i] = self._integral_to(i, left[zone == i], right[zone == i])
+        return out
+
+    def _integral_to(self, i: int, left: Array, right: Array) -> Array:
+        """Integral over zone i from its left end to the distances left = 1 + t, right = 1 - t."""
+        value = self.bases[i].integral_to(self.coefficients[i], left, right)
+        of_jumps = [one.integral_to(left, right) for one in self.known if one.zone == i]
+        return np.asarray(self.zones.half[i] * (value + sum(of_jumps)))
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
         """(False, 0) at every x, because no gap of this density is treated as a slit."""
@@ -266,15 +279,20 @@ class SecondKindDensity(DensityBase):
 
     def _potential_on_line(self, x: Array) -> Array:
         """Part of the potential at real x due to the poles of the kernel."""
-        if self.known:
-            raise ValueError("with kappa the potential of a right side with jumps is not known")
         out = np.zeros(len(x))
         for i, on, left, right, seen in self._seen(x):
             basis, c, w = self.bases[i], self.coefficients[i], self.zones.half[i]
-            out += w * c[0] * np.log(w / self.kernel.datum)
+            of_zone = [one for one in self.known if one.zone == i]
+            total = c[0] + sum(one.total for one in of_zone) / np.pi
+            out += w * total * np.log(w / self.kernel.datum)
             out[~on] += w * basis.potential_of(c, seen)
+            out[~on] += w * sum(one.potential(seen) for one in of_zone)
             if on.any():
-                out[on] += w * basis.own_potential(c, left, right)
+                own = basis.own_potential(c, left, right)
+                for one in of_zone:
+                    integral = one.integral_to(left, right)
+                    own = own + one.own_level(left, right) - basis.kappa * integral
+                out[on] += w * own
         return out
 
     def _seen(self, x: Array) -> Iterator[tuple[int, Mask, Array, Array, Outside]]:

@@ -5,16 +5,25 @@ J w^k / k! (t - s)^k J_s, with the half width w and J_s of `sie.basis.power_jump
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Complex, record
+from sie.basis.data import Array, Complex, Kept, record, wrapped
 from sie.basis.interval import InPlane, Outside, complex_of
-from sie.basis.power_jump import PowerJump
-from sie.basis.weighted import Weighted
+from sie.basis.power_jump import (
+    FAR_TERMS,
+    OPTIONS,
+    PowerJump,
+    rho_of,
+    series,
+    series_potential,
+    series_slope,
+)
+from sie.basis.weighted import Weighted, from_ends
 from sie.basis.zones import Zones
 from sie.equation.forcing import Forcing
 
@@ -22,10 +31,11 @@ Number = NDArray[Any]
 
 
 @record
-class KnownJumps:
+class KnownJumps(Kept):
     """The jumps of g, or of its derivative of one order k, on one zone.
 
     x: their places; closed: their closed forms; factors: J w^k / k! (see the head of this module).
+    Far from the zone all its jumps together are one series of Chebyshev moments.
     """
 
     zone: int
@@ -49,16 +59,66 @@ class KnownJumps:
         """kappa phi + T phi of the density at points (P,) of the zone."""
         return self.closed.own(self._away(left, right), self.order) @ self.factors
 
+    @cached_property
+    def _by_parts(self) -> Array:
+        """Coefficients in S_n of the sum of total / pi (t - s)^k w over all jumps."""
+        return self.closed.by_parts(self.order) @ self.factors
+
     def integral_to(self, left: Array, right: Array) -> Array:
-        """Integral of the density from the left end to points (P,) of the zone, divided by w."""
+        """Integral of the density from the left end to points (P,) of the zone, divided by w.
+
+        It is by parts, see `sie.basis.power_jump`.
+        """
         away = self._away(left, right)
-        values = self.closed.integral_to(left[:, None], right[:, None], away, self.order)
-        return np.asarray(values @ self.factors)
+        edge = self.closed.density(left[:, None], right[:, None], away, self.order) * away
+        rest = self.closed.weighted.integral_to(self._by_parts, left, right)
+        return np.asarray((np.where(away == 0, 0.0, edge) @ self.factors + rest) / (1 + self.order))
+
+    def own_level(self, left: Array, right: Array) -> Array:
+        """Potential of the density on the zone, plus kappa times `integral_to`, over w."""
+        higher = self.closed.own(self._away(left, right), self.order + 1) @ self.factors
+        rest = self.closed.weighted.own_level(self._by_parts, left, right)
+        return np.asarray((higher + rest) / (1 + self.order))
 
     def transform(self, points: Outside) -> Array:
         """Transform of the density at real points off the zone, of any shape."""
+        return self._off_zone(points, lambda at: self._near_transform(at, self.order), series)
+
+    def potential(self, points: Outside) -> Array:
+        """Potential of the density at real points off the zone, of any shape, over w."""
+
+        def near(at: Outside) -> Array:
+            rest = self.closed.weighted.potential_of(self._by_parts, at)
+            return np.asarray((self._near_transform(at, self.order + 1) + rest) / (1 + self.order))
+
+        return self._off_zone(points, near, series_potential)
+
+    def _off_zone(
+        self,
+        points: Outside,
+        near: Callable[[Outside], Array],
+        far: Callable[[Array, Array, Array], Array],
+    ) -> Array:
+        """Values at points off the zone by `near`, or by `far` where that is as accurate."""
+        sign, excess = np.broadcast_arrays(np.asarray(points.sign), points.excess)
+        left, less = from_ends(Outside(sign, excess))
+        is_far = np.abs(rho_of(left, less)) < OPTIONS.far
+        out = np.empty(excess.shape)
+        if is_far.any():
+            out[is_far] = far(self._moments, left[is_far], less[is_far])
+        if not is_far.all():
+            out[~is_far] = near(Outside(sign[~is_far], excess[~is_far]))
+        return out
+
+    def _near_transform(self, points: Outside, order: int) -> Array:
+        """Transform of the sum of factor (t - s)^order J_s at points (P,) off the zone."""
         at = Outside(np.asarray(points.sign)[..., None], points.excess[..., None])
-        return np.asarray(self.closed.transform(at, order=self.order) @ self.factors)
+        return np.asarray(self.closed.transform(at, order=order) @ self.factors)
+
+    @cached_property
+    def _moments(self) -> Array:
+        """As many moments as `series` needs at the points that are far."""
+        return self.moments(FAR_TERMS)
 
     def in_plane(self, points: InPlane, what: tuple[Array, Array, bool]) -> Complex:
         """Transform, or its slope by zeta, at complex points (P,).
@@ -66,10 +126,15 @@ class KnownJumps:
         what: ((x - s) / w for points and jumps (P, places), y / w, whether the slope is wanted).
         """
         x, y, is_slope = what
-        away = complex_of(x, y[:, None])
-        at = InPlane(points.left[:, None], points.less[:, None])
+        is_far = np.abs(rho_of(points.left, points.less)) < OPTIONS.far
+        out, near = np.empty(points.less.shape, dtype=complex), ~is_far
+        far = series_slope if is_slope else series
+        out[is_far] = far(self._moments, points.left[is_far], points.less[is_far])
+        away = complex_of(x[near], y[near, None])
+        at = InPlane(points.left[near, None], points.less[near, None])
         of = self.closed.slope if is_slope else self.closed.transform
-        return np.asarray(of(at, away, self.order) @ self.factors)
+        out[near] = of(at, away, self.order) @ self.factors
+        return out
 
     @property
     def total(self) -> float:
@@ -86,10 +151,17 @@ class KnownJumps:
         return np.asarray(self.factors @ self.closed.moments(length, self.order))
 
 
-def jumps_inside(forcing: Forcing, zones: Zones) -> tuple[KnownJumps, ...]:
-    """The jumps of the right side inside the zones; ValueError for kinds that are not known."""
+def jumps_inside(
+    forcing: Forcing, zones: Zones, period: float | None = None
+) -> tuple[KnownJumps, ...]:
+    """The jumps of the right side inside the zones; ValueError for kinds that are not known.
+
+    period: of the kernel; the jumps repeat with it.
+    """
     jumps = forcing.jumps
-    if not np.any((zones.a[:, None] < jumps.broken_at) & (jumps.broken_at < zones.b[:, None])):
+    broken = wrapped(jumps.broken_at, float(zones.a[0]), period)
+    zone = np.searchsorted(zones.a, broken, side="right") - 1
+    if not np.any((zone >= 0) & (broken < zones.b[zone])):
         return ()
     if jumps.of_density or jumps.spline is not None or jumps.algebraic is not None:
         raise ValueError(
@@ -97,11 +169,12 @@ def jumps_inside(forcing: Forcing, zones: Zones) -> tuple[KnownJumps, ...]:
             "derivatives inside zones, but neither splines, algebraic points nor jumps of the "
             "density"
         )
-    return tuple(_inside(forcing, zones))
+    return tuple(_inside(forcing, zones, period))
 
 
-def _inside(forcing: Forcing, zones: Zones) -> Iterator[KnownJumps]:
-    at, heights, orders = forcing.jumps.at, forcing.jumps.heights, np.asarray(forcing.jumps.orders)
+def _inside(forcing: Forcing, zones: Zones, period: float | None) -> Iterator[KnownJumps]:
+    heights, orders = forcing.jumps.heights, np.asarray(forcing.jumps.orders)
+    at = wrapped(forcing.jumps.at, float(zones.a[0]), period)
     kappa = zones.weight.kappa
     assert kappa is not None
     for zone, w in enumerate(zones.half.tolist()):

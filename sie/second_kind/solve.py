@@ -74,7 +74,9 @@ def _solve_once(
 ) -> SecondKindState:
     """The solution with m modes on each zone; fewer: that with fewer modes, if there is one."""
     layout = Layout(m, len(equation.columns))
-    system = SecondKindRows(equation, zones, layout, jumps_inside(equation.forcing, zones))
+    system = SecondKindRows(
+        equation, zones, layout, jumps_inside(equation.forcing, zones, equation.kernel.period)
+    )
     lacking = unfit(equation, zones) if layout.size > SOLVE.min_fast_unknowns else "too few of them"
     if lacking is None:
         return _solve_iterated(system, sizes, fewer if isinstance(fewer, ManyState) else None)

@@ -256,10 +256,6 @@ class SecondKindRows(Rows):
     @cached_property
     def _levels(self) -> Linear:
         equation, zones, layout = self.equation, self.zones, self.layout
-        if self.jumps:
-            raise ValueError(
-                "conditions on potentials with kappa are for right sides without jumps in zones"
-            )
         if equation.forcing.primitive is None or any(c.primitive is None for c in equation.columns):
             raise ValueError(
                 "a condition on potentials needs the primitives of the right side and of columns"
@@ -270,13 +266,32 @@ class SecondKindRows(Rows):
             assert column.primitive is not None
             out[:, layout.coefficients + number] = -np.asarray(column.primitive(targets.x))
         constants = -np.asarray(equation.forcing.primitive(targets.x), dtype=float)
+        constants += self._known_potential(targets)
         starts = np.cumsum(layout.m) - layout.m
         rows = np.add.reduceat(out, starts, axis=0) / layout.m[:, None]
         kappa = zones.weight.kappa
         assert kappa is not None
         before = np.tril(np.ones((len(zones), len(zones))), -1) * kappa
-        rows += before @ self.totals()[0]
-        return rows, np.add.reduceat(constants, starts) / layout.m
+        totals, known = self.totals()
+        rows += before @ totals
+        return rows, np.add.reduceat(constants, starts) / layout.m + before @ known
+
+    def _known_potential(self, targets: Targets) -> Array:
+        """Potential of the jumps' densities at points on the zones, as in `potentials`."""
+        zones, kernel, out = self.zones, self.equation.kernel, np.zeros(len(targets.x))
+        for one in self.jumps:
+            w, own = zones.half[one.zone], targets.zone == one.zone
+            level = one.total / np.pi * np.log(w / kernel.datum)
+            out[own] += w * (level + one.own_level(targets.left[own] / w, targets.right[own] / w))
+            for shift in kernel.poles:
+                seen, others = targets.seen(zones, np.array([one.zone]), shift)
+                value = w * (level + one.potential(seen)[:, 0])
+                out += value if others is None else value * others[:, 0]
+            if kernel.regular is not None:
+                of_zone = zones.middle[one.zone], float(w), int(self.layout.m[one.zone])
+                means = regular_means(kernel, of_zone, targets.x, True)
+                out += w * (means @ one.moments(means.shape[1]))
+        return out
 
     def amplitude(self, k: int) -> Linear:
         row = np.zeros((1, self.layout.size))

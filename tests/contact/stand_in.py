@@ -37,6 +37,7 @@ class StandIn:
     waves: int = 1
     peak: float | None = None
     error: float = 1e-14
+    tangential_load: float = 0.0
     tilt: float | None = None
     moment: float | None = None
     rotational_stiffness: float | None = None

@@ -16,7 +16,7 @@ from tests.contact.stand_in import StandIn
 
 L = 1e-4
 KEYS = {
-    "zones", "load", "mean_pressure", "max_pressure", "approach", "contact_fraction", "zone_loads", "zone_widths",
+    "zones", "load", "tangential_load", "mean_pressure", "max_pressure", "approach", "contact_fraction", "zone_loads", "zone_widths",
     "stiffness", "mean_gap", "tilt", "moment", "rotational_stiffness", "error", "certificate", "plan", "warnings",
     "zone_peaks", "scene", "trace", "units", "version",
 }  # fmt: skip

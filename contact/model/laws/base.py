@@ -182,6 +182,29 @@ class Law(Named, sie.Kept):
         """
         return 0.0
 
+    @property
+    def shear_ratio(self) -> float:
+        """Shear traction on body 1 along +x over the pressure, in contact; 0 without friction."""
+        return 0.0
+
+    @property
+    def kappa(self) -> float:
+        """Factor of the pressure itself in T p + kappa p = (E*/2) f'; 0 without elastic mismatch.
+
+        With a period, the mean pressure is taken off it: T p + kappa (p - mean p).
+        """
+        return 0.0
+
+    @classmethod
+    def completed(
+        cls, parameters: Mapping[str, Any], moduli: Mapping[str, float]
+    ) -> Mapping[str, Any]:
+        """The parameters of a scene file's table; those that are left out and follow from moduli.
+
+        moduli: E1, nu1 and perhaps E2, nu2 of the scene file, or E_star alone.
+        """
+        return parameters
+
     def without_range(self, share: float) -> "Law | None":
         """A law without range whose work of adhesion is `share` times this law's; or None.
 

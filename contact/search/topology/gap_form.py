@@ -8,10 +8,11 @@ from functools import partial
 import numpy as np
 
 import sie
+from contact.extras import require
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import mean_shape
 from contact.formulation.gaps import GapFields
-from contact.formulation.problem import Problem, minus_one
+from contact.formulation.problem import MISMATCH, Problem, minus_one
 from contact.formulation.relief import ScaledRelief, height_noise
 from contact.formulation.tolerances import TOLERANCES
 from contact.search.topology.failure import WrongTopology
@@ -49,6 +50,11 @@ class GapForm:
         conditions, ends = control.gap_conditions(
             self.problem.repeat_length, partial(mean_shape, problem), problem.compression
         )
+        if problem.kappa:
+            equation: sie.Equation = require(MISMATCH).gap_equation(
+                problem, self.relief, conditions, ends
+            )
+            return equation
         return sie.Equation(
             problem.inverse_kernel,
             right,
@@ -98,9 +104,10 @@ class GapForm:
         state, mean = free.state, float(free.density.amplitudes[0])
         if control.load is None:
             equation = self.equation(Load(mean * self.problem.repeat_length))
-            state = sie.solve_fixed(
-                equation, free.density.zones, max(0.1 * tolerance, 3e-16)
-            ).with_bounded_ends()
+            # With kappa there are no slits, which `solve_fixed` is to avoid.
+            solve = sie.solve_zones if self.problem.kappa else sie.solve_fixed
+            zones = free.density.zones
+            state = solve(equation, zones, max(0.1 * tolerance, 3e-16)).with_bounded_ends()
         return GapFields(self.problem, state, mean, self.relief)
 
     def certificate(self, fields: GapFields, control: Control, few: float = 0.0) -> Certificate:

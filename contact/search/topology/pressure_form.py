@@ -222,6 +222,7 @@ def is_symmetric(problem: Problem, table: Array) -> bool:
         or problem.units.origin != 0.0
         or problem.centre != 0.0
         or problem.operator.own_columns
+        or problem.kappa != 0.0
     ):
         return False
     if problem.cell is not None and max(-table[0, 0], table[-1, 1]) >= 0.5 * problem.cell:

@@ -1,0 +1,1 @@
+"""Tangential loads. A context comes in, contacts that slide go out."""

@@ -1,0 +1,107 @@
+"""Contact of elastically different bodies in full sliding: zones from those without friction.
+
+The terms with kappa do no work in a variation of the pressure with itself, so that the inequality
+problem is as monotone as without friction, and its zones are unique. Its contact under the same
+control is the first guess. Nearly full contact is solved by its gaps.
+"""
+
+from dataclasses import replace
+
+from contact.errors import NotConverged, OutOfRange
+from contact.formulation.problem import Problem
+from contact.model.laws import Frictionless
+from contact.search.context import SolveContext
+from contact.search.grid.proposals import placed
+from contact.search.grid.scaling import scaled_scene, scaled_scene_about
+from contact.search.options import SEARCH
+from contact.search.refine import refined
+from contact.search.strategies.full_contact import full_under, refuse_full_approach, smallest_full
+from contact.search.strategies.gaps import (
+    by_gaps,
+    gaps_are_better,
+    record_failed_gaps,
+    why_not_gaps,
+)
+from contact.search.strategies.guesses import Outcome
+from contact.search.topology.failure import Failure
+from contact.solution.solution import Solution
+
+
+def found(context: SolveContext) -> Outcome:
+    """The contact of the context's scene, with its stated error; see `Routes.module`."""
+    return refined(context, _found(context), _found)
+
+
+def _found(context: SolveContext) -> Outcome:
+    """The contact from that of a similar solution, or else from that without friction."""
+    if context.scene.given_fraction == 1.0:
+        context.plan.decide("full contact", "full contact", "the contact fraction is 1")
+        return smallest_full(context)
+    start = context.warm_start
+    if start is not None and len(start.zones):
+        outcome = _from(context, start)
+        if not isinstance(outcome, Failure):
+            return outcome
+        context.record_failure("zones of a similar solution", outcome)
+    bare = replace(context.scene, law=Frictionless())
+    context.plan.decide("first guess", "the contact without friction", "its zones are near by")
+    with context.plan.timed("coarse search"):
+        smooth = context.solve_scene(bare, max(context.tol, SEARCH.intermediate))
+    outcome = _from(context, smooth)
+    if not isinstance(outcome, Failure):
+        return outcome
+    raise outcome.refusal or NotConverged(f"not converged: {outcome.reason}")
+
+
+def _from(context: SolveContext, similar: Solution) -> Outcome | Failure:
+    """The contact from the zones of a similar solution; a Failure if these lead to none."""
+    scene = context.scene
+    if scene.turned and scene.moment is not None:
+        scaled = scaled_scene_about(scene, similar.tilt or 0.0, similar.zones)
+    else:
+        scaled = scaled_scene(scene, context.single)
+    problem, control = scaled.problem, scaled.control
+    if full := full_under(context, control):
+        return full
+    refuse_full_approach(context, problem, control)
+    table = placed(problem, similar.zones)
+    # Without friction the contact may be full under a load at which it is not yet so in sliding.
+    width = float((table[:, 1] - table[:, 0]).sum()) if len(table) else problem.period or 0.0
+    by_its_gaps = _gaps_are_known(context, problem) and (
+        len(table) == 0 or gaps_are_better(context, problem, width)
+    )
+    if by_its_gaps:
+        gaps = by_gaps(context, problem, control, width, table if len(table) else None)
+        if not isinstance(gaps, Failure):
+            return gaps
+        record_failed_gaps(context, "gaps", gaps)
+    if len(table) == 0:
+        return Failure("the contact without friction has no zones to begin from")
+    load = similar.load / problem.units.load
+    found = context.refine_topology(problem, control, table, load_guess=load)
+    if not isinstance(found, Failure):
+        return found
+    if found.at_border:
+        raise context.error(found, problem)
+    if not by_its_gaps and _gaps_are_known(context, problem):
+        gaps = by_gaps(context, problem, control, width, table)
+        if not isinstance(gaps, Failure):
+            return gaps
+    return replace(found, refusal=_refusal(context, found, problem))
+
+
+def _refusal(
+    context: SolveContext, failure: Failure, problem: Problem
+) -> OutOfRange | NotConverged | None:
+    error = context.error(failure, problem)
+    return error if isinstance(error, OutOfRange | NotConverged) else None
+
+
+def _gaps_are_known(context: SolveContext, problem: Problem) -> bool:
+    """Whether the gaps can be the unknowns: the slope must be smooth in them."""
+    reason, profile = why_not_gaps(context, problem), problem.profile
+    if not reason and (len(profile.jumps) or (profile.kinks[:, 1] < 0).any()):
+        reason = "with elastic mismatch the slope of a gap is not known where that of a body jumps"
+    if reason:
+        context.plan.decide("unknowns", "zones", reason)
+    return not reason
