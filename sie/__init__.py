@@ -7,7 +7,16 @@ from sie.trees import lazy
 if TYPE_CHECKING:
     from sie.basis.data import Array, Complex, Index, Kept, Mask, nearest_image, record, wrapped
     from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
-    from sie.basis.zones import BOUNDED, FREE, SINGULAR, End, Zones, free_with_intensity
+    from sie.basis.zones import (
+        BOUNDED,
+        FREE,
+        SINGULAR,
+        End,
+        Zones,
+        bounded_with_value,
+        free_with_intensity,
+        free_with_value,
+    )
     from sie.density.density import Density
     from sie.ends.motions import EndRates, end_motions, end_rates
     from sie.ends.newton import Free, find_ends
@@ -99,7 +108,9 @@ __all__ = [
     "end_motions",
     "end_rates",
     "find_ends",
+    "bounded_with_value",
     "free_with_intensity",
+    "free_with_value",
     "hilbert",
     "images",
     "moment",
@@ -117,7 +128,7 @@ __all__ = [
 _HOMES = {
     "sie.basis.data": "Array Complex Index Kept Mask nearest_image record wrapped",
     "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",
-    "sie.basis.zones": "BOUNDED FREE SINGULAR End Zones free_with_intensity",
+    "sie.basis.zones": "BOUNDED FREE SINGULAR End Zones bounded_with_value free_with_intensity free_with_value",
     "sie.states.solve": "SingularSystem solve_fixed",
     "sie.states.state": "State",
     "sie.density.density": "Density",

@@ -347,6 +347,11 @@ class _HilbertPotentialRest(_OfPeriod):
         return np.asarray(math.log(2 * math.pi) - log(2 - d) - log(2 + d))
 
 
+def is_hilbert(kernel: Kernel) -> bool:
+    """Whether a kernel is Hilbert's, without a regular part of a user."""
+    return isinstance(kernel.regular, _HilbertRest)
+
+
 def cauchy(datum: float = 1.0) -> Kernel:
     """The Cauchy kernel K = 1 / (x - xi), with the potential log|(x - xi) / datum|.
 

@@ -2,7 +2,8 @@
 
 At a distance d from an end the density is K / sqrt(d) + A sqrt(d). A *singular* end leaves K
 unknown. A *bounded* end has K = 0 (or a prescribed K) at a given place. A *free* end has a given K
-(zero, or a prescribed intensity) at an unknown place. Each zone with two singular ends has index 1
+(zero, or a prescribed intensity) at an unknown place. An end with a *value* v has v in addition to
+these terms. Each zone with two singular ends has index 1
 and needs one side condition. Each bounded end needs one condition less. So does a free end, but it
 adds one unknown, its position (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
 """
@@ -29,23 +30,32 @@ class End:
         Whether the position is unknown.
     intensity : float or None
         The prescribed K at the end; None if K is left free (a singular end).
+    value : float
+        Value v of the density at the end, which comes on top: K / sqrt(d) + v + A sqrt(d).
+    until : float or None
+        Where the plateau beyond an end with a value ends; None: at the next zone.
 
     Raises
     ------
     ValueError
-        If the end moves and has no intensity, or the intensity is no finite number.
+        If the end moves and has no intensity, or a number is not finite.
 
     Examples
     --------
     >>> import sie
     >>> sie.BOUNDED, sie.FREE.moves
-    (End(moves=False, intensity=0.0), True)
+    (End(moves=False, intensity=0.0, value=0.0, until=None), True)
     """
 
     moves: bool
     intensity: float | None = 0.0
+    value: float = 0.0
+    until: float | None = None
 
     def __post_init__(self) -> None:
+        inputs.number("the value at an end", self.value)
+        if self.until is not None:
+            inputs.number("until", self.until)
         if self.intensity is not None:
             inputs.number("the intensity of an end", self.intensity)
         if self.moves and self.intensity is None:
@@ -93,6 +103,63 @@ def free_with_intensity(intensity: float) -> End:
     return End(moves=True, intensity=inputs.number("the intensity of an end", intensity))
 
 
+def free_with_value(value: float, until: float | None = None) -> End:
+    """A free end at which the density takes a given value like sqrt(d).
+
+    Beyond the end the density keeps this value: on a *plateau*, which ends at the next zone (whose
+    end must have the same value) or at a given place. Examples are the edge of a part of a contact
+    that yields at a limit of the pressure, and of a band that is saturated. The plateau belongs to
+    the density: to its values, transforms, total and moments.
+
+    Parameters
+    ----------
+    value : float
+        v; beside the end the density is nearer to zero.
+    until : float or None
+        Where the plateau ends; None: at the next zone.
+
+    Returns
+    -------
+    End
+
+    Examples
+    --------
+    A flat punch of half width 2 whose pressure is limited to 1 is elastic on |x| < c, and the load
+    is 2 sqrt(4 - c^2).
+
+    >>> import numpy as np, sie
+    >>> punch = sie.Equation(sie.cauchy(), np.zeros_like, sie.Total(2 * np.sqrt(3)))
+    >>> ends = sie.free_with_value(1.0, until=-2.0), sie.free_with_value(1.0, until=2.0)
+    >>> found = sie.solve(punch, sie.Zones.of([[-0.5, 1.5]], *ends))
+    >>> found.zones.table.round(9).tolist(), found.density(1.5)
+    ([[-1.0, 1.0]], array(1.))
+    """
+    return End(True, 0.0, inputs.number("the value at an end", value), until)
+
+
+def bounded_with_value(value: float, until: float | None = None) -> End:
+    """An end at a given place at which the density has a given value, see `free_with_value`.
+
+    Parameters
+    ----------
+    value : float
+        v.
+    until : float or None
+        Where the plateau beyond the end ends; None: at the next zone.
+
+    Returns
+    -------
+    End
+
+    Examples
+    --------
+    >>> import sie
+    >>> sie.bounded_with_value(2.0).moves
+    False
+    """
+    return End(False, 0.0, inputs.number("the value at an end", value), until)
+
+
 # Largest accepted relative difference between symmetric data and their mirror images. It is well
 # above round-off.
 MAX_ASYMMETRY = 1e-6
@@ -102,7 +169,7 @@ def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
     """The checked kinds of `count` ends, from one kind for all ends or one for each end."""
     kinds = (ends,) * count if isinstance(ends, End) else inputs.several(ends)
     if not all(isinstance(kind, End) for kind in kinds):
-        known = "sie.FREE, sie.SINGULAR, sie.BOUNDED or sie.free_with_intensity(K)"
+        known = "sie.FREE, sie.SINGULAR, sie.BOUNDED, sie.free_with_intensity(K) or sie.free_with_value(v)"
         raise ValueError(f"{side}: kinds of ends are {known}, got {inputs.shown(ends)}")
     if len(kinds) != count:
         raise ValueError(f"{side}: {len(kinds)} kinds of ends for {count} zones")
@@ -298,6 +365,18 @@ class Zones(Kept):
                 [np.nan if end.intensity is None else end.intensity for end in ends]
                 for ends in (self.left, self.right)
             ]
+        )
+
+    @cached_property
+    def values(self) -> Array:
+        """Values of the density at left and right ends (2, n)."""
+        return np.array([[end.value for end in ends] for ends in (self.left, self.right)])
+
+    @cached_property
+    def have_values(self) -> bool:
+        """Whether the density has a value other than zero at any end."""
+        return any(
+            end.value != 0.0 for end in {id(e): e for e in (*self.left, *self.right)}.values()
         )
 
     @property

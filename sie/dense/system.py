@@ -505,6 +505,12 @@ class System(Rows):
         within = np.arange(count) <= self.layout.m[:, None]
         return np.where(within, -taken, -g)
 
+    def on_plateaus(self, weight: Callable[[Array], Array] | None = None) -> float:
+        plateaus = self.jumps.plateaus
+        if plateaus is None:
+            return 0.0
+        return plateaus.total if weight is None else plateaus.integral(weight)
+
     def amplitude(self, k: int) -> Linear:
         row = np.zeros((1, self.layout.size))
         row[0, self.layout.amplitude(k)] = 1.0
@@ -585,7 +591,7 @@ class System(Rows):
         solved = zones.solved
         w = zones.half[solved]
         ends, rest = np.array([zones.a[solved], zones.b[solved]]), zones.rest[:, solved]
-        heights = np.asarray(forcing.primitive(ends))
+        heights = np.asarray(forcing.primitive(ends)) + self.jumps.primitive_left_out(ends)
         if forcing.resolution.exact_places and rest.any():
             heights = heights + rest * np.asarray(forcing.value(ends))
         mean = 0.5 * heights.sum(axis=0)

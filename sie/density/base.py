@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis.data import Array, Complex, Index, Kept, Mask, nearest_image, wrapped
-from sie.basis.interval import What, by_angle, end_changes
+from sie.basis.interval import What, by_angle, complex_of, end_changes
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
+from sie.jumps.logarithms import Logarithms, Plateaus
 
 
 class DensityBase(Kept):
@@ -31,6 +32,21 @@ class DensityBase(Kept):
         @property
         def plane(self) -> Callable[[Complex, What], Complex]:
             """The fields of the density at complex points."""
+
+    @property
+    def beside(self) -> Logarithms | None:
+        """The logarithmic terms of the plateaus beside the zones; None if there are none."""
+        return None
+
+    @property
+    def plateaus(self) -> Array:
+        """Intervals (m, 2) beside the zones on which the density has a given value."""
+        return np.zeros((0, 2)) if self.beside is None else self._plateaus.table
+
+    @property
+    def _plateaus(self) -> Plateaus:
+        assert self.beside is not None and self.beside.plateaus is not None
+        return self.beside.plateaus
 
     @property
     def upper_bound(self) -> float:
@@ -115,13 +131,15 @@ class DensityBase(Kept):
         return nearest_image(x, 0.5 * (self.zones.a[0] + self.zones.b[-1]), self.kernel.period)
 
     def __call__(self, x: ArrayLike) -> Array:
-        """Density at x (any shape); zero at points off the zones."""
+        """Density at x (any shape); zero at points off the zones and their plateaus."""
         x, i, inside = self.locate(x)
         out = np.where(np.isnan(x), np.nan, 0.0)
         z, w = i[inside], self.zones.half[i[inside]]
         out[inside] = self.at(
             z, (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w
         )
+        if self.beside is not None:
+            out[~inside] += self._plateaus.density(x[~inside], self.kernel.period)
         return out
 
     def transform(self, x: ArrayLike) -> NDArray[Any]:
@@ -131,11 +149,13 @@ class DensityBase(Kept):
         analytic continuation F(x), see `sie.density.plane`; a zero imaginary part stands for the
         upper side of the line.
         """
-        return (
-            self._in_plane(x, "transform")
-            if np.iscomplexobj(x)
-            else self._on_line(np.asarray(x, dtype=float), False)
-        )
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "transform")
+        x = np.asarray(x, dtype=float)
+        if self.beside is None:
+            return self._on_line(x, False)
+        x = self.beside.off_positions(x)
+        return self._on_line(x, False) - self.beside.at_points(x.ravel()).reshape(x.shape)
 
     def potential(self, x: ArrayLike) -> NDArray[Any]:
         """Potential (1/pi) int phi(xi) Lambda(x, xi) dxi of the density phi at any x.
@@ -149,7 +169,11 @@ class DensityBase(Kept):
             return self._in_plane(x, "potential")
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError("the regular kernel has no potential")
-        return self._on_line(np.asarray(x, dtype=float), True)
+        x = np.asarray(x, dtype=float)
+        out = self._on_line(x, True)
+        if self.beside is not None:
+            out = out - self.beside.primitive_at(x.ravel()).reshape(x.shape)
+        return out
 
     def _on_line(self, x: Array, potential: bool) -> Array:
         """Transform, or potential if `potential` is true, at real x."""
@@ -163,5 +187,10 @@ class DensityBase(Kept):
         """Transform, its derivative, or potential at complex z; NaN where z is not finite."""
         points = np.asarray(z, dtype=complex)
         out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
-        out[finite] = self.plane(points[finite], what)
+        at = points[finite]
+        if self.beside is not None:
+            at = complex_of(self.beside.off_positions(at.real), at.imag)
+        out[finite] = self.plane(at, what)
+        if self.beside is not None:
+            out[finite] -= self.beside.in_plane(at, what)
         return out

@@ -20,6 +20,7 @@ from sie.basis.lag_table import regular_values
 from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.zones import Zones
 from sie.density.base import DensityBase
+from sie.jumps.logarithms import Logarithms
 from sie.jumps.right_side import ForcingJumps
 from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
@@ -57,6 +58,10 @@ class Series(DensityBase):
     amplitudes: Array
     bounded_ends: bool = False
     edges: tuple[Array, Array] | None = None
+
+    @property
+    def beside(self) -> Logarithms | None:
+        return None if self.jumps.plateaus is None else self.jumps.logarithms
 
     # The methods below give properties of the density on each zone.
     @cached_property
@@ -109,13 +114,14 @@ class Series(DensityBase):
 
     @property
     def total(self) -> float:
-        """Integral of the density over all zones."""
-        return float(self.totals.sum())
+        """Integral of the density over all zones and plateaus."""
+        return float(self.totals.sum()) + (0.0 if self.beside is None else self._plateaus.total)
 
     def moment(self, about: float = 0.0) -> float:
         """Integral of (x - about) times the density."""
         w = self.zones.half
-        return float(
+        of_plateaus = 0.0 if self.beside is None else self._plateaus.integral(lambda x: x - about)
+        return of_plateaus + float(
             np.sum(
                 (self.zones.middle - about) * self.totals + np.pi * w * w * self.first(2)[:, 1] / 2
             )

@@ -39,7 +39,7 @@ def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
             is_close |= distance <= modes.least_distance() * width
     if not names:
         return DomainLimit(False, "")
-    low, high = equation.within
+    low, high = _interval(zones, equation)
     where = ", and may come back"
     if is_close:
         part = f"{modes.least_distance():.1g} of the zone"
@@ -51,9 +51,16 @@ def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
 def border_distances(zones: Zones, equation: Equation) -> Array:
     """Distance (2, Z) of the outermost ends from the domain's border; infinite at other ends."""
     distances = np.full((2, len(zones)), np.inf)
-    low, high = equation.within
+    low, high = _interval(zones, equation)
     distances[0, 0], distances[1, -1] = zones.a[0] - low, high - zones.b[-1]
     return distances
+
+
+def _interval(zones: Zones, equation: Equation) -> tuple[float, float]:
+    """The interval of the outermost ends: the right side is known, and plateaus do not vanish."""
+    low, high = equation.within
+    left, right = zones.left[0].until, zones.right[-1].until
+    return low if left is None else max(low, left), high if right is None else min(high, right)
 
 
 def pinned_at_limits(zones: Zones, limits: tuple[float, float]) -> Zones:

@@ -113,6 +113,17 @@ def newton_step(
     return _with_step_models(state, plain, options, residual, a)
 
 
+def wanted_signs(zones: Zones, signs: tuple[float, float]) -> Array:
+    """Sign of the wanted density, less the value there, beside each left and right end (2, Z).
+
+    Beside an end with a value the density is nearer to zero than this value.
+    """
+    side = np.broadcast_to(np.array(signs, dtype=float)[:, None], (2, len(zones)))
+    return (
+        np.where(zones.values == 0.0, side, -np.sign(zones.values)) if zones.have_values else side
+    )
+
+
 def _with_step_models(
     state: AnyState, plain: NewtonStep, options: NewtonOptions, residual: Array, a: Array
 ) -> NewtonStep:
@@ -123,7 +134,7 @@ def _with_step_models(
     """
     zones, forcing, kernel = state.density.zones, state.equation.forcing, state.equation.kernel
     needs_half(zones.weight, "steps of ends near gaps and jumps")
-    side, moves = np.array(options.signs, dtype=float)[:, None], plain.moves
+    side, moves = wanted_signs(zones, options.signs), plain.moves
     gaps = np.array(modes.gaps(zones, kernel))
     jumps = forcing.density_jumps
     tips = None
@@ -161,7 +172,7 @@ def _safe_slopes(
     too short. natural: largest coefficient of each zone beyond c_0 (Z,); residual: intensities less
     the prescribed ones (2, Z).
     """
-    a, side = np.array(density.edge_slopes), np.array(options.signs)[:, None]
+    a, side = np.array(density.edge_slopes), wanted_signs(density.zones, options.signs)
     size = natural * density.zones.slope_scale / np.sqrt(2)
     least, safe = 1e-8 * size, side * (size + 1e-300)
     weak = side * a <= least

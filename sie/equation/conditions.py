@@ -79,6 +79,10 @@ class Rows(Protocol):
     def amplitude(self, k: int) -> Linear:
         """The amplitude of the equation's term `columns[k]`."""
 
+    def on_plateaus(self, weight: Callable[[Array], Array] | None = None) -> float:
+        """Integral of `weight` (None: 1) times the density over the plateaus beside the zones."""
+        return 0.0
+
     def multiplicity(self) -> Array:
         """Number of zones that each solved zone represents, 2 with a mirror image and 1 without."""
         weight = np.ones(len(self.zones.solved))
@@ -292,6 +296,8 @@ def summed(system: Rows, of_zones: Linear, value: float) -> tuple[Array, Array, 
 class Total(Condition):
     """The side condition that the integral of the density over all zones has a given value.
 
+    Plateaus beside the zones count.
+
     Parameters
     ----------
     value : float or None
@@ -316,7 +322,8 @@ class Total(Condition):
         return self.value is None
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
-        return summed(system, system.totals(), self.value or 0.0)
+        matrix, constants, value = summed(system, system.totals(), self.value or 0.0)
+        return matrix, constants + system.on_plateaus(), value
 
 
 @dataclass(frozen=True)
@@ -356,11 +363,10 @@ class Weighted(Condition):
             inputs.whole("Weighted: its degree", self.degree, 0)
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
-        return summed(
-            system,
-            system.integrals(self._even if system.zones.symmetric else self.weight, self.degree),
-            self.value,
-        )
+        weight = self._even if system.zones.symmetric else self.weight
+        of_zones = system.integrals(weight, self.degree)
+        matrix, constants, value = summed(system, of_zones, self.value)
+        return matrix, constants + system.on_plateaus(weight), value
 
     def _even(self, x: Array) -> Array:
         """The even part of the function `weight`."""

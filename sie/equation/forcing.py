@@ -15,6 +15,7 @@ from sie.basis.weight import needs_half
 from sie.basis.zones import Zones
 from sie.jumps.density import DensityJumps
 from sie.jumps.formulas import HIGHEST
+from sie.jumps.logarithms import Logarithms
 from sie.jumps.poles import AlgebraicPoints, Poles
 from sie.jumps.right_side import ForcingJumps
 
@@ -300,7 +301,10 @@ class Forcing(Kept):
         return len(self.jumps.of_order_zero[0]) > 0
 
     def jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
-        """The jumps inside zones, and the poles that stand for algebraic points (powers)."""
+        """The jumps inside zones, and the poles that stand for algebraic points (powers).
+
+        They include the logarithms of plateaus beside the zones.
+        """
         jumps = self.jumps
         if len(jumps) or jumps.algebraic is not None:
             needs_half(zones.weight, "jumps in closed form")
@@ -310,5 +314,9 @@ class Forcing(Kept):
             if self.density_jumps
             else ForcingJumps.within(*places, kernel.period, jumps.spline or self.value)
         )
+        if zones.have_values:
+            if found.logarithms is not None:
+                raise ValueError("jumps of the density and ends with a value: declare one of them")
+            found = replace(found, logarithms=Logarithms.of_plateaus(zones, kernel))
         poles = Poles.of(zones, jumps.algebraic, kernel.period, jumps.of_density)
         return replace(found, poles=poles) if len(poles) else found

@@ -207,7 +207,11 @@ class IterativeSystem(System):
     def integrated(self) -> bool:
         """Whether differences of the primitive are computed as integrals of the right side g."""
         forcing = self.equation.forcing
-        return forcing.resolution.length is not None and not forcing.value_jumps
+        return (
+            forcing.resolution.length is not None
+            and not forcing.value_jumps
+            and not self.zones.have_values
+        )
 
     def _forcing_differences(self) -> Array:
         """Differences between neighbouring zones of the mean of the right side's primitive.
@@ -387,6 +391,9 @@ class Applied(Rows):
             np.concatenate([linear[part][chosen] for chosen, linear in pairs]) for part in (0, 1)
         )
         return matrix, constants
+
+    def on_plateaus(self, weight: Callable[[Array], Array] | None = None) -> float:
+        return self.system.on_plateaus(weight)
 
     def amplitude(self, k: int) -> Linear:
         return self.y[[[self.system.layout.amplitude(k)]]], np.zeros(1)

@@ -40,7 +40,7 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
     unknowns. `TooLarge` is raised if there are, and plain coordinates would not do either.
     """
     fixed_left, fixed_right = ~zones.moves
-    if zones.follow_ends or not (fixed_left.any() or fixed_right.any()):
+    if zones.follow_ends or zones.have_values or not (fixed_left.any() or fixed_right.any()):
         return False
     before, after = exact_gaps(zones, equation.kernel)
     width = 2 * zones.half

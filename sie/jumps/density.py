@@ -19,8 +19,8 @@ subtracted. If the density is the slope of a gap, it jumps (q = 0) at a kink of 
 derivatives jump where the curvature jumps (q = 1) and at a knot of a cubic spline (q = 2).
 
 For q = 0 the caller omits (J/pi) Lambda(x, s) from the values of the right side, with Lambda the
-kernel's potential. This module adds it, from distances that lose no digit on the narrowest zone.
-Logarithms outside a zone but close to it are treated in `sie.jumps.exterior`.
+kernel's potential. `sie.jumps.logarithms` adds it. Logarithms outside a zone but close to it are
+treated in `sie.jumps.exterior`.
 """
 
 from collections.abc import Callable
@@ -31,14 +31,14 @@ from typing import Any
 import numpy as np
 
 from sie.basis.data import Array, Index, record
-from sie.basis.interval import Complex, InPlane, OnLine, root_weight, theta
+from sie.basis.interval import Complex, InPlane, OnLine, theta
 from sie.basis.kernels import Kernel
-from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.formulas import HIGHEST, raised
+from sie.jumps.logarithms import Logarithms
 from sie.jumps.poles import NO_POLES
-from sie.jumps.right_side import ForcingJumps
+from sie.jumps.right_side import ForcingJumps, on_circle
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import QuadraticSpline
 
@@ -48,77 +48,11 @@ _POTENTIAL_TERMS = SPLINES.coefficients_per_knot * SPLINES.min_density_jumps
 
 
 @record
-class Logarithms:
-    """Logarithmic terms of the right side: J/pi times the kernel's potential, for jumps J.
-
-    J are the jumps of the density. at: positions s; weight: J/pi; own: the zone that contains s, or
-    -1; near: the terms whose s lies outside a zone but close to it.
-    """
-
-    kernel: Kernel
-    zones: Zones
-    at: Array
-    weight: Array
-    own: Index
-    near: ExteriorLogarithms
-
-    def at_points(self, x: Array) -> Array:
-        """Sum of the logarithmic terms of the right side at points x (n,)."""
-        away = x[:, None] - self.at
-        with np.errstate(divide="ignore"):
-            return np.asarray(
-                (np.log(np.abs(away) / self.kernel.datum) + self._far(away)) @ self.weight
-            )
-
-    def on_zone(self, zone: int, left: Array) -> Array:
-        """Sum of the logarithmic terms on a zone, without the singularities in or near the zone.
-
-        left: distances from the zone's left end in half widths. The omitted part is
-        (J/pi) ln(2 |t - s|) for a position s in the zone, and (J/pi) ln(2 |rho| |t - s|) for one
-        close to it.
-        """
-        w, kernel = self.zones.half[zone], self.kernel
-        away = w * left[:, None] + (self.zones.a[zone] - self.at)
-        if kernel.period is not None:
-            # Distances are measured from the nearest periodic image of each position s. Positions
-            # in the zone itself are not moved, because they are given relative to the zone's own
-            # ends.
-            away = np.where(
-                self.own == zone,
-                away,
-                away - np.round((away[len(left) // 2]) / kernel.period) * kernel.period,
-            )
-        carried = self.own == zone
-        size = np.ones(len(self.at))
-        k = self.near.by_zone.get(zone)
-        if k is not None:
-            carried[self.near.which[k]], size[self.near.which[k]] = True, np.abs(self.near.rho[k])
-        with np.errstate(divide="ignore"):
-            near = np.where(
-                carried, np.log(w / (2 * size * kernel.datum)), np.log(np.abs(away) / kernel.datum)
-            )
-        return np.asarray((near + self._far(away)) @ self.weight)
-
-    def _far(self, away: Array) -> Array:
-        """The kernel's potential at distances x - s, without the logarithm of the pole at 0."""
-        kernel = self.kernel
-        out = np.zeros(away.shape)
-        for shift in kernel.poles:
-            if shift != 0.0:
-                out += np.log(np.abs(away - shift) / kernel.datum)
-        if kernel.regular_potential is not None:
-            out += kernel.regular_potential(away, np.zeros(1))
-        return out
-
-
-@record
 class DensityJumps(ForcingJumps):
     """Jumps J of the density's q-th derivatives, stored as J w^q / q! with the half width w.
 
     logarithms: terms of the right side by all jumps of order 0, inside zones or not.
     """
-
-    logarithms: Logarithms | None = None
 
     @classmethod
     def inside(
@@ -151,10 +85,6 @@ class DensityJumps(ForcingJumps):
             )
         )
 
-    @property
-    def near(self) -> ExteriorLogarithms:
-        return super().near if self.logarithms is None else self.logarithms.near
-
     @cached_property
     def _higher(self) -> ForcingJumps:
         """The jumps of the density's derivatives only."""
@@ -169,15 +99,11 @@ class DensityJumps(ForcingJumps):
     def smooth_part(self, zone: Index, left: Array) -> Array:
         out = -self._higher.carried(zone, left)
         if self.logarithms is not None:
-            for i, here in Grouped.by(zone).places().items():
-                out[here] += self.logarithms.on_zone(i, left[here])
+            out += self.logarithms.on_zones(zone, left)
         return out - self.poles.own_transform(zone, left) if len(self.poles) else out
 
     def level_part(self, zone: Index, left: Array) -> Array:
         return np.zeros(left.shape)
-
-    def left_out(self, x: Array) -> Array:
-        return np.zeros(x.shape) if self.logarithms is None else self.logarithms.at_points(x)
 
     def mean_offsets(self, zones: Zones) -> Array:
         raise ValueError("a condition on potentials is for right sides without logarithms")
@@ -227,8 +153,7 @@ class DensityJumps(ForcingJumps):
         On the zone rho = e^{i theta}. For q = 0 the formula comes from partial fractions of
         -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)). For other q see `_potential`.
         """
-        root = root_weight(np.maximum(seen.left, 0.0), np.maximum(seen.right, 0.0))
-        rho = np.where(seen.on, 0.5 * (seen.left - seen.right) + 1j * root, seen.rho)
+        rho = on_circle(seen)
         log, kinks = np.log(2 * np.abs(rho)), self._kinks
         out = kinks.summed(zone, lambda at, k: kinks.of_kinks(k, log[at], rho[at]).real)
         out += self._higher._closed_potential(zone, seen) + self.near.potential(zone, log, rho)

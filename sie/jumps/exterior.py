@@ -8,6 +8,10 @@ With s > 1 or s < -1 and rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, the bounded 
 has the transform (1/pi) ln(2 |rho| |t - s|) on the zone, and (2/pi) ln(1 - rho rho_z) off it, where
 rho_z is rho of the point z. It is the density of `sie.jumps.density` with rho^j in place of
 cos(j phi). Without it a logarithm close to an end would need 1/sqrt(distance) modes.
+
+If the logarithm is at the end itself, rho is 1 or -1. Then beta is (theta - pi)/pi or theta/pi: the
+density with the value -1 at the right end, or 1 at the left end, and 0 at the other one (the value
+mode).
 """
 
 import numpy as np
@@ -78,11 +82,33 @@ class ExteriorLogarithms(PerZone):
         return np.asarray(-2 * self.weight[:, None] * self.rho[:, None] ** j / j)
 
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Derivatives of each logarithm's density by the angle, at both ends of its zone."""
+        """Derivatives of each logarithm's density by the angle, at both ends of its zone.
+
+        At the end with the logarithm they are those of the density less its value there.
+        """
+        w, rho = self.weight, self.rho
         with np.errstate(divide="ignore"):
-            return -2 * self.weight * self.rho / (1 + self.rho), -2 * self.weight * self.rho / (
-                1 - self.rho
-            )
+            left = np.where(rho == -1.0, -w, -2 * w * rho / (1 + rho))
+            right = np.where(rho == 1.0, w, -2 * w * rho / (1 - rho))
+        return left, right
+
+    def mean_offsets(self, count: int) -> Array:
+        """What the logarithms contribute to the mean of the right side's primitive (`count`,).
+
+        It is divided by the half width. The transform -2 w sum rho^j T_j / j of each has a
+        primitive with values of opposite sign at both ends; its mean over theta is
+        -2 w (-rho / 4 + sum rho^j / (j (j^2 - 1)), j = 3, 5, ...).
+        """
+        rho = self.rho
+        # The series is rho E / 2 + E / (2 rho) - artanh(rho) + 3 rho / 4 with E = -ln(1 - rho^2)/2.
+        # The logarithms are combined so that none is infinite at |rho| = 1.
+        size = np.abs(rho)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            less = np.where(size < 1.0, (1 - size) ** 2 * np.log1p(-size), 0.0)
+        logs = -(less + (1 + size) ** 2 * np.log1p(size)) / (4 * size)
+        series = np.sign(rho) * (logs + 0.75 * size)
+        parts = -2 * self.weight * (series - 0.25 * rho)
+        return np.asarray(np.bincount(self.zone, parts, minlength=count), dtype=float)
 
     # The methods below give values at points (n,). A point is given by its zone and by its
     # distances from the zone's ends, in half widths.
@@ -192,7 +218,8 @@ def potential_series(up: Complex | Array, rho: Complex | Array) -> Complex:
     The caller adds the term j = 1, which has a logarithm of rho.
     """
     q = up * rho
-    log = -np.log1p(-q)
+    # At the logarithm itself, q = 1, the terms with the logarithm cancel.
+    log = -np.log1p(np.where(q == 1, 0.0, -q))
     rest = log - q
     return np.asarray(-(up * log - rest / rho) + rho * rest - (rest - q * q / 2) / up)
 

@@ -37,11 +37,12 @@ from typing import Self
 import numpy as np
 
 from sie.basis.data import Array, Index, Mask, record
-from sie.basis.interval import Complex, InPlane, OnLine, half_angles, of_t, theta
+from sie.basis.interval import Complex, InPlane, OnLine, half_angles, of_t, root_weight, theta
 from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
 from sie.jumps.formulas import HIGHEST, OPTIONS, PlacedJumps, of_sines
+from sie.jumps.logarithms import Logarithms, Plateaus
 from sie.jumps.poles import NO_POLES, Poles
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import ConjugateSpline, QuadraticSpline, with_jumps
@@ -59,11 +60,13 @@ class ForcingJumps(PlacedJumps):
     """Jumps of the right side or its derivatives inside zones, with splines and poles.
 
     splines: the spline of each zone with very many jumps of order 2; it replaces most of them.
-    poles: the poles of algebraic points in zones and close to them.
+    poles: the poles of algebraic points in zones and close to them. logarithms: logarithmic terms
+    of the right side, which jumps of the density or its values at ends of zones cause.
     """
 
     splines: dict[int, Spline] = field(default_factory=dict)
     poles: Poles = NO_POLES
+    logarithms: Logarithms | None = None
 
     def __len__(self) -> int:
         return len(self.zone) + len(self.near) + len(self.poles)
@@ -219,7 +222,8 @@ class ForcingJumps(PlacedJumps):
     # distances from the zone's ends, in half widths.
     def smooth_part(self, zone: Index, left: Array) -> Array:
         """The function whose sum with the right side g is smooth."""
-        return -self.carried(zone, left)
+        out = -self.carried(zone, left)
+        return out if self.logarithms is None else out + self.logarithms.on_zones(zone, left)
 
     def level_part(self, zone: Index, left: Array) -> Array:
         """The part of `smooth_part` that comes from jumps of g itself; it is piecewise constant."""
@@ -283,7 +287,7 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.transform(zone, rho) + self.poles.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of jumps, splines and poles, divided by the half width w, without c_0 log(w).
+        """Potential of the closed forms, divided by the half width w, without c_0 log(w).
         c_0 is the integral of the density, divided by pi w.
 
         The formulas are at the head of this file.
@@ -291,6 +295,9 @@ class ForcingJumps(PlacedJumps):
         out = self._closed_potential(zone, seen)
         for spline, here in self._in_splines(zone):
             out[here] += spline.potential(seen.left[here], seen.right[here], seen.rho[here])
+        if len(self.near):
+            rho = on_circle(seen)
+            out += self.near.potential(zone, np.log(2 * np.abs(rho)), rho)
         return out + self.poles.potential(zone, seen) if len(self.poles) else out
 
     def _closed_potential(self, zone: Index, seen: OnLine) -> Array:
@@ -369,6 +376,8 @@ class ForcingJumps(PlacedJumps):
         out = np.asarray(np.bincount(self.zone, parts, minlength=len(zones)), dtype=float)
         for zone, spline in self.splines.items():
             out[zone] += spline.mean_offset
+        if len(self.near):
+            out += self.near.mean_offsets(len(zones))
         return out + self.poles.mean_offsets(len(zones)) if len(self.poles) else out
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
@@ -456,8 +465,24 @@ class ForcingJumps(PlacedJumps):
         )
 
     def left_out(self, x: Array) -> Array:
-        """Terms of the right side that its given values omit at points x; here they are zero."""
-        return np.zeros(x.shape)
+        """Terms of the right side that its given values omit at points x (n,).
+
+        Those of plateaus do not count: they are minus the transform of the plateaus.
+        """
+        if self.logarithms is None or self.plateaus is not None:
+            return np.zeros(x.shape)
+        return self.logarithms.at_points(x)
+
+    @property
+    def plateaus(self) -> Plateaus | None:
+        """The plateaus beside the zones; None if there are none."""
+        return None if self.logarithms is None else self.logarithms.plateaus
+
+    def primitive_left_out(self, x: Array) -> Array:
+        """The antiderivative at points x of all omitted terms, those of plateaus included."""
+        if self.logarithms is None:
+            return np.zeros(x.shape)
+        return self.logarithms.primitive_at(x.ravel()).reshape(x.shape)
 
     # The methods below give values at complex points (see `sie.density.plane`).
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
@@ -486,13 +511,19 @@ class ForcingJumps(PlacedJumps):
 
     @property
     def near(self) -> ExteriorLogarithms:
-        """Logarithms of the right side outside but close to a zone; here there are none."""
-        return NOWHERE
+        """Logarithms of the right side outside but close to a zone, or at its end."""
+        return NOWHERE if self.logarithms is None else self.logarithms.near
 
     @cached_property
     def kinked(self) -> list[int]:
         """Zones with a jump of the right side itself, or with a logarithm close to the zone."""
         return sorted({*self.zone[self.order == 0].tolist(), *self.near.by_zone})
+
+
+def on_circle(seen: OnLine) -> Complex:
+    """rho = zeta - sqrt(zeta^2 - 1) of points off the zone, and e^(i theta) on it."""
+    root = root_weight(np.maximum(seen.left, 0.0), np.maximum(seen.right, 0.0))
+    return np.where(seen.on, 0.5 * (seen.left - seen.right) + 1j * root, seen.rho)
 
 
 def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array) -> Array:

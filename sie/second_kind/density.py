@@ -17,8 +17,9 @@ from sie.basis.weighted import Split, Weighted
 from sie.basis.zones import Zones
 from sie.density.base import DensityBase
 from sie.density.series import OPTIONS, by_quadrature, even_angles
+from sie.jumps.logarithms import Logarithms
 from sie.jumps.right_side import ForcingJumps
-from sie.second_kind.jumps import KnownJumps
+from sie.second_kind.jumps import Known
 from sie.second_kind.system import bases_of
 
 
@@ -40,10 +41,12 @@ class SecondKindDensity(DensityBase):
         Coefficients c_n on each zone (Z, n + 1).
     amplitudes : ndarray
         Amplitudes of the equation's columns (k,).
-    known : tuple of KnownJumps
+    known : tuple of Known
         Closed forms of the densities of the right side's jumps inside zones.
     bounded_ends : bool
         Whether round-off traces of intensities at free ends are removed.
+    beside : Logarithms or None
+        Logarithmic terms of the plateaus beside the zones.
 
     Examples
     --------
@@ -63,8 +66,9 @@ class SecondKindDensity(DensityBase):
     kernel: Kernel
     coefficients: Array
     amplitudes: Array = field(default_factory=lambda: np.zeros(0))
-    known: tuple[KnownJumps, ...] = ()
+    known: tuple[Known, ...] = ()
     bounded_ends: bool = False
+    beside: Logarithms | None = None
 
     @property
     def whole(self) -> Any:
@@ -159,8 +163,8 @@ class SecondKindDensity(DensityBase):
 
     @property
     def total(self) -> float:
-        """Integral of the density over all zones."""
-        return float(self.totals.sum())
+        """Integral of the density over all zones and plateaus."""
+        return float(self.totals.sum()) + (0.0 if self.beside is None else self._plateaus.total)
 
     def moment(self, about: float = 0.0) -> float:
         """Integral of (x - about) times the density."""
@@ -172,7 +176,9 @@ class SecondKindDensity(DensityBase):
         for one in self.known:
             of_jumps[one.zone] += 0.5 * np.pi * one.moments(2)[1]
         about_middles = zones.half**2 * (np.array(first) + of_jumps)
-        return float(np.sum((zones.middle - about) * self.totals + about_middles))
+        of_plateaus = 0.0 if self.beside is None else self._plateaus.integral(lambda x: x - about)
+        of_zones = np.sum((zones.middle - about) * self.totals + about_middles)
+        return of_plateaus + float(of_zones)
 
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by a zone and distances from the zone's ends in half widths."""

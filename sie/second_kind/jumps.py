@@ -1,7 +1,8 @@
-"""Jumps of the right side inside zones, for an equation with kappa: densities in closed form.
+"""Parts of the density in closed form, for an equation with kappa: jumps of g, values at ends.
 
 If g, or its derivative of the order k, jumps by J at a place s of a zone, the density contains
-J w^k / k! (t - s)^k J_s, with the half width w and J_s of `sie.basis.power_jump`.
+J w^k / k! (t - s)^k J_s, with the half width w and J_s of `sie.basis.power_jump`. If the density has
+the value v at an end, it contains v times the density of `sie.basis.value_mode`.
 """
 
 import math
@@ -23,6 +24,7 @@ from sie.basis.power_jump import (
     series_potential,
     series_slope,
 )
+from sie.basis.value_mode import ValueMode
 from sie.basis.weighted import Weighted, from_ends
 from sie.basis.zones import Zones
 from sie.equation.forcing import Forcing
@@ -151,13 +153,78 @@ class KnownJumps(Kept):
         return np.asarray(self.factors @ self.closed.moments(length, self.order))
 
 
-def jumps_inside(
-    forcing: Forcing, zones: Zones, period: float | None = None
-) -> tuple[KnownJumps, ...]:
-    """The jumps of the right side inside the zones; ValueError for kinds that are not known.
+_NO_POTENTIAL = "with kappa the potential of a density with values at its ends is not known"
+
+
+@record
+class KnownValue:
+    """The part of the density on one zone that has the value of the density at an end.
+
+    It has the methods of `KnownJumps`. x: the end.
+    """
+
+    zone: int
+    x: Array
+    value: float
+    closed: ValueMode
+
+    def density(self, left: Array, right: Array) -> Array:
+        return self.value * self.closed.density(left, right)
+
+    def own(self, left: Array, right: Array) -> Array:
+        return self.value * self.closed.own(left, right)
+
+    def integral_to(self, left: Array, right: Array) -> Array:
+        return self.value * self.closed.integral_to(left, right)
+
+    def own_level(self, left: Array, right: Array) -> Array:
+        raise ValueError(_NO_POTENTIAL)
+
+    def potential(self, points: Outside) -> Array:
+        raise ValueError(_NO_POTENTIAL)
+
+    def transform(self, points: Outside) -> Array:
+        return self.value * self.closed.transform(points)
+
+    def in_plane(self, points: InPlane, what: tuple[Array, Array, bool]) -> Complex:
+        _, _, is_slope = what
+        of = self.closed.slope if is_slope else self.closed.transform
+        return np.asarray(self.value * of(points), dtype=complex)
+
+    @property
+    def total(self) -> float:
+        return self.value * self.closed.total
+
+    def edge_slopes(self) -> tuple[float, float]:
+        left, right = self.closed.edge_slopes()
+        return self.value * left, self.value * right
+
+    def moments(self, length: int) -> Array:
+        return self.value * self.closed.moments(length)
+
+
+Known = KnownJumps | KnownValue
+
+
+def known_parts(forcing: Forcing, zones: Zones, period: float | None = None) -> tuple[Known, ...]:
+    """The parts of the density in closed form; ValueError for jumps of unknown kinds.
 
     period: of the kernel; the jumps repeat with it.
     """
+    values = _values(zones) if zones.have_values else ()
+    return (*_jumps_inside(forcing, zones, period), *values)
+
+
+def _values(zones: Zones) -> Iterator[KnownValue]:
+    kappa, values, ends = zones.weight.kappa, zones.values, np.array([zones.a, zones.b])
+    assert kappa is not None
+    for side, zone in np.argwhere(values != 0.0).tolist():
+        closed = ValueMode(Weighted(float(kappa[zone])), at_left=side == 0)
+        yield KnownValue(zone, ends[side, [zone]], float(values[side, zone]), closed)
+
+
+def _jumps_inside(forcing: Forcing, zones: Zones, period: float | None) -> tuple[KnownJumps, ...]:
+    """The jumps of the right side inside the zones; ValueError for kinds that are not known."""
     jumps = forcing.jumps
     broken = wrapped(jumps.broken_at, float(zones.a[0]), period)
     zone = np.searchsorted(zones.a, broken, side="right") - 1

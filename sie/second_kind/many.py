@@ -49,6 +49,8 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
         return "one zone is too few"
     if equation.columns:
         return "columns of unknown amplitudes are not known with kappa"
+    if zones.have_values:
+        return "values of the density at ends are not known with kappa"
     if zones.follow_ends:
         return "prescribed intensities of free ends are not known with kappa"
     kinds = [type(condition) for condition in equation.conditions]

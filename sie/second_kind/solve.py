@@ -12,7 +12,7 @@ from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.system import Layout, condition_rows
 from sie.equation.equation import Equation
-from sie.second_kind.jumps import jumps_inside
+from sie.second_kind.jumps import known_parts
 from sie.second_kind.many import ManyRows, ManySolver, unfit
 from sie.second_kind.many_state import ManyState
 from sie.second_kind.state import OPTIONS, SecondKindState, density_of
@@ -74,9 +74,8 @@ def _solve_once(
 ) -> SecondKindState:
     """The solution with m modes on each zone; fewer: that with fewer modes, if there is one."""
     layout = Layout(m, len(equation.columns))
-    system = SecondKindRows(
-        equation, zones, layout, jumps_inside(equation.forcing, zones, equation.kernel.period)
-    )
+    parts = known_parts(equation.forcing, zones, equation.kernel.period)
+    system = SecondKindRows(equation, zones, layout, parts)
     lacking = unfit(equation, zones) if layout.size > SOLVE.min_fast_unknowns else "too few of them"
     if lacking is None:
         return _solve_iterated(system, sizes, fewer if isinstance(fewer, ManyState) else None)

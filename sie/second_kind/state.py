@@ -346,6 +346,5 @@ def density_of(system: SecondKindRows, y: Array, is_change: bool = False) -> Sec
     layout = system.layout
     amplitudes = y[layout.coefficients :]
     table = widened(layout.padded(y), 2)
-    return SecondKindDensity(
-        system.zones, system.equation.kernel, table, amplitudes, () if is_change else system.jumps
-    )
+    plain = SecondKindDensity(system.zones, system.equation.kernel, table, amplitudes)
+    return plain if is_change else replace(plain, known=system.jumps, beside=system.beside)

@@ -25,7 +25,8 @@ from sie.dense.modes import OPTIONS as MODES
 from sie.dense.system import Layout, Places, Targets
 from sie.equation.conditions import Linear, Rows
 from sie.equation.equation import Equation
-from sie.second_kind.jumps import KnownJumps
+from sie.jumps.logarithms import Logarithms
+from sie.second_kind.jumps import Known
 
 
 def bases_of(zones: Zones) -> list[Weighted]:
@@ -158,7 +159,13 @@ class SecondKindRows(Rows):
     equation: Equation
     zones: Zones
     layout: Layout
-    jumps: tuple[KnownJumps, ...]
+    jumps: tuple[Known, ...]
+
+    @cached_property
+    def beside(self) -> Logarithms | None:
+        """The logarithmic terms of the plateaus beside the zones; None if there are none."""
+        zones = self.zones
+        return Logarithms.of_plateaus(zones, self.equation.kernel) if zones.have_values else None
 
     @cached_property
     def points(self) -> tuple[Targets, Array]:
@@ -175,6 +182,10 @@ class SecondKindRows(Rows):
         g = np.asarray(self.equation.forcing.value(targets.x), dtype=float)
         out = np.broadcast_to(g, targets.x.shape).copy()
         zones, kernel = self.zones, self.equation.kernel
+        if self.beside is not None:
+            left = targets.left / zones.half[targets.zone]
+            out += self.beside.on_zones(targets.zone, left)
+            out += self.beside.near.own_transform(targets.zone, left)
         for one in self.jumps:
             w, own = zones.half[one.zone], targets.zone == one.zone
             out[own] -= one.own(targets.left[own] / w, targets.right[own] / w)
@@ -292,6 +303,12 @@ class SecondKindRows(Rows):
                 means = regular_means(kernel, of_zone, targets.x, True)
                 out += w * (means @ one.moments(means.shape[1]))
         return out
+
+    def on_plateaus(self, weight: Callable[[Array], Array] | None = None) -> float:
+        if self.beside is None or self.beside.plateaus is None:
+            return 0.0
+        plateaus = self.beside.plateaus
+        return plateaus.total if weight is None else plateaus.integral(weight)
 
     def amplitude(self, k: int) -> Linear:
         row = np.zeros((1, self.layout.size))

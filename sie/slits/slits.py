@@ -145,6 +145,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
         or general
         or not _one_level(equation.conditions)
         or not _zero_intensities(pieces)
+        or pieces.have_values
     ):
         return None
     after = gaps(pieces, kernel)[1]

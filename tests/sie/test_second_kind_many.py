@@ -56,7 +56,7 @@ def test_aerofoils_with_one_bounded_end_each(monkeypatch):
     assert fast.density_error < 1e-10
 
 
-def test_jumps_inside_zones_go_through_the_sums(monkeypatch):
+def test_known_parts_zones_go_through_the_sums(monkeypatch):
     zones, _ = row(45)
     places = zones.middle[[3, 40]]
     jumps = sie.Jumps(places, [1.0, -2.0], [0, 0])

@@ -1,0 +1,263 @@
+"""Logarithmic terms of the right side, which jumps of the density on the zones cause.
+
+For a jump J of the density at s the caller omits (J/pi) Lambda(x, s) from the values of the right
+side, with Lambda the kernel's potential. Here it is added, from distances that lose no digit on
+the narrowest zone.
+
+A plateau, on which the density has the value v, is no zone. The density on the zones jumps by -v
+where the plateau begins and by v where it ends, and the terms of these jumps are minus the
+transform of the plateau.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Self
+
+import numpy as np
+
+from sie.basis.data import Array, Index, nearest_image, record, wrapped
+from sie.basis.interval import Complex, What, complex_of
+from sie.basis.kernels import Kernel, is_hilbert
+from sie.basis.potential_primitive import potential_primitive
+from sie.basis.sums import OPTIONS as BLOCKS
+from sie.basis.zones import End, Zones
+from sie.jumps.exterior import ExteriorLogarithms
+
+
+@record
+class Plateaus:
+    """Intervals beside zones on which the density has a given value.
+
+    table: the intervals (m, 2); values: the value on each (m,).
+    """
+
+    table: Array
+    values: Array
+
+    @classmethod
+    def beside(cls, zones: Zones, period: float | None) -> Self:
+        """The plateaus beside zones; ValueError if the values at both ends of one differ."""
+        found: list[tuple[float, float, float]] = []
+        a, b = zones.a.tolist(), zones.b.tolist()
+        lefts: list[tuple[End | None, float]] = [*zip(zones.left, a, strict=True)]
+        rights: list[tuple[End | None, float]] = [*zip(zones.right, b, strict=True)]
+        if period is None:
+            lefts, rights = [*lefts, (None, math.inf)], [(None, -math.inf), *rights]
+        else:
+            lefts = [*lefts[1:], (lefts[0][0], lefts[0][1] + period)]
+        for i, (left, right) in enumerate(zip(rights, lefts, strict=True)):
+            found.extend(_in_gap(i - (period is None), left, right))
+        table = np.array(found).reshape(-1, 3)
+        return cls(table[:, :2], table[:, 2])
+
+    @property
+    def total(self) -> float:
+        """Integral of the density over all plateaus."""
+        return float(self.values @ np.diff(self.table, axis=1)[:, 0])
+
+    def integral(self, weight: Callable[[Array], Array]) -> float:
+        """Integral of weight(x) times the density over all plateaus, by Gauss quadrature."""
+        t, rule = np.polynomial.legendre.leggauss(BLOCKS.max_direct_terms)
+        half, middle = 0.5 * np.diff(self.table, axis=1), self.table.mean(axis=1)[:, None]
+        x = middle + half * t
+        values = np.broadcast_to(np.asarray(weight(x.ravel()), dtype=float), (x.size,))
+        return float(self.values @ (half * (values.reshape(x.shape) * rule)).sum(axis=1))
+
+    def density(self, x: Array, period: float | None) -> Array:
+        """The density on plateaus at points x (any shape), and 0 elsewhere."""
+        out = np.zeros(x.shape)
+        if len(self.table):
+            place = wrapped(x, self.table[0, 0], period)
+            i = np.maximum(np.searchsorted(self.table[:, 0], place, side="right") - 1, 0)
+            inside = (place >= self.table[i, 0]) & (place <= self.table[i, 1])
+            out[inside] = self.values[i[inside]]
+        return out
+
+
+def _in_gap(
+    i: int, left: tuple[End | None, float], right: tuple[End | None, float]
+) -> list[tuple[float, float, float]]:
+    """The plateaus (begin, end, value) in the gap after zone i, between two (kind, place) of ends."""
+    (one, begin), (other, end) = left, right
+    out = []
+    if one is not None and one.value != 0.0 and one.until is not None:
+        out.append((begin, one.until, one.value))
+    if other is not None and other.value != 0.0 and other.until is not None:
+        out.append((other.until, end, other.value))
+    rest = [e for e in (one, other) if e is not None and e.value != 0.0 and e.until is None]
+    if rest and not out and one is not None and other is not None and one.value == other.value:
+        return [(begin, end, one.value)]
+    if rest:
+        raise ValueError(
+            f"in the gap after zone {i} (-1: before the first one) a plateau begins and does not "
+            "end: give the same value at both ends of the gap, or `until`"
+        )
+    places = [p for plateau in out for p in plateau[:2]]
+    if any(begin >= end for begin, end, _ in out) or places != sorted(places):
+        raise ValueError(f"in the gap after zone {i} `until` lies on the wrong side of the end")
+    if places and not (begin <= places[0] and places[-1] <= end):
+        raise ValueError(f"in the gap after zone {i} a plateau reaches into the next zone")
+    return out
+
+
+@record
+class Logarithms:
+    """Logarithmic terms of the right side: J/pi times the kernel's potential, for jumps J.
+
+    J are the jumps of the density. at: positions s; weight: J/pi; own: the zone that contains s, or
+    -1; near: the terms whose s lies outside a zone but close to it, or at its end.
+    """
+
+    kernel: Kernel
+    zones: Zones
+    at: Array
+    weight: Array
+    own: Index
+    near: ExteriorLogarithms
+    plateaus: Plateaus | None = None
+
+    @classmethod
+    def of_plateaus(cls, zones: Zones, kernel: Kernel) -> Self:
+        """The terms of the plateaus beside the zones."""
+        plateaus = Plateaus.beside(zones, kernel.period)
+        at = plateaus.table.T.ravel()
+        if kernel.period is not None:  # the end of a zone itself, not its rounded image
+            at = np.where(at == zones.a[0] + kernel.period, zones.a[0], at)
+        weight = np.concatenate((-plateaus.values, plateaus.values)) / np.pi
+        near = ExteriorLogarithms.near(zones, at, weight, kernel.period)
+        return cls(kernel, zones, at, weight, np.full(len(at), -1), near, plateaus)
+
+    def at_points(self, x: Array) -> Array:
+        """Sum of the logarithmic terms of the right side at points x (n,)."""
+        return self._summed(x, self._of_lag)
+
+    def primitive_at(self, x: Array) -> Array:
+        """The antiderivative of `at_points` at points x (n,)."""
+        return self._summed(x, lambda away: potential_primitive(self.kernel, away))
+
+    def in_plane(self, z: Complex, what: What) -> Complex:
+        """The sum at complex points z (n,), its derivative by z, or its antiderivative.
+
+        It is that in the closed upper half plane, and conjugate in the lower one.
+        """
+        assert self.plateaus is not None
+        x, y, at = self.off_positions(z.real), np.abs(z.imag), self.plateaus.table.T.ravel()
+        out = np.empty(len(x), dtype=complex)
+        for some in self._blocks(len(x)):
+            lag = x[some, None] - at
+            away = complex_of(lag, np.broadcast_to(y[some, None], lag.shape))
+            out[some] = self._of_complex_lag(away, what) @ self.weight
+        return np.where(z.imag < 0, np.conj(out), out)
+
+    def off_positions(self, x: Array) -> Array:
+        """Points x (any shape), moved by round-off from the positions of the terms.
+
+        There a term is infinite, and so is the transform of a zone that ends there; their sum is
+        finite.
+        """
+        period = self.kernel.period
+        low = float(self.at.min(initial=0.0))
+        return np.where(
+            np.isin(wrapped(x, low, period), wrapped(self.at, low, period)),
+            np.nextafter(x, np.inf),
+            x,
+        )
+
+    def _of_complex_lag(self, away: Complex, what: What) -> Complex:
+        """The kernel's potential at z - s in the upper half plane, its derivative or primitive."""
+        kernel = self.kernel
+        if is_hilbert(kernel) and what != "potential":
+            assert kernel.period is not None
+            turn = 2j * np.pi / kernel.period
+            with np.errstate(over="ignore"):
+                q = np.exp(turn * away)
+            if what == "derivative":
+                return np.asarray(0.5 * turn * (-1 - 2 * q / (1 - q)))
+            return np.asarray(0.5j * np.pi - 0.5 * turn * away + np.log1p(-q))
+        if kernel.regular is not None:
+            raise ValueError(
+                f"the {what} of plateaus at complex points is known for poles alone"
+                + ("" if what == "potential" else ", and for Hilbert's kernel")
+            )
+        out = np.zeros(away.shape, dtype=complex)
+        for pole in kernel.poles:
+            lag = away - pole
+            if what == "derivative":
+                out += 1 / lag
+            else:
+                log = np.log(np.where(lag == 0, 1.0, lag) / kernel.datum)
+                out += log if what == "transform" else lag * (log - 1)
+        return out
+
+    def on_zones(self, zone: Index, left: Array) -> Array:
+        """Sum of the logarithmic terms at points of zones, without the singularities nearby.
+
+        left: distances from the zones' left ends in half widths. The omitted part is
+        (J/pi) ln(2 |t - s|) for a position s in the zone, and (J/pi) ln(2 |rho| |t - s|) for one
+        close to it.
+        """
+        out = np.empty(len(zone))
+        for some in self._blocks(len(zone)):
+            out[some] = self._on_zones(zone[some], left[some])
+        return out
+
+    def _on_zones(self, zone: Index, left: Array) -> Array:
+        zones, kernel = self.zones, self.kernel
+        w = zones.half[zone]
+        away = (w * left)[:, None] + (zones.a[zone][:, None] - self.at)
+        point, which, size = self._nearby(zone)
+        beside = away[point, which]
+        away[point, which] = 1.0
+        values = self._of_lag(away)
+        if kernel.period is not None:
+            # Positions in the zone itself are given relative to the zone's own ends.
+            outside = self.own[which] != zone[point]
+            beside = np.where(outside, nearest_image(beside, 0.0, kernel.period), beside)
+        without = np.log(w[point] / (2 * size * kernel.datum))
+        values[point, which] = without + self._rest(beside)
+        return np.asarray(values @ self.weight)
+
+    def _nearby(self, zone: Index) -> tuple[Index, Index, Array]:
+        """(point, term, |rho|) of pairs in which a term lies in the point's zone or close to it."""
+        term = np.flatnonzero(self.own >= 0)
+        of_zone = np.concatenate((self.own[term], self.near.zone))
+        which = np.concatenate((term, self.near.which))
+        size = np.concatenate((np.ones(len(term)), np.abs(self.near.rho)))
+        order = np.argsort(of_zone, kind="stable")
+        start, stop = (np.searchsorted(of_zone[order], zone, side=s) for s in ("left", "right"))
+        count = stop - start
+        point = np.repeat(np.arange(len(zone)), count)
+        pair = order[np.arange(count.sum()) - np.repeat(np.cumsum(count) - count - start, count)]
+        return point, which[pair], size[pair]
+
+    def _summed(self, x: Array, of: Callable[[Array], Array]) -> Array:
+        out = np.empty(len(x))
+        for some in self._blocks(len(x)):
+            out[some] = of(x[some, None] - self.at) @ self.weight
+        return out
+
+    def _blocks(self, points: int) -> Iterator[slice]:
+        rows = max(1, BLOCKS.cache_pairs // max(1, len(self.at)))
+        for start in range(0, points, rows):
+            yield slice(start, start + rows)
+
+    def _of_lag(self, away: Array) -> Array:
+        """The kernel's potential at distances x - s."""
+        kernel = self.kernel
+        with np.errstate(divide="ignore"):
+            if is_hilbert(kernel):
+                assert kernel.period is not None
+                return np.asarray(np.log(np.abs(2 * np.sin(np.pi / kernel.period * away))))
+            near = nearest_image(away, 0.0, kernel.period)
+            return np.asarray(np.log(np.abs(near) / kernel.datum) + self._rest(near))
+
+    def _rest(self, away: Array) -> Array:
+        """The kernel's potential at distances x - s, without the logarithm of the pole at 0."""
+        kernel = self.kernel
+        out = np.zeros(away.shape)
+        for shift in kernel.poles:
+            if shift != 0.0:
+                out += np.log(np.abs(away - shift) / kernel.datum)
+        if kernel.regular_potential is not None:
+            out += kernel.regular_potential(away, np.zeros(1))
+        return out
