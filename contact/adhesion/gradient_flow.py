@@ -172,7 +172,9 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
             # After a failed step, the motion is returned as inf, so that the ends do not count as
             # at rest.
             return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
-        limit = _shorter(here, limit, step, np.where(passed, _chord(here, ahead), 0.9))
+        # A second step that goes too far is at least halved, so that few steps follow it.
+        most = 0.9 if back_again == 0 else 0.5
+        limit = _shorter(here, limit, step, np.where(passed, _chord(here, ahead, most), 0.9))
         back_again += 1
     raise NotConverged("no step of the ends keeps to the branch")
 
@@ -187,16 +189,15 @@ def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array
     return np.asarray(by * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths)))
 
 
-def _chord(here: State, ahead: State) -> Array:
+def _chord(here: State, ahead: State, most: float = 0.5) -> Array:
     """Fraction (2n,) of a step at which each residual vanishes by linear interpolation.
 
-    It is at least `MOVES.least_part`, and at most 1/2, so that shorter and shorter steps follow
-    one that goes too far.
+    It is between `MOVES.least_part` and `most`.
     """
     before, after = here.whole.residual, ahead.whole.residual
     part = np.full(len(before), 0.5)
     np.divide(before, before - after, out=part, where=before * after < 0.0)
-    return np.clip(part, MOVES.least_part, 0.5)
+    return np.clip(part, MOVES.least_part, most)
 
 
 def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
@@ -246,7 +247,7 @@ def inward_and_outward(curve: Curve, here: State, detailed: bool = True) -> tupl
         min(room[-1], 1.1 * (hi - here.table[-1, 1])),
     )
     return np.minimum(MOVES.max_move * here.widths, known), np.minimum(
-        np.minimum(MOVES.max_move * here.widths, room), known
+        np.minimum(here.widths, room), known
     )
 
 

@@ -70,12 +70,12 @@ def zone_solution(
     _record_sizes(plan, len(zones), found.free.state)
     table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
     claimed = claims.of(scene.profile, table)
-    error = found.error + claimed.error
+    error = found.error_with(claimed.error)
     solution = Solution(
         scene, table, found.fields, error, found.certificate, plan, found.free.trace
     )
     solution = replace(solution, branch=branch, find_pull_off=find_pull_off)
-    cause = claimed.limit if claimed.error > found.error else found.main_cause
+    cause = claimed.limit if error > 2 * found.error else found.main_cause
     return _checked(tol, solution, found.free, "zone", position_rounding(found), cause)
 
 
@@ -92,9 +92,9 @@ def gap_solution(scene: Scene, found: SolvedGaps, plan: Plan, tol: float) -> Sol
     _record_sizes(plan, len(fields.zones), found.free.state)
     table = in_cell(scene, np.asarray(fields.problem.units.x(fields.zones)))
     claimed = claims.of(scene.profile)
-    error = found.error + claimed.error
+    error = found.error_with(claimed.error)
     solution = Solution(scene, table, fields, error, found.certificate, plan, found.free.trace)
-    cause = claimed.limit if claimed.error > found.error else found.main_cause
+    cause = claimed.limit if error > 2 * found.error else found.main_cause
     return _checked(tol, solution, found.free, "gap", cause=cause)
 
 

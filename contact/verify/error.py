@@ -11,6 +11,7 @@ If the gaps are the unknown, the stated error is still that of the contact betwe
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -70,6 +71,18 @@ class SolvedZones(Solved):
         return error + abs(
             rounding * fields.stiffness * units.height / (units.load * fields.load_size)
         )
+
+    def error_with(self, slopes: float) -> float:
+        """The stated error for slopes of the profile with this relative error.
+
+        A common factor of all slopes moves the ends like the inverse factor of the load.
+        """
+        if not slopes > 0.0:
+            return self.error
+        density = self.fields.density
+        width = (density.zones.b - density.zones.a)[:, None]
+        moved = np.abs(moved_ends(self.fields.state)).T * abs(density.total) / width
+        return replace(self, control_error=self.control_error + slopes * moved).error + slopes
 
     @property
     def main_cause(self) -> str:
@@ -261,6 +274,16 @@ class SolvedGaps(Solved):
     def error(self) -> float:
         """Bound of the relative errors of the pressure and of the ends of the zones."""
         return self._error(self.fields.relief.error)
+
+    def error_with(self, slopes: float) -> float:
+        """The stated error for slopes of the profile with this relative error.
+
+        The relief R is proportional to the slopes, and near full contact the mean pressure is
+        nearly the largest R.
+        """
+        if not slopes > 0.0:
+            return self.error
+        return self._error(self.fields.relief.error + slopes * abs(self.fields.mean))
 
     @property
     def main_cause(self) -> str:

@@ -253,7 +253,8 @@ def _within_borders(problem: Problem, zones: sie.Zones) -> None:
             at_border=True,
         )
     if problem.period is not None and zones.b[-1] - zones.a[0] >= problem.period:
-        raise WrongTopology("the zones fill the period", None)
+        instead = f"; {EXACT}" if problem.interaction.strip else ""
+        raise WrongTopology(f"the zones fill the period{instead}", None)
 
 
 def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | None:
