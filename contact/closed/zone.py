@@ -261,7 +261,8 @@ def _newton(
                 break
         longer = half * np.exp(move)
         longer = choose(longer >= problem.top, 0.5 * (half + problem.top), longer)
-        half = choose(fails, half, longer)
+        # There may be no number between `half` and `top`.
+        half = choose(fails | (longer >= problem.top), half, longer)
     g = values.dot(nodal.matrix)
     size_of = np.abs(g) / column(scale)
     # All coefficients after the last one above round-off are dropped. None is left if the kink

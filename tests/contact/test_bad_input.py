@@ -216,8 +216,23 @@ class TestOutOfRange:
     def test_a_load_past_the_maximum_of_a_closure(self):
         self.out_of_range("first-order", interaction=contact.Localized("first-order"), load=1e9)
 
-    def test_an_approach_past_full_contact(self):
-        self.out_of_range("approach", approach=2e-6)
+    @pytest.mark.parametrize("times", [1.0, 1.001, 1.4, 10.0])
+    @pytest.mark.parametrize(
+        "profile",
+        [
+            contact.Sinusoid(1e-6, 1e-4),
+            contact.Wedge(0.04, 1e-4),
+            contact.Biquadratic(8.5, 0.56, 0.7),
+            contact.Sampled([0.0, 0.2, 0.5, 0.7], [0.0, 1e-3, 4e-4, 6e-4], period=1.0),
+        ],
+        ids=lambda profile: profile.name,
+    )
+    def test_no_approach_reaches_the_mean_of_the_profile(self, profile, times):
+        x = profile.x0 + profile.period * (np.arange(10_000) + 0.5) / 10_000
+        height = profile.height(np.append(x, np.asarray(profile.breakpoints)))
+        mean = np.mean(height[: len(x)]) - np.min(height)
+        approach = times * mean * (1 + 1e-6)
+        self.out_of_range("mean of the profile", profile=profile, approach=approach)
 
     def test_an_approach_past_its_maximum_over_the_datum(self):
         # Hertz: a^2/2R (ln(2d/a) + 1/2) is greatest at a = 2d.

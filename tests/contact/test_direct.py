@@ -437,9 +437,9 @@ def test_the_ends_of_zones_move_as_the_rates_have_it(name):
 
 
 def test_two_zones_whose_interval_comes_to_fill_the_period_are_left_to_the_general_search():
-    # Their approach is the mean of the profile to the last digit but one.
+    # No load reaches this approach.
     two_tips = contact.Biquadratic(8.469013871188167, 0.5623775496434059, 0.6963644001577347)
-    with pytest.raises(contact.OutOfRange, match="the approach is the mean of the profile"):
+    with pytest.raises(contact.OutOfRange, match="the mean of the profile"):
         contact.solve(
             contact.Scene(
                 two_tips, 1.8602866940716e7, contact.Periodic(), approach=0.001731331755008503

@@ -105,22 +105,21 @@ def refuse_full_approach(context: SolveContext, problem: Problem, control: Contr
         return
     units, limit = problem.units, context.full
     _refuse_wide_punch(context, control.approach * units.height)
-    if (
-        not limit.approached
-        or (context.operator.has_inverse and not limit.possible)
-        or context.operator.compression
-    ):
+    if not limit.approached or context.operator.compression:
         return
     # Without a base the mean displacement is zero. The mean gap is therefore the profile's mean
     # height minus the approach, both above the lowest point. `rounding` is that of the heights.
     highest = mean_shape(problem)
     rounding = 8 * EPS * (highest + abs(problem.lowest) / units.height)
     if control.approach >= highest - rounding:
+        there = (
+            "no load reaches it, as the gaps over kinks of valleys never close"
+            if context.operator.has_inverse and not limit.possible
+            else "there it is in full contact, at any load above the smallest"
+        )
         raise OutOfRange(
             f"approach {control.approach * units.height:.15g} m is not below "
-            f"{highest * units.height:.15g} m, the mean of the profile: there it is in full "
-            "contact, at any load above the smallest, or as near to it as digits of the approach "
-            "tell"
+            f"{highest * units.height:.15g} m, the mean of the profile to round-off: {there}"
         )
 
 
