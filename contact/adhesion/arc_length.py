@@ -639,9 +639,9 @@ def _newton(
         ):
             return at, start
         start = start + step
-        # This Newton step is the last one if the next would be below the tolerance. Each step is
-        # assumed to shrink by at least the factor of the step before. With zones of very different
-        # widths, round-off may stop this earlier. Then this step is the last one, too (`rounded`).
+        # This step is the last one if the next one would be shorter than `ACCURACY.neutral`. Each
+        # step is assumed to shrink by at least the factor `size / before`. A short step that is
+        # more than half of the step before (`rounded`) is round-off, and is the last one, too.
         if size * min(size / before if k else 1.0, 1.0) < ACCURACY.neutral or rounded:
             how_solved.pop("tolerance", None)
             return curve.at(

@@ -426,9 +426,9 @@ class CohesiveCurve(Curve):
     def unit(self, here: State) -> float:
         if here.whole.by_value.any():
             return super().unit(here)
-        # No residual depends on the control. So under a fixed load the unit of the control is the
-        # force of the tension. Under another control it is the reach plus the change of the control
-        # by this force.
+        # No residual depends on the control, so that `super().unit` would divide by zero. Under a
+        # fixed load the total force of the tension, `bears`, is used instead. Under another control
+        # it is the reach plus the change of the control's value by that force.
         bears = self.stress * float(np.diff(here.table, axis=1).sum())
         return bears if self.control.load is not None else self.reach + self.yields * bears
 

@@ -273,10 +273,10 @@ def closing(curve: Curve, here: State, predicted: Predictor | None = None) -> Ar
 
 
 def lost_zones(here: State, widths: Array, residual: Array) -> Mask:
-    """Mask of the narrow zones that will vanish, as their ends tend ever more to recede.
+    """Mask of the zones that will vanish: the inward drive of their ends grows as they narrow.
 
-    They are much narrower than where their ends were driven inward least, and that drive grows.
-    widths, residual: at the states where the ends were driven inward least (2n,).
+    Such a zone is much narrower than at the state where its ends were driven inward least.
+    widths, residual: width of the zone and residual of each end (2n,) at that state.
     """
     driven = here.residual < np.minimum(-MOVES.hard_drive, 1.5 * residual)
     return np.logical_and(*np.split(driven & (here.widths < MOVES.vanished * widths), 2))

@@ -84,8 +84,8 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
     if profile.support is not None:
         low = np.append(low, ends[[f[0] <= f[1], f[-1] <= f[-2]]])
     together = ACCURACY.neutral * max(float(np.ptp(f)), 1.0)
-    # No level stretch is used if one crosses the border of the cell: it would be found twice, at
-    # both borders.
+    # A level stretch that crosses the border of the cell would be found twice, at both borders. In
+    # this case no level stretch is used.
     whole = profile.support is not None or not (
         f[0] - least <= together and f[-1] - least <= together
     )

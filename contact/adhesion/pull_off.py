@@ -33,8 +33,8 @@ def pull_off(
         for _ in range(LIMITS.patience):
             if len(here.contact) > 1:
                 break
-            # With one zone, the curve is followed to its end, which is usually the pull-off. That
-            # takes fewer states than bisection for the value below which there is no equilibrium.
+            # With one zone, the curve is followed to its end, which is usually the pull-off. The
+            # bisection in `near_the_last` would need more states.
             end = _end(curve, here, past_cut)
             rest = recede(curve, end.table, end.about.value)
             if rest is None:

@@ -163,7 +163,7 @@ class UniformTension(sie.Kept):
 
     @cached_property
     def _signs(self) -> Array:
-        """Sign of each end in the sums: 1 for left ends, -1 for right ends, 0 for spread ends."""
+        """Sign of each end in sums: 1 for left and -1 for right ends, 0 for those of `spreads`."""
         signs = np.tile((1.0, -1.0), len(self.table))
         signs[[end for end, _ in self.spreads]] = 0.0
         return signs

@@ -249,8 +249,8 @@ class Octaves:
                 left = float(np.max(np.abs(series[-degree // 2 :])))
                 break
         # Coefficients near the noise are dropped, since the derivative amplifies them. A
-        # coefficient is a mean of values at the nodes, and each value has a relative round-off of
-        # up to EPS/2. This gives the smallest noise.
+        # coefficient is a weighted mean of n values, each with a relative round-off of up to EPS/2.
+        # So its noise is at least EPS `size` / sqrt(6 n).
         noise = max(left, EPS * size / np.sqrt(6.0 * len(series)))
         above = np.flatnonzero(np.abs(series) > SERIES.noise_factor * noise)
         series = series[: above[-1] + 1] if above.size else series[:1]

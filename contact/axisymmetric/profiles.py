@@ -181,8 +181,8 @@ def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
     far, near = np.maximum(r, s), np.minimum(r, s)
     whole = (a - near) * (a + near)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # The logarithmic singularity at r = s is cut off below round-off, as the weight of a node
-        # so close to it is negligible.
+        # `apart` is 0 at r = s, where the kernel is logarithmically infinite. The lower bound keeps
+        # the kernel finite. A quadrature node so close to r has a negligible weight.
         apart = np.maximum((far - near) * (far + near) / whole, 1e-33)
         value = (
             np.sqrt((a - far) * (a + far) / whole)

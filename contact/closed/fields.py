@@ -111,11 +111,13 @@ class ClosedFields(ZoneFields):
         return np.asarray(self._unit * out)
 
     def _arcosh(self, tangent: Array, over: Array) -> Array:
-        """The shape arcosh(tan A / tan u) of the pressure under a kink.
+        """Pressure under a kink, without its factor: arcosh(tan A / tan u), or arcosh(a / x).
 
-        A = pi a / L and u = pi x / L, with the half width a, the position x and the period L.
+        A = pi a / L and u = pi x / L, with the half width a, the position x and the period L. The
+        second form is the one without a period.
 
-        over: sqrt(1 - (tan u / tan A)^2), which has more digits next to the ends.
+        tangent: tan u, or x. over: sqrt(1 - (tan u / tan A)^2), which has more digits next to the
+        ends.
         """
         half = self.zone.half
         if self.zone.problem.map.period is not None:

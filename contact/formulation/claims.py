@@ -49,7 +49,7 @@ OPTIONS = ClaimOptions()
 
 @record
 class Claims:
-    """Result of the check of a profile.
+    """Result of the check of a profile's declared properties against its heights.
 
     error: relative error of pressures and ends. limit: cause of that error, in words. fault: a
     false claim, in words; empty if there is none.
@@ -244,7 +244,7 @@ def _kink_fault(profile: Profile, panels: _Panels) -> str:
     kinks = np.asarray(profile.kinks, dtype=np.float64)
     if profile.slope_is_derived or len(kinks) == 0:
         return ""
-    # Jumps at the same place of the cell are added.
+    # Several kinks at the same place of the cell are replaced by one, with the sum of their jumps.
     at, which = np.unique(np.asarray(profile.wrap(kinks[:, 0])), return_inverse=True)
     kinks = np.column_stack((at, np.bincount(which, kinks[:, 1])))
     kinks = kinks[:: max(1, len(kinks) // OPTIONS.panels)]

@@ -14,9 +14,9 @@ from sie import Array
 
 IN_PANEL = 32  # nodes of a panel with crowded nodes
 _PERIOD_NODES = 12  # nodes of a panel in a rule over a period
-# Number of halvings of the panels next to an algebraic point, where the profile goes like |y|^n, n
-# > 1, at the distance y. The integral over the last panel is below the square of its width. After
-# these halvings, the square is round-off.
+# Number of halvings of the panels next to an algebraic point. At the distance y from this point,
+# the profile varies as |y|^n with n > 1. So its integral over the last panel, of width h, is below
+# h^2. After these halvings, h^2 is round-off.
 _HALVINGS = int(-np.log2(np.sqrt(EPS)))
 
 

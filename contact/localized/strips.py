@@ -76,7 +76,8 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
         if abs(miss) * follows <= close or stalled < abs(miss) < TOLERANCES.noise * width:
             left = abs(miss) * follows / width
             return replace(found, control_error=found.control_error + left)
-        # After a secant step, a small residual that has not fallen to a quarter is round-off.
+        # If a secant step does not reduce `miss` to a quarter, what remains of it is round-off.
+        # This holds only if `miss` is small compared with `width`.
         stalled = 0.25 * abs(miss) if is_secant else math.inf
         misses.append(abs(miss))
         # The search ends if the residual has not halved within a few steps: then the middle of the

@@ -14,8 +14,8 @@ class SearchOptions:
     # Relative error of the solution on the finest grid, and of solutions under trial loads. Trial
     # loads are used to find the load that gives a wanted approach or contact fraction.
     intermediate: float = 1e-6
-    # A tolerance is multiplied by this factor if its error is magnified in the result. This is so
-    # for gaps next to wide zones, and for differences of two solutions.
+    # Factor by which a tolerance is reduced if the result magnifies the error that it allows. This
+    # is so for gaps next to wide zones, and for differences of two solutions.
     tight_factor: float = 1e-2
     # Allowed error on grids that just resolve the contact. For a contact width it is relative to
     # the smaller of contact and gap, for the centre of a load to the extent of the contact.

@@ -45,7 +45,7 @@ _CLOSE = "#3d7a4a"
 
 @dataclass(frozen=True)
 class FigureOptions:
-    """Smallest size of a detail that can be seen on a printed figure."""
+    """Options of the figures: the size of details that can be seen in print."""
 
     # Smallest size of a visible detail, relative to the width or the height of a panel.
     min_visible: float = 0.06

@@ -101,8 +101,8 @@ def solve_many(
                 if progress is not None:
                     progress(name, len(found), len(given))
                 found[int(place)] = curve.at(float(given[place]))
-    # A single warning is given for the whole curve. It is for the highest load, where slopes and
-    # pressures are largest.
+    # Warnings are given once for the whole curve. They are those at the highest load, where slopes
+    # and pressures are largest, and those about unmeasured intervals.
     warn(curve_warnings(found.values()))
     return [found[k] for k in range(len(given))]
 

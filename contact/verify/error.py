@@ -331,8 +331,8 @@ class SolvedGaps(Solved):
             ** 2
         )
         near_gaps = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
-        # With kinks, rounding counts three times. Next to a kink the pressure is a sum of
-        # logarithms that are several times larger and cancel.
+        # At the places `relief.at` of kinks, the pressure is a sum of logarithms. They cancel and
+        # are several times larger than the pressure, so the bound of the rounding is tripled.
         rounding = (3 if len(fields.relief.at) else 1) * TOLERANCES.rounding * (
             1 + abs(fields.mean) / unit
         ) + of_relief / unit

@@ -49,8 +49,9 @@ class SweepOptions:
     # Growth rho^(-n) of round-off up to which the recurrence runs towards larger n.
     # Half of it halves the largest errors, and adds a third to the longest downward recurrence.
     max_growth: float = 10.0
-    # Up to this number of points one downward recurrence serves all; else there are groups of
-    # points with similar numbers of steps. A step's overhead is that of some hundred points.
+    # Up to this number of points, one downward recurrence serves all points. More points are
+    # divided into groups with similar numbers of steps. One step has an overhead as large as the
+    # cost of some hundred points.
     min_grouped: int = 200
 
 
@@ -187,9 +188,9 @@ def _table_from_end(family: Family, count: int, distance: Array) -> Array:
     return np.moveaxis(rows, 0, -1)
 
 
-# The functions below give the transforms F_n of a family's members times its weight, divided by pi:
-# the weight is w for p_n and (1 - t^2) w for q_n. Points zeta of the right half plane are given by
-# less = zeta - 1 and left = zeta + 1. The recurrence is that of f_n = F_n / p_n(1).
+# The functions below give the transforms F_n of a family: those of p_n w, or of q_n (1 - t^2) w,
+# divided by pi. A point zeta in the right half plane is given by less = zeta - 1 and left = zeta +
+# 1. The recurrence runs for f_n = F_n / p_n(1).
 def log_ratio(less: Number, left: Number) -> Number:
     """log((zeta - 1) / (zeta + 1)), with all digits near both ends and far away."""
     near = np.minimum(np.abs(less), np.abs(left)) < 2.0

@@ -20,12 +20,13 @@ Number = NDArray[Any]
 
 @dataclass(frozen=True)
 class LerchOptions:
-    """Lengths of series and of a quadrature, for round-off."""
+    """Numbers of terms and of quadrature nodes that leave only round-off in `lerch`."""
 
     # Both series are used where their ratio is below one half: 2^(-55) is below round-off.
     terms: int = 56
-    # Gauss-Legendre nodes on a ray of the length log 2, half a unit or more away from the pole. The
-    # error is 3.6^(-2 nodes).
+    # Number of Gauss-Legendre nodes for the integral in log y in `_by_ray`, over a length of log 2
+    # or less. The pole y = 1 of the integrand is 0.5 or more away, so that the error is 3.6^(-2
+    # nodes).
     nodes: int = 18
 
 

@@ -104,7 +104,10 @@ class PowerJump(Kept):
 
     @cached_property
     def levels(self) -> tuple[Array, Array]:
-        """(kappa + T) J_s to the left and to the right of s: -h and 1 - h, each with all digits."""
+        """(kappa + T) J_s to the left and to the right of s: -h and 1 - h, each with all digits.
+
+        The module's docstring defines h.
+        """
         w, left, right = self.weighted, 0.5 * self.left, 0.5 * self.right
         return -beta_share(w.rest, w.alpha, right, left), beta_share(w.alpha, w.rest, left, right)
 

@@ -161,7 +161,7 @@ def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
 
 
 def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArray[Any]:
-    """`sum_of_powers` pair by pair, with a given number of terms for each pair.
+    """`sum_of_powers` for pairs (rho, zone), with a given number of terms for each pair.
 
     Pairs are sorted by the number of terms, so that Horner's rule works on a growing block.
     """

@@ -66,9 +66,9 @@ def exponent_of(kappa: float) -> float:
 
 
 class Split(NamedTuple):
-    """A density in a form that keeps its digits beside an end where it is bounded.
+    """A density by coefficients that give all its digits close to an end where it is bounded.
 
-    w (k_left (1 - t) / 2 + k_right (1 + t) / 2) + (1 - t^2) w sum_n q_n(t) q[n].
+    It is w (k_left (1 - t) / 2 + k_right (1 + t) / 2) + (1 - t^2) w sum_n q_n(t) q[n].
     """
 
     k_left: float
@@ -99,7 +99,6 @@ class Weighted(Kept):
 
     kappa: float
 
-    # The exponents and the polynomials.
     @cached_property
     def alpha(self) -> float:
         """The exponent alpha: cot(pi alpha) = kappa."""
@@ -117,7 +116,7 @@ class Weighted(Kept):
 
     @property
     def mirrored(self) -> "Weighted":
-        """The densities at -t: its S_n at t is (-1)^n times this one's S_n at -t."""
+        """`Weighted` for -kappa: its S_n(t) is (-1)^n S_n(-t), with the S_n of this object."""
         return Weighted(-self.kappa)
 
     @cached_property
@@ -142,7 +141,7 @@ class Weighted(Kept):
         """
         return self.singular.recurrence(count)
 
-    # The density and its integrals on the interval.
+    # The methods below give the density and its integrals on the interval.
     def weight(self, left: Any, right: Any) -> Array:
         """The weight w = S_0 at places given by left = 1 + t and right = 1 - t."""
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
@@ -213,7 +212,7 @@ class Weighted(Kept):
         a, b = self.recurrence(2)
         return float(np.pi * (a[0] * c[0] + (b[1] * c[1] if len(c) > 1 else 0.0)))
 
-    # What holds at the ends.
+    # The methods below give the density's behaviour at the ends.
     def edge_values(self, count: int) -> tuple[Array, Array]:
         """Values of p_n at t = -1 and at t = 1, n = 0 ... count - 1."""
         return self.singular.at_minus_one(count), self.singular.at_one(count)
@@ -242,7 +241,7 @@ class Weighted(Kept):
             right * float((0.5 * self.alpha * at_right - slope_right) @ c),
         )
 
-    # Transforms off the interval.
+    # The methods below give transforms off the interval.
     def transforms(self, count: int, points: Points) -> Number:
         """Transforms F of S_n, n = 0 ... count - 1, along a new last axis."""
 
@@ -371,7 +370,7 @@ class Weighted(Kept):
             out[mirror] = -np.conj(of(self.mirrored, -1.0, *folded))
         return out
 
-    # Matrices between bases.
+    # The methods below give matrices between bases.
     def from_u(self, count: int) -> Array:
         """Upper triangular matrix C (count, count) with U_j = sum_i C[i, j] D_i.
 

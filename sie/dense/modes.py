@@ -123,8 +123,10 @@ class Growth:
 
 
 def least(zones: Zones, kernel: Kernel) -> Index:
-    """First number of modes of each zone that are coupled to other zones, for a user's regular part
-    of the kernel.
+    """Initial number of modes of each zone for a kernel whose regular part a user defines.
+
+    The solver starts with this number of modes and adds more. It grows with the square root of the
+    half width over `kernel.length`.
     """
     lengths = zones.half / kernel.length
     return np.maximum(
@@ -133,7 +135,7 @@ def least(zones: Zones, kernel: Kernel) -> Index:
 
 
 def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Index:
-    """First number of nodes of each zone, from the distances of the right side's singularities."""
+    """Initial number of nodes of each zone, from the nearest singularities of the right side."""
     if len(singular_at) == 0:
         return np.full(len(zones), OPTIONS.first_nodes)
     at = np.sort(wrapped(singular_at, float(zones.a[0]), period))
@@ -365,9 +367,9 @@ def _values(
 
 
 def conformal_radius(left: Array, right: Array) -> Array:
-    """Conformal radius R at a zone between two half-lines, at the distances `left` and `right`.
+    """Conformal radius R, at a zone, of the plane without the half-lines on its two sides.
 
-    One of the distances may be infinite.
+    left, right: distances of the half-lines from the zone. One of them may be infinite.
     """
     with np.errstate(divide="ignore"):
         return np.asarray(4 / (1 / left + 1 / right))

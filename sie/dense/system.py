@@ -280,10 +280,9 @@ class System(Rows):
                 self.equation.forcing, zones, self.jumps, chosen, m
             )
         else:
-            # Here the density jumps, not the right side g. Then g has logarithms and is not smooth
-            # between the jumps, so that integrals between the jumps gain nothing. The lowest
-            # coefficients of g are those of its smooth part, minus those of the jumps' density
-            # (`taken`).
+            # Here the density jumps, not the right side g. Then g has logarithms at the jumps, and
+            # `coefficients_between` would gain nothing. The lowest coefficients of g are those of
+            # its smooth part, minus those of the jumps' density (`taken`).
             of_g = widened(self.g[chosen], self.taken.shape[1])
             of_g[:, : self.taken.shape[1]] -= self.taken[chosen]
         count = max(self.g.shape[1], of_g.shape[1])

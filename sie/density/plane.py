@@ -153,8 +153,9 @@ class Plane:
 
     @cached_property
     def _of_jumps(self) -> Array:
-        """First coefficients of T_l / sqrt(1 - t^2) in the density of each zone's jumps, for far
-        points.
+        """First coefficients of T_l / sqrt(1 - t^2) in the density that each zone's jumps cause.
+
+        They give the field of this density at points far from the zone.
         """
         return self.density.jumps.t_coefficients(self.density.zones, int(JUMPS.far_terms[0]))
 

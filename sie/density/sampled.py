@@ -22,12 +22,12 @@ from sie.basis.zones import Zones
 class SamplingOptions:
     """Numbers of nodes of a given function on a zone, and limits of the checks of its series."""
 
-    # First number of nodes of a zone, as for right sides (`sie.dense.modes`).
+    # Initial number of nodes of a zone. It is the same for right sides (`sie.dense.modes`).
     first_nodes: int = 16
-    # Largest number of nodes of a zone, as for right sides.
+    # Largest number of nodes of a zone. It is the same for right sides.
     max_nodes: int = 8192
-    # Number of points between the nodes at which the series is compared with the function. As many
-    # show the residual of an equation (`sie.states.state`).
+    # Number of points between the nodes at which the series is compared with the function. The
+    # residual of an equation is sampled at the same number of points (`sie.states.state`).
     check_points: int = 15
     # Largest deviation at these points and at ends of prescribed intensity, in units of the
     # tolerance. It is the sum of some hundred coefficients, each within the tolerance.
@@ -143,8 +143,8 @@ def series_of(
 ) -> tuple[Array, tuple[Array, Array]]:
     """(coefficients (Z, n) of T_j / X, coefficients alpha and beta of (alpha + beta t) / X).
 
-    alpha and beta are those of `Series.singular`, with the intensities that the kinds of ends
-    prescribe.
+    X is sqrt(1 - t^2). alpha and beta are those of `Series.singular`, with the intensities that the
+    kinds of ends prescribe.
     """
     inputs.function("the density", f)
     if not isinstance(zones, Zones):

@@ -28,7 +28,7 @@ from sie.trees.skeleton import Skeleton
 
 @dataclass(frozen=True)
 class DensityOptions:
-    """Places at which the response of a density to motions of the zones' ends is evaluated."""
+    """Positions and numbers of the points at which a density and its errors are evaluated."""
 
     # No error of the density is stated closer to a singular end or a kink than this distance,
     # relative to the half width. The error grows without bound there.

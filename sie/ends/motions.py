@@ -224,8 +224,8 @@ class IteratedMotions(FreeEnds):
         system: IterativeSystem = self.system
         y = system.symmetry.unfold(folded)
         rows, plain = system.applied(y + moved.coefficients)
-        # The rows include the effect of coefficients on their own zone. A singular density has no
-        # transform on its own zone, so this effect is removed.
+        # Each row contains minus one times its own coefficient, for the transform of a mode on its
+        # own zone. A singular density has no transform there, so this term is cancelled.
         rows = rows + moved.coefficients[system.diagonal]
         edges = (
             np.array(system.intensities_of(system.layout.padded(y)))
@@ -519,8 +519,8 @@ def rows_of_motions(state: State, matrix: Array, moved: Moved) -> Array:
     """
     singular = moved.coefficients
     rows = matrix @ singular[state.symmetry.keep]
-    # The rows include the effect of coefficients on their own zone. A singular density has no
-    # transform on its own zone, so this effect is removed.
+    # Each row of `matrix` contains minus one times its own coefficient, for the transform of a mode
+    # on its own zone. A singular density has no transform there, so this term is cancelled.
     rows[: state.conditions_from] += singular[state.system.diagonal]
     view = SingularDensities(state.system, moved)
     asked = condition_rows(state.equation, view, singular.shape[1])[0]

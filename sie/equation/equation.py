@@ -159,7 +159,7 @@ class Equation(Kept):
 
     @property
     def second_kind(self) -> bool:
-        """Whether kappa is not zero on any zone."""
+        """Whether kappa differs from zero on at least one zone."""
         return bool(np.any(self.kappa))
 
     def weighted(self, zones: Zones) -> Zones:

@@ -86,7 +86,7 @@ class TwoLevelPreconditioner:
         folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / scale
 
     def _scalars(self, folded: Array) -> Array:
-        """Values of conditions on several zones, and of the equation for the levels' constant."""
+        """Left sides of the conditions `others` and of the equation for the common constant."""
         system = self.system
         y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
@@ -99,8 +99,8 @@ class TwoLevelPreconditioner:
             assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
-            # The equation for the constant also contains the constant itself, which is the first
-            # column of the basis. `__call__` adds its contribution.
+            # In this equation the constant itself has the coefficient 1. `__call__` adds it to
+            # `_small`, as the constant is the first column of the basis.
             out.append(self.coarse.lowered * total)
         return np.array(out)
 

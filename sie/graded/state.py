@@ -34,17 +34,17 @@ from sie.states.solve import SingularSystem, TooLarge, not_finite, regular_facto
 
 
 def is_graded(equation: Equation, zones: Zones) -> bool:
-    """Whether zones get graded coordinates: those with narrow gaps beside fixed ends do.
+    """Whether zones get graded coordinates: zones with a fixed end next to a narrow gap do.
 
     Ends with a prescribed intensity that is not zero must not move, and there must not be too many
-    unknowns. `TooLarge` is raised if there are, and plain coordinates would not do either.
+    unknowns. `TooLarge` is raised if there are and plain coordinates do not suffice either.
     """
     fixed_left, fixed_right = ~zones.moves
     if zones.follow_ends or zones.have_values or not (fixed_left.any() or fixed_right.any()):
         return False
     before, after = exact_gaps(zones, equation.kernel)
     width = 2 * zones.half
-    # The gap after each zone is next to its right end and to the left end of the following zone.
+    # Entry i of `fixed` and `narrow` describes the gap between zone i and the next zone.
     fixed = fixed_right | np.roll(fixed_left, -1)
     narrow = after < OPTIONS.max_gap * np.maximum(width, np.roll(width, -1))
     if not np.any(narrow & fixed):
@@ -53,7 +53,8 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
     if plain.sum() <= OPTIONS.min_plain_unknowns:
         return False
     unknowns = int(first_sizes(gradings_of(zones, equation.kernel)).sum())
-    # What plain coordinates would leave of the field across the narrowest gap.
+    # Relative size of the last coefficient of the field across the narrowest gap, in plain
+    # coordinates with the largest number of modes.
     left = np.exp(-modes.OPTIONS.max_modes * modes.decay(zones, equation.kernel).min())
     if unknowns > OPTIONS.max_unknowns and left > modes.OPTIONS.nearly_decayed:
         raise TooLarge(
@@ -369,14 +370,16 @@ def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Size
         tails = state.tails
         # Tails that more modes do not halve are round-off.
         more: Mask = (tails > enough) & (count < OPTIONS.max_modes) & (tails < 0.5 * last)
-        # Coefficients decay as a power of the mode. With few digits the power is not sure.
+        # Coefficients are assumed to decay exponentially, so that the number of modes is
+        # proportional to the number of digits. The upper bound of `tails` limits the growth if few
+        # digits are known.
         digits = np.log(np.clip(tails, enough, HALF_DIGITS**0.5))
         wanted = even_sizes(np.where(more, OPTIONS.growth * np.log(enough) / digits, 1.0) * count)
         wanted = np.minimum(wanted, OPTIONS.max_modes)
         if not more.any():
             return state
         if wanted.sum() > OPTIONS.max_unknowns:
-            # The unknowns that are left go to the zones that need more.
+            # The remaining unknowns are shared by the zones that need more.
             spare = (OPTIONS.max_unknowns - count.sum()) / (wanted - count).sum()
             if spare * (wanted - count).max() < 2.0:
                 return state

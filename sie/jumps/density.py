@@ -147,8 +147,9 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give potentials of the jumps.
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of jumps, poles, near logarithms, divided by half width w, without c_0 log(w).
-        c_0 is the integral of the density, divided by pi w.
+        """Potential of jumps, poles and nearby logarithms, divided by w, without c_0 log(w).
+
+        w is the half width of the zone. c_0 is the integral of the density, divided by pi w.
 
         On the zone rho = e^{i theta}. For q = 0 the formula comes from partial fractions of
         -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)). For other q see `_potential`.
@@ -185,6 +186,7 @@ class DensityJumps(ForcingJumps):
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
         """Potential of jumps k, divided by the half width w, without c_0 log(w).
+
         c_0 is the integral of the density, divided by pi w.
         """
         higher = self.order[k] > 0

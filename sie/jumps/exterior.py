@@ -84,7 +84,7 @@ class ExteriorLogarithms(PerZone):
     def edge_slopes(self) -> tuple[Array, Array]:
         """Derivatives of each logarithm's density by the angle, at both ends of its zone.
 
-        At the end with the logarithm they are those of the density less its value there.
+        At the end with the logarithm they are those of the density minus its value there.
         """
         w, rho = self.weight, self.rho
         with np.errstate(divide="ignore"):
@@ -93,7 +93,7 @@ class ExteriorLogarithms(PerZone):
         return left, right
 
     def mean_offsets(self, count: int) -> Array:
-        """What the logarithms contribute to the mean of the right side's primitive (`count`,).
+        """Contribution of the logarithms to the mean of the right side's primitive (`count`,).
 
         It is divided by the half width. The transform -2 w sum rho^j T_j / j of each has a
         primitive with values of opposite sign at both ends; its mean over theta is
@@ -113,7 +113,7 @@ class ExteriorLogarithms(PerZone):
     # The methods below give values at points (n,). A point is given by its zone and by its
     # distances from the zone's ends, in half widths.
     def density(self, zone: Index, left: Array, right: Array) -> Array:
-        """Density that each zone's nearby logarithms cause on this zone."""
+        """Density on each zone that is caused by the logarithms outside but close to this zone."""
         phi = theta(left, right)
 
         def part(at: Index, k: Index) -> Array:

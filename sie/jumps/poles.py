@@ -375,7 +375,7 @@ class Poles(PerZone):
 def _seen(
     zones: Zones, places: Array, period: float | None
 ) -> Iterator[tuple[int, int, float, float]]:
-    """Yield (position index, zone, distances from both ends) if the two are close together.
+    """Yield (position index, zone, distances from the zone's ends) for positions near a zone.
 
     A position is close to a zone if it lies in it or within `JumpOptions.reach` half widths.
     """

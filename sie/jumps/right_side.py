@@ -115,7 +115,7 @@ class ForcingJumps(PlacedJumps):
 
     @staticmethod
     def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, Mask]:
-        """(positions, zones, whether each position lies inside its zone).
+        """(moved positions, a zone for each of them, whether the position lies inside this zone).
 
         Positions are moved by periods to lie right of the first zone's left end. The zone is the
         last one that starts before the position.

@@ -51,8 +51,8 @@ class DerivativeOptions:
     """Limits of errors, and numbers of nodes for the change of the kernel."""
 
     # Largest size of the last coefficients of a user's function, relative to the function's largest
-    # coefficient. With the given solution's usual tolerance, the derivative has at least half of
-    # its digits.
+    # coefficient. If the solution has its usual tolerance, the derivative then has at least half of
+    # the digits of a double.
     max_tail: float = 1e-8
     # The derivative of a solution with slits or graded coordinates is computed from a solution
     # without them. This is the largest stated error that the latter may have.
@@ -324,10 +324,11 @@ def with_open_value(
     zones: Zones,
     change: "Change",
 ) -> tuple[Array, Array, float | None]:
-    """(unknowns, outward motions, derivative of the open value or None) for given right sides.
+    """(unknowns, outward motions of ends, derivative of the open value) for given right sides.
 
-    answer: unknowns and motions for a right side; unit: right side for a unit of the open value,
-    which the condition on the ends determines.
+    The open value is the unknown value of a side condition. The condition on the ends determines
+    it. Its derivative is None if all values are known. answer: unknowns and motions for a right
+    side; unit: right side for a unit of the open value.
     """
     y, outward = answer(right)
     if equation.open_condition is None:
@@ -354,7 +355,7 @@ class Linearized:
         self.right = self._right()
 
     def _changed_system(self, forcing: Forcing) -> System:
-        """The system with the change of the right side in place of the right side."""
+        """The system whose right side is `forcing`, the derivative of the solution's right side."""
         zones, system = self.zones, self.system
         equation = replace(system.equation, forcing=forcing)
         check_functions(equation, zones)
@@ -373,7 +374,7 @@ class Linearized:
         return kind(equation, zones, system.layout.m, samples.coefficients, jumps)
 
     def _right(self) -> Array:
-        """Right sides of all rows, without the effect of moving ends."""
+        """Right sides of all rows of the derivative, without the effect of moving ends."""
         state, zones = self.state, self.zones
         out = np.zeros(state.solver.size)
         rows = np.concatenate((self.change.values, self.change.held(zones)))

@@ -161,7 +161,7 @@ class Adjoint:
         return _Adjoint(rows, outward.reshape(s.shape), lack)
 
     def of(self, functional: Functional) -> tuple[_Adjoint, float]:
-        """(derivatives of the functional, its derivative by the condition on the ends)."""
+        """(derivatives by the data, derivative by the value of the condition on the ends)."""
         state, zones = self.state, self.zones
         q = np.einsum("ab,abn->n", functional.intensities, self.intensities)
         s = functional.intensities.ravel() @ self.own

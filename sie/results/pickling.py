@@ -5,8 +5,8 @@ import sys
 
 from sie.equation.equation import Equation
 
-# Picklers that store functions without a name, too. If one of these modules is loaded, it may be
-# the one at work, so that nothing is refused.
+# Packages that can also pickle functions without a name, such as lambdas. If one of them is loaded,
+# it may be the one that pickles. Then nothing is refused.
 ABLE = ("cloudpickle", "dill")
 
 

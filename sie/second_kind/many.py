@@ -296,7 +296,8 @@ class ManySolver:
 
     def __init__(self, rows: ManyRows, tolerance: float) -> None:
         self.rows, self.tolerance, self.iterations = rows, tolerance, 0
-        # Changes by random errors of the rows, and the solution to which they belong.
+        # (unknowns of a solution, their changes by random errors of the rows); None before the
+        # first estimate.
         self.random_changes: tuple[Array, Array] | None = None
         self.is_loose = tolerance > ITERATION.correction
         self.error = np.zeros(len(rows.zones))
@@ -383,7 +384,8 @@ class ManySolver:
         last = np.zeros(layout.size)
         last[layout.offset + layout.m] = missing
         truncated = np.add.reduceat(np.abs(rows.sums(last, rough=True)), starts)
-        # The right side is evaluated at rounded places; D_0 is constant.
+        # `places` is the error of the right side g that is due to the rounding of the nodes. The
+        # slope of g is bounded by the sum of k |g_k|, without the constant term D_0.
         varies = np.where(np.isin(np.arange(layout.coefficients), layout.offset + 1), 0.0, 1.0)
         orders = np.concatenate([np.arange(1, m + 1) for m in layout.m.tolist()])
         slopes = np.add.reduceat(orders * varies[rows.others] * np.abs(rows.right), starts)

@@ -396,10 +396,11 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _kinks(self) -> ForcingJumps:
-        """The jumps of order 0, whose densities are logarithmic, as jumps inside the given zones.
+        """The jumps of order 0 of the wide zones, as jumps inside the given zones.
 
-        Their closed forms vanish at the ends of the given zones, not of the wide ones. So what
-        remains is as smooth there as the density.
+        They cause logarithms in the density. The closed forms of these logarithms vanish at the
+        ends of the given zones, not of the wide ones. So the density minus the closed forms is as
+        smooth there as the density.
         """
         kinks, wide = self.jumps.chosen(self.jumps.order == 0), self.geometry.wide
         at = wide.a[kinks.zone] + wide.half[kinks.zone] * kinks.left

@@ -307,9 +307,9 @@ class Slit(Kept):
         return self.width * self.means((self.theta - middle) / self.x_root)
 
     def slack_matrix(self, count: int) -> Array:
-        """Matrix from a slit's series d to the coefficients s_k, k = 0 ... count, on the wide zone.
+        """Matrix from a slit's series d to the slack's coefficients s_k on the wide zone.
 
-        The s_k are those of the slack, the unknown function in the slit.
+        The slack is the unknown function in the slit, and k = 0 ... `count`.
         """
         k = np.arange(count + 1)[:, None]
         return 2 * self.half * self.means(np.sin(k * self.theta) / self.x_root)
@@ -378,8 +378,9 @@ class Slits(Kept):
                 slit = (float(start[i]), float(rest[i]), float(half[i]) / w)
                 place = (float(within.left[k]), float(within.right[k]), int(within.order[k]))
                 self.kinks.append((i, SlitKink(float(within.height[k]), *slit, *place)))
-        # The function that a slit's series represents is singular at the far ends of the adjacent
-        # given zones. `before` and `after` are the distances of a slit from these ends.
+        # The function of a slit's series has two singular points outside the slit. They are the far
+        # ends of the given zones on its left and on its right. `before` and `after` are the
+        # distances of the slit from these two points.
         gaps_between = a[1:] - b[:-1]
         before = np.concatenate(([self.start[0]], gaps_between))
         after = np.concatenate((gaps_between, [self.rest[-1]]))

@@ -147,13 +147,11 @@ class Solved(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved zone, the mean of the potential minus the right side's primitive."""
+        """Level of each solved zone: the mean of the potential minus the primitive of g."""
         return self.system.level_changes(self.unknowns) + self.system.level_constants
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of levels (means of potential minus primitive) for given changes of condition
-        values.
-        """
+        """Changes of the `levels` of the solved zones for given changes of condition values."""
         return self.system.level_changes(self.response_unknowns(values))
 
     @cached_property

@@ -25,8 +25,8 @@ def intensity_rounding(state: Solved) -> Array:
     """Round-off of the intensity K at the left and right end of each zone, (2, Z)."""
     density, system = state.density, state.system
     zones = density.zones
-    # The right side and the fields are subtracted from each other. The round-off is relative to
-    # these terms, however small their difference is.
+    # An intensity is a difference of the right side and the fields of zones. Its round-off is
+    # relative to these two, however small the difference is.
     subtracted = (
         sum(
             by_rows(lambda rows: np.abs(rows).sum(axis=1), table)
@@ -247,7 +247,10 @@ def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
 
 
 def density_changes(state: Solved, unknowns: list[Array]) -> Array:
-    """Estimated size of a random change of each zone's density (Z,), from sampled unknowns."""
+    """Root mean square of sampled changes of each zone's density (Z,), times a safety factor.
+
+    unknowns: the change of the unknowns in each sample.
+    """
     largest = _largest(
         np.concatenate([state.system.layout.padded(one) for one in unknowns])
     ).reshape(len(unknowns), -1)

@@ -252,9 +252,9 @@ class State(Solved):
 
     @cached_property
     def _ends_of_series(self) -> tuple[Array, Array]:
-        """(largest of a few coefficients in the middle of each series, largest at the series' end).
+        """(largest coefficient in the middle of each zone's series, largest one at its end).
 
-        The series are those of the right side on the zones.
+        The series are those of the right side. A few coefficients are compared at each place.
         """
         head, last = self._some_up_to(0.5), self._some_up_to(1.0)
         return np.array([row.max() for row in head]), np.array([row.max() for row in last])
@@ -289,8 +289,8 @@ class State(Solved):
             [_continued(row, one) for row, one in zip(self._some_up_to(1.0), fall, strict=True)]
         ).T
         falling = AT_ENDS * (n + rest) * rest * following
-        # Round-off is of the same size in all coefficients, so the sum of their errors grows as a
-        # random walk.
+        # Round-off has the same size in all coefficients c_k. The terms k c_k then add up like a
+        # random walk, to about n^1.5 times this size.
         rounding = np.maximum(_OF_ROUNDING * n**1.5, np.where(self._stopped, 0.0, falling))
         return np.asarray(
             self.truncation

@@ -155,9 +155,9 @@ class PiecewiseTransform:
         after = (a[target] + b[target]) >= (a[source] + b[source]) + 2 * shift
         own = (target == source) & (shift == 0.0)
         wide, size = w[target][:, None], w[source][:, None]
-        # The distances of the target's nodes from the nearer end of the source, over the half width
-        # of the source. Each is the sum of the gap between the two cells and the distance from the
-        # nearer end of the target.
+        # `outside` is the distance of each node of the target from the nearer end of the source,
+        # divided by the half width of the source. It is the sum of two distances: the gap between
+        # the two cells, and the node's distance from the nearer end of the target.
         past_b = (a[target] - (b[source] + shift))[:, None] + wide * left
         before_a = ((a[source] + shift) - b[target])[:, None] + wide * right
         outside = np.where(after[:, None], past_b, before_a) / size

@@ -46,7 +46,9 @@ MAX_STORED = 24
 
 @record
 class Skeleton(Kept):
-    """Interpolation sum_j K(x, s_j) P_j(xi) of a smooth kernel K, with source positions s_j.
+    """Interpolation sum_j K(x, s_j) P_j(xi) of a smooth kernel K from source positions s_j.
+
+    `shares` gives the interpolating functions P_j.
 
     places: positions s_j (r,); of_row: function of each row (0: regular part, 1: potential);
     x_of_row: position x of each row; factors: LU factors of the functions in these rows at the

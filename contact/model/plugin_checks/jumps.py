@@ -273,8 +273,8 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
     weights = np.array([(-1.0) ** k * comb(order, k) for k in range(order + 1)])
     found = []
     for j in range(_HALVINGS):
-        # The differences leave out the place s itself. If a power is low, the round-off of s
-        # changes the value at s strongly.
+        # The value at the point s itself is not used: for a low power, the round-off of s changes
+        # this value strongly.
         y = abs(room) / (order + 1) * 0.5**j * np.arange(1, order + 2)
         values = np.asarray(function(s + np.sign(room) * y), dtype=np.float64)
         declared = float(weights @ (y[:, None] ** power @ size))

@@ -337,9 +337,9 @@ class TiltedWedge(TiltedZone):
         return np.asarray(self.wedge_slope * np.sign(x) - self.tilt)
 
     def _pressure(self, left: Array, right: Array) -> Array:
-        # `excess` is (1 + t sin alpha)/|t + sin alpha| - 1, with t and alpha of the class's
-        # docstring. It follows without cancellation from distances to the ends of the zone and to
-        # the tip.
+        # The pressure is E* slope/pi arcosh(1 + `excess`), by the formula in the docstring of the
+        # class. The distances from the ends of the zone and from the tip give `excess` without
+        # cancellation.
         tip_left, tip_right = self._tip
         excess = np.where(
             left > tip_left,

@@ -347,8 +347,8 @@ def second_variation(design: AdhesiveDesign) -> Array:
     np.fill_diagonal(poles, 0.0)
     modes = np.array([design._modes(product, *at)[0] for at in at_ends])
     strength = outward * others * q / (2.0 * unit)  # the coefficient A of every end
-    # Entry [i, j] is the polynomial T (head of this module) for a motion of end j, evaluated at end
-    # i.
+    # Entry [i, j] is the value at end i of the polynomial T for a motion of end j. The head of this
+    # module defines T.
     smooth = _low_modes(design, modes) @ _low_coefficients(design, strength, unit).T
     regular = modes @ design._smooth.astype(float) + poles @ q
     change = (sigma / root)[:, None] * (strength * poles + smooth)  # change of k at end i by end j
@@ -419,9 +419,9 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
         for j in range(m):
             field = strength[j] * poles[:, j] / x_root
             if j in (g, (g + 1) % m):
-                # The field is not integrable at end j of this gap. A multiple of the derivative of
-                # X times the pole is subtracted, so that the rest is integrable. The finite part of
-                # the subtracted integral is zero.
+                # The field that a motion of end j causes is not integrable at this end. A multiple
+                # of the derivative of X times the pole is subtracted, so that the rest is
+                # integrable. Hadamard's finite part of the subtracted integral is zero.
                 share = (-2.0 if j == g else 2.0) * unit * strength[j] / others[j]
                 field = field - share * _pole_slope(design, g, (dl, dr), j, poles[:, j]) * x_root
             given[row, j] = -np.sum(weight * field)

@@ -441,16 +441,17 @@ class _Window:
     def at_level(
         self, level: float, window: tuple[float, float], load: float
     ) -> tuple[float, float]:
-        """A window with the contact at a level (displacement plus height), by Newton's method.
+        """A window for the contact at a given level, by Newton's method for the load.
 
-        The level is concave in the load up to its maximum. A tenth of the load is close enough.
+        The level is displacement plus height in the contact. It is concave in the load up to its
+        maximum. The load is found to a tenth of its value.
         """
         low, high = 0.0, np.inf
         for _ in range(SEARCH.max_steps):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
-            # So small a load changes no digit of the level (displacement plus height in contact).
-            # A smaller load would not bring it closer to the wanted level.
+            # So small a load changes no digit of the level. A smaller load would not bring it
+            # closer to the wanted level.
             if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
                     raise OutOfRange(
