@@ -60,6 +60,10 @@ if TYPE_CHECKING:
     from contact.explorer.explore import explore
     from contact.inside.stress import Stress
     from contact.model.scene_file import load_scene
+    from contact.slip.history import load_history
+    from contact.slip.partial_slip import partial_slip
+    from contact.slip.result import Slip
+    from contact.slip.rolling import rolling
     from contact.sweeps.adhesive import AdhesiveEvent, AdhesivePath
     from contact.sweeps.path import path
     from contact.sweeps.path_table import Event
@@ -80,6 +84,10 @@ _HOMES = {
     "contact.sweeps.path_table": "Event",
     "contact.sweeps.paths": "Path",
     "contact.sweeps.sweep.run": "sweep",
+    "contact.slip.history": "load_history",
+    "contact.slip.partial_slip": "partial_slip",
+    "contact.slip.rolling": "rolling",
+    "contact.slip.result": "Slip",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 # Submodules that a user reaches as attributes of `contact` after `import contact` alone.
@@ -141,6 +149,7 @@ __all__ = [
     "SceneError",
     "Sinusoid",
     "Sliding",
+    "Slip",
     "Solution",
     "Stress",
     "Substrate",
@@ -152,7 +161,9 @@ __all__ = [
     "interactions",
     "law",
     "laws",
+    "load_history",
     "load_scene",
+    "partial_slip",
     "path",
     "plan",
     "profile",
@@ -163,6 +174,7 @@ __all__ = [
     "register_law",
     "register_profile",
     "register_substrate",
+    "rolling",
     "self_affine",
     "solve",
     "solve_many",

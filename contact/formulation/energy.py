@@ -28,17 +28,26 @@ def elastic_energy(fields: Fields) -> float | None:
     """
     if isinstance(fields, ApartFields):
         return 0.0
-    problem, units = fields.problem, fields.problem.units
-    approach = fields.approach
-    if approach is None or problem.interaction.strip:
+    units, approach = fields.problem.units, fields.approach
+    if approach is None or fields.problem.interaction.strip:
         return None
+    pressed = fields.borne_beside * units.load * units.height + shape_moment(fields)
+    return float(0.5 * (fields.load * approach - pressed))
+
+
+def shape_moment(fields: Fields) -> float:
+    """Integral of the pressure times the height of the profile above its lowest place [N].
+
+    The integral is taken over the contact. The profile is turned as the body is.
+    """
     if isinstance(fields, FullFields):
-        pressed = _shape_moment_of_period(fields)
+        moment = _shape_moment_of_period(fields)
+    elif isinstance(fields, ZoneFields | GapFields):
+        moment = _shape_moment_of_zones(fields)
     else:
-        pressed = fields.borne_beside
-        if isinstance(fields, ZoneFields | GapFields):
-            pressed += _shape_moment_of_zones(fields)
-    return float(0.5 * (fields.load * approach - pressed * units.load * units.height))
+        return 0.0
+    units = fields.problem.units
+    return moment * units.load * units.height
 
 
 def _shape_moment_of_zones(fields: ZoneFields | GapFields) -> float:

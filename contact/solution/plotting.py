@@ -13,7 +13,7 @@ installed.
 
 import base64
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -287,14 +287,15 @@ def to_html(solution: Solution) -> str:
     lines = "".join(
         f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows if value
     )
-    return f"<table>{lines}</table>{_picture(solution)}"
+    return f"<table>{lines}</table>{picture(solution, plot, 'surfaces and pressure')}"
 
 
-def _picture(solution: Solution) -> str:
+def picture(drawn: Any, draw: Callable[[Any], Any], what: str) -> str:
+    """HTML image of the figure that `draw` makes of an object; a text without matplotlib."""
     stream = io.BytesIO()
     try:
-        plot(solution).savefig(stream, format="png", dpi=96)
+        draw(drawn).savefig(stream, format="png", dpi=96)
     except MissingExtra as error:
         return f"<p>{escape(str(error))}</p>"
     data = base64.b64encode(stream.getvalue()).decode()
-    return f'<img alt="surfaces and pressure" src="data:image/png;base64,{data}">'
+    return f'<img alt="{what}" src="data:image/png;base64,{data}">'

@@ -1,0 +1,95 @@
+"""Scenes and values for which the formulas of this room are exact; all others are refused.
+
+Shear and slip follow from contacts without friction under smaller loads if the bodies are alike
+(Dundurs' beta = 0), both bodies are half-planes, and the body keeps its tilt.
+"""
+
+from contact.errors import SceneError
+from contact.model.checks import finite, positive
+from contact.model.laws import Frictionless
+from contact.model.scene import Scene
+from contact.slip.memory import SAME_LOAD
+
+
+def require_similar(scene: Scene) -> None:
+    """Raise SceneError unless shear and pressure of the scene obey the same equation."""
+    law, model, body = scene.law, scene.interaction, scene.substrate
+    if not isinstance(law, Frictionless):
+        raise SceneError(
+            f"law = {law.name}: shear is known from pressures without adhesion, and for bodies "
+            "whose shear does not change the pressure (beta = 0): leave the law out",
+            "law",
+        )
+    if model.strip:
+        raise SceneError(
+            f"interaction = {model.name}: the nominal pressure of a localized model has no "
+            "counterpart in the shear: take contact.Periodic() or contact.Isolated()",
+            "interaction",
+        )
+    if scene.operator.is_own or scene.operator.own_columns:
+        raise SceneError(
+            f"interaction = {model.name}: its kernel is that of the pressure, and that of the "
+            "shear is not known",
+            "interaction",
+        )
+    if not scene.operator.is_plain:
+        raise SceneError(
+            f"substrate = {body.name}: a {body.name} yields to shear by another kernel than to "
+            "pressure: take contact.HalfPlane()",
+            "substrate",
+        )
+    if scene.moment is not None and scene.turned:
+        raise SceneError(
+            "moment: a body that turns freely has another tilt under each load, so that what "
+            "sticks need not lie within the contact: give a tilt",
+            "moment",
+        )
+
+
+def friction_of(value: object) -> float:
+    """The coefficient of friction; SceneError unless it is a finite number > 0."""
+    return positive("friction", value)
+
+
+def tangential_load_of(value: object, friction: float, load: float) -> float:
+    """The tangential load [N/m]; SceneError if it is above friction * load in size."""
+    number, most = finite("tangential_load", value), friction * load
+    if abs(number) > most * (1.0 + SAME_LOAD):
+        raise SceneError.of(
+            "tangential_load",
+            value,
+            f"at most friction * load = {most:.17g} in size: beyond it the whole contact slides",
+        )
+    return max(-most, min(number, most))
+
+
+def bulk_stress_of(value: object, scene: Scene, tangential_load: float) -> float:
+    """The bulk stress [Pa]; SceneError where it is given and nothing can stick."""
+    stress = finite("bulk_stress", value)
+    if stress == 0.0:
+        return stress
+    if not scene.interaction.turns:
+        raise SceneError.of(
+            "bulk_stress",
+            value,
+            "0 in periodic contact: a strain of one body against the other grows from period to "
+            "period, so that nothing sticks",
+        )
+    if tangential_load == 0.0:
+        raise _two_signs(value)
+    return stress
+
+
+def _two_signs(value: object) -> SceneError:
+    return SceneError.of(
+        "bulk_stress",
+        value,
+        "so small beside the tangential load that the zones that stick lie within the contact: "
+        "otherwise the ends slip in opposite directions, which no contact without friction has",
+    )
+
+
+def nested_or_refused(is_nested: bool, bulk_stress: float) -> None:
+    """Raise SceneError if zones that stick do not lie within the contact, due to a bulk stress."""
+    if not is_nested:
+        raise _two_signs(bulk_stress)

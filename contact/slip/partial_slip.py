@@ -1,0 +1,160 @@
+"""Partial slip: a tangential load on a contact that was loaded before."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact.errors import SceneError, unwarned
+from contact.slip.checks import (
+    bulk_stress_of,
+    friction_of,
+    nested_or_refused,
+    require_similar,
+    tangential_load_of,
+)
+from contact.slip.memory import Memory, Segment
+from contact.slip.result import Slip, Term, stated_error
+from contact.slip.work import approach_of, first_approach
+from contact.slip.zones import contact_zones, parted
+from contact.solution.solution import Solution
+from contact.solver import solve, tolerance
+
+
+def partial_slip(
+    solution: Solution,
+    friction: float,
+    tangential_load: float,
+    bulk_stress: float = 0.0,
+    tol: float = 1e-8,
+) -> Slip:
+    """Shear and slip of a contact under a tangential load that grows after the load.
+
+    The shear is friction times the difference of two pressures: that of the contact, and that
+    under the smaller load P - |Q| / friction, whose zones stick (J. Jaeger, J. Appl. Mech. 65,
+    1998, 255-263; M. Ciavarella, Int. J. Solids Struct. 35, 1998, 2349-2362). Any number of zones
+    may touch. The zones share one tangential displacement.
+
+    Parameters
+    ----------
+    solution : Solution
+        A contact without friction.
+    friction : float
+        Coefficient of friction [1], above 0.
+    tangential_load : float
+        Q [N/m], per period if the scene is periodic; the traction on body 1 along +x. At most
+        friction times the load in size.
+    bulk_stress : float
+        Tension along x in body 1 [Pa], which comes with Q. Both bodies are of one material, so
+        that its strain against body 2 is bulk_stress / (2 E*).
+    tol : float
+        Largest stated error of the contact under the smaller load.
+
+    Returns
+    -------
+    Slip
+
+    Raises
+    ------
+    SceneError
+        If a value is bad, or the shear does not follow from pressures: under adhesion, on layers,
+        in localized contact, under a given moment, for a bulk stress in periodic contact or one so
+        large that the ends slip in opposite directions.
+    OutOfRange, NotConverged
+        As `contact.solve`.
+
+    Examples
+    --------
+    A wave sticks in the middle of each contact.
+
+    >>> import contact
+    >>> wave = contact.Sinusoid(amplitude=1e-6, period=1e-4)
+    >>> scene = contact.Scene(wave, 1e9, contact.Periodic(), contact_fraction=0.5)
+    >>> slip = contact.partial_slip(contact.solve(scene), friction=0.3, tangential_load=100.0)
+    >>> (slip.stick_zones / 1e-4).round(6).tolist()
+    [[-0.165178, 0.165178]]
+    """
+    if not isinstance(solution, Solution):
+        raise SceneError.of("solution", solution, "a contact.Solution")
+    require_similar(solution.scene)
+    mu, load = friction_of(friction), solution.load
+    shear = tangential_load_of(tangential_load, mu, load)
+    bulk = bulk_stress_of(bulk_stress, solution.scene, shear)
+    tol = tolerance(tol)
+    memory = Memory(mu)
+    memory.go_to(load, 0.0)
+    segment = memory.go_to(load, shear)
+    contacts = {load: solution}
+    if 0.0 < segment.stick < load:
+        scene = solution.scene.under("load", segment.stick)
+        if bulk:
+            turn = bulk / (2.0 * mu * scene.E_star)
+            scene = replace(scene, tilt=(scene.tilt or 0.0) + (turn if shear > 0 else -turn))
+        with unwarned():
+            near = solution if scene.tilt == solution.scene.tilt else None
+            contacts[segment.stick] = solve(scene, tol, near=near)
+    return slip_of(contacts, State(mu, shear, segment, bulk))
+
+
+@dataclass(frozen=True)
+class State:
+    """The end of a segment of a history, by its numbers.
+
+    Parameters
+    ----------
+    friction, tangential_load : float
+        As in `Slip`.
+    segment : Segment
+        The function h, what sticks, and what slipped.
+    bulk_stress : float
+        As in `Slip`.
+    """
+
+    friction: float
+    tangential_load: float
+    segment: Segment
+    bulk_stress: float = 0.0
+
+
+def slip_of(contacts: Mapping[float, Solution], state: State) -> Slip:
+    """The slip of a state. contacts: the solutions under all loads of its segment."""
+    segment = state.segment
+    solution = contacts[segment.layers[-1].top]
+    h = np.array([layer.h for layer in segment.layers] + [0.0])
+    weights = h[:-1] - h[1:]
+    found = [contacts[layer.top] for layer in segment.layers]
+    terms = tuple(
+        Term(float(weight), one.fields, one.error)
+        for weight, one in zip(weights, found, strict=True)
+        if weight
+    )
+    error = stated_error(solution, terms, state.friction)
+    stick = np.zeros((0, 2)) if segment.stick == 0.0 else contact_zones(contacts[segment.stick])
+    parts = parted(solution, stick, error)
+    nested_or_refused(parts.is_nested or not state.bulk_stress, state.bulk_stress)
+    needed = {load for step in segment.steps for load in (*step.stick, *step.load)}
+    return Slip(
+        solution=solution,
+        friction=state.friction,
+        tangential_load=state.tangential_load,
+        stick_zones=parts.stick,
+        slip_zones=parts.slip,
+        shift=_shift(solution, found, weights, float(h[0])),
+        error=error,
+        terms=terms,
+        bulk_stress=state.bulk_stress,
+        steps=segment.steps,
+        contacts={load: contacts[load] for load in needed if load in contacts},
+    )
+
+
+def _shift(
+    solution: Solution, found: list[Solution], weights: np.ndarray, lowest_h: float
+) -> float | None:
+    """int h C dP' [m], with the compliance C; None without an approach."""
+    if solution.approach is None:
+        return None
+    total = sum(weight * approach_of(one) for weight, one in zip(weights, found, strict=True))
+    return float(total - lowest_h * first_approach(solution))

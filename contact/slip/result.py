@@ -1,0 +1,247 @@
+"""`Slip`: shear, zones that stick and zones that slip, under a load and a tangential load."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import sie
+from contact.extras import require
+from contact.formulation.protocol import Fields
+from contact.inside.field import body_points, error_at, needs_half_plane, unit_pressure
+from contact.inside.stress import Stress, stress_from, tension_along
+from contact.model.checks import real
+from contact.model.units import quantity
+from contact.slip.memory import SlipStep
+from contact.slip.work import LoadPoint, lost
+from contact.solution.solution import Solution
+from sie import Array
+
+_FIGURES = "contact.slip.plotting"
+_FILES = "contact.slip.export"
+# The transform of a shear is the Hilbert transform of it, twice in s_xx; see `error_at`.
+_ERROR_BY_SHEAR = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Term(sie.Kept):
+    """A pressure and the factor with which it is part of the shear.
+
+    Parameters
+    ----------
+    weight : float
+        The factor [1].
+    fields : Fields
+        The fields of the pressure.
+    error : float
+        Stated error of the pressure and of its ends (`Solution.error`).
+    """
+
+    weight: float
+    fields: Fields
+    error: float
+
+
+@dataclass(frozen=True, eq=False)
+class Slip(sie.Kept):
+    """Shear, stick and slip of a contact with friction, in SI units.
+
+    The shear q is the traction on body 1 along +x. It is a sum of pressures of contacts without
+    friction, with the factors of `terms`.
+
+    Parameters
+    ----------
+    solution : Solution
+        The contact under the present load.
+    friction : float
+        Coefficient of friction [1].
+    tangential_load : float
+        Q = int q dx [N/m], per period if the scene is periodic.
+    stick_zones : ndarray
+        Intervals that stick [m], (m, 2), ascending; with a period, left ends in [x0, x0 + L). In
+        full contact that sticks everywhere, one period.
+    slip_zones : ndarray
+        Intervals of the contact that slip [m], (k, 2), in the same form.
+    shift : float or None
+        Tangential displacement of body 2 along +x against body 1, far from the contact [m]. It
+        counts from the same place as the approach; None where there is no approach, and in
+        rolling.
+    error : float
+        Stated bound of two relative errors: (i) the sum, over `terms`, of the errors of pressures
+        at equal normalised positions in corresponding zones, times their factors, divided by
+        friction times the peak pressure (the mean contact pressure where the peak is infinite);
+        (ii) that of each end of a zone that sticks, divided by the width of the zone of contact
+        around it.
+    terms : tuple of Term
+        The pressures of which q is the sum.
+    model : str
+        "partial slip" or "rolling".
+    bulk_stress : float
+        Tension along x in body 1 [Pa], added to its stresses.
+    creepage : float or None
+        Velocity of body 2 against body 1 along +x, divided by the speed of rolling; None without
+        rolling, and where everything slides under a given tangential load.
+    steps : tuple
+        What slipped on the way to this state.
+    contacts : mapping
+        The solutions of the loads in `steps`.
+
+    Examples
+    --------
+    A cylinder under a tangential load of 3/4 of that at which it slides: the half of its contact
+    sticks (R. D. Mindlin, J. Appl. Mech. 16, 1949, 259-268).
+
+    >>> import contact
+    >>> scene = contact.Scene(contact.Parabola(1.0), 2.0, contact.Isolated(), half_width=1.0)
+    >>> slip = contact.partial_slip(contact.solve(scene), 0.5, 0.75 * 0.5 * 3.141592653589793 / 2)
+    >>> slip.stick_zones.round(9).tolist()
+    [[-0.5, 0.5]]
+    >>> float(slip.shear(0.0).round(9))
+    0.25
+    """
+
+    solution: Solution
+    friction: float
+    tangential_load: float
+    stick_zones: Array
+    slip_zones: Array
+    shift: float | None
+    error: float
+    terms: tuple[Term, ...] = field(repr=False)
+    model: str = "partial slip"
+    bulk_stress: float = 0.0
+    creepage: float | None = None
+    steps: tuple[SlipStep, ...] = field(default=(), repr=False)
+    contacts: Mapping[float, Solution] = field(default_factory=dict, repr=False)
+
+    def shear(self, x: ArrayLike) -> Array:
+        """Traction on body 1 along +x [Pa] at x [m], any array shape; 0 outside the contact."""
+        x = real("x", x)
+        out = np.zeros(x.shape)
+        for term in self.terms:
+            out = out + term.weight * term.fields.pressure(x)
+        return out
+
+    @property
+    def slides(self) -> bool:
+        """Whether nothing sticks: the tangential load is friction times the load in size."""
+        return len(self.stick_zones) == 0
+
+    @cached_property
+    def dissipated(self) -> float | None:
+        """Energy that slip has lost since the state before [J/m], per period if there is one.
+
+        The state before is that of the last segment in a history, and the contact without shear
+        for `contact.partial_slip`. It is None in rolling, and under a bulk stress. Its error is at
+        most about 20 `error` friction^2 P p w / E*, with the load P, the peak pressure p and the
+        width w from the first to the last zone.
+        """
+        if self.model == "rolling" or self.bulk_stress:
+            return None
+        points = {load: LoadPoint.of(found) for load, found in self.contacts.items()}
+        points[0.0] = LoadPoint.unloaded(self.solution)
+        # Round-off may leave less than nothing.
+        return max(0.0, float(sum(lost(step, self.friction, points) for step in self.steps)))
+
+    def stress(
+        self, x: ArrayLike, y: ArrayLike, lateral: str = "as loaded", nu: float | None = None
+    ) -> Stress:
+        """Plane stresses [Pa] in body 1 at points (x, y) [m], y >= 0 into the body.
+
+        They are those of the pressure, the shear and the bulk stress. For the parameters and the
+        result see `Solution.stress`.
+
+        Raises
+        ------
+        SceneError
+            If y < 0 or `lateral` is unknown.
+        """
+        fields = self.solution.fields
+        needs_half_plane(fields.problem.operator)
+        x, y = body_points(x, y)
+        along = tension_along(lateral, fields.deep_pressure, nu) + self.bulk_stress
+        normal = fields.pressure_transform(x, y)
+        error = error_at(fields, x, y, normal, self.solution.error)
+        tangential = np.zeros(x.shape, dtype=complex), np.zeros(x.shape, dtype=complex)
+        for term in self.terms:
+            one = term.fields.pressure_transform(x, y)
+            tangential = tangential[0] + term.weight * one[0], tangential[1] + term.weight * one[1]
+            own = error_at(term.fields, x, y, one, term.error)
+            error = error + _ERROR_BY_SHEAR * abs(term.weight) * own
+        return stress_from(y, normal, tangential, error).with_tension(along)
+
+    @property
+    def summary(self) -> str:
+        """One line: the loads, what sticks, and the stated error."""
+        width = float(np.diff(self.stick_zones).sum())
+        zones = len(self.stick_zones)
+        what = (
+            "slides everywhere"
+            if self.slides
+            else f"{zones} zone{'s' * (zones > 1)} of {quantity(width, 'm')} stick"
+        )
+        loads = f"P = {quantity(self.solution.load, 'N/m')}, Q = {quantity(self.tangential_load, 'N/m')}"
+        return f"{self.model}, friction {self.friction:g}, {loads}: {what}; error {self.error:.1e}"
+
+    def plot(self) -> Any:
+        """A matplotlib figure of shear, friction times pressure, and the zones that stick."""
+        return require(_FIGURES).plot(self)
+
+    def _repr_html_(self) -> str:
+        return str(require(_FIGURES).to_html(self))
+
+    def zone_table(self) -> Any:
+        """One row for each interval that sticks or slips: ends and width [m], and "stick" or "slip".
+
+        A pandas.DataFrame if pandas is installed, else a dictionary of arrays.
+        """
+        return require(_FILES).zone_frame(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The slip and its solution as a dictionary of plain types; None for undefined values."""
+        found: dict[str, Any] = require(_FILES).to_dict(self)
+        return found
+
+    def to_dataset(self) -> Any:
+        """An xarray.Dataset of the solution with shear and intervals; needs xarray."""
+        return require(_FILES).to_xarray(self)
+
+    def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write intervals, numbers and scene as JSON (.json), or with the fields as netCDF (.nc).
+
+        Raises
+        ------
+        SceneError
+            If the name ends otherwise, or the file is there and `overwrite` is not given.
+        """
+        require(_FILES).write(self, path, overwrite)
+
+    def save_zones(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write the table of intervals as CSV, in SI units and full precision."""
+        require(_FILES).write_csv(self, path, overwrite)
+
+    def save_fields(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write x, pressure and shear as CSV, in SI units and full precision."""
+        require(_FILES).write_fields(self, path, overwrite)
+
+
+def stated_error(
+    solution: Solution, terms: tuple[Term, ...], friction: float, ends: float | None = None
+) -> float:
+    """The error of a slip from those of its pressures (`Slip.error`).
+
+    ends: error of the ends of zones that stick, if it is not that of the terms.
+    """
+    size = friction * unit_pressure(solution.fields)
+    parts = sum(abs(t.weight) * t.error * unit_pressure(t.fields) for t in terms)
+    if ends is None:
+        ends = max((t.error for t in terms), default=0.0)
+    # Where the load is not given, it has an error of its own, by which all of these are wrong.
+    factor = 1.0 if solution.scene.given_load is not None else 2.0
+    return float(factor * max(parts / size, ends, solution.error))

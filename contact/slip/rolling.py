@@ -1,0 +1,370 @@
+r"""Steady rolling with friction: what sticks begins at the leading edge of each zone.
+
+The body's profile stands still in the frame of the contact, as that of a wheel. Then the strain of
+one surface against the other is constant where the surfaces stick, and the shear is
+
+    |q| = mu p - q',    T q' = mu [(E*/2) f' + theta] on the zones that stick,
+
+with the leading ends of these zones at those of the contact, and q' = 0 at both ends. The places
+of the other ends, and theta, follow. The creepage is 2 mu theta / E*, with the sign of the shear
+(F. W. Carter, Proc. R. Soc. Lond. A 112, 1926, 151-157, for one parabola). All zones share it.
+
+Where the surfaces slip, the shear opposes the slip, and q' <= 2 mu p where they stick. Both are
+checked. A zone in which they fail would stick in several places, which is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+import sie
+from contact.errors import NotConverged, SceneError
+from contact.formulation.fields import ZoneFields
+from contact.formulation.problem import Problem
+from contact.formulation.quadrature import chebyshev_nodes
+from contact.inside.field import unit_pressure
+from contact.model.checks import finite, one_of
+from contact.slip.checks import friction_of, require_similar, tangential_load_of
+from contact.slip.result import Slip, Term, stated_error
+from contact.slip.zones import parted
+from contact.solution.solution import Solution
+from contact.solver import tolerance
+from sie import Array, record
+
+
+@dataclass(frozen=True)
+class RollingOptions:
+    """Numbers of the search for the zones that stick, and of its checks."""
+
+    # First width of a zone that sticks, divided by that of the zone of contact. Newton's method
+    # narrows and widens it; 0.3 to 0.99 give the same answers.
+    first_width: float = 0.9
+    new_width: float = 0.1  # the same for a zone in which a slip of the wrong sign was found
+    samples: int = 48  # in each interval, at which the signs are checked
+    # Signs are wrong beyond this part of the largest value: errors of the equation's solution.
+    sign_tolerance: float = 1e-6
+    # Effect of the given contact's error on zones that stick.
+    of_contact: float = 4.0
+
+
+OPTIONS = RollingOptions()
+
+
+@record
+class StickFields(ZoneFields):
+    """The part q'/mu of the pressure, on the zones that stick in rolling."""
+
+    stiffness = approach = None
+
+    @property
+    def levels(self) -> Array:  # type: ignore[override]
+        return np.zeros(len(self.density.zones))
+
+
+def rolling(
+    solution: Solution,
+    friction: float,
+    tangential_load: float | None = None,
+    creepage: float | None = None,
+    leading: str = "right",
+    tol: float = 1e-8,
+) -> Slip:
+    """Shear, slip and creepage of a contact in steady rolling.
+
+    Parameters
+    ----------
+    solution : Solution
+        A contact without friction, isolated.
+    friction : float
+        Coefficient of friction [1], above 0.
+    tangential_load : float or None
+        Q [N/m], the traction on body 1 along +x; at most friction times the load in size.
+    creepage : float or None
+        Velocity of body 2 against body 1 along +x, divided by the speed of rolling [1]. Exactly
+        one of tangential_load and creepage is given. From some creepage on, everything slides.
+    leading : str
+        "right" if the contact moves to larger x, "left" if it moves to smaller x.
+    tol : float
+        Largest stated error of the zones that stick.
+
+    Returns
+    -------
+    Slip
+        With its `creepage`.
+
+    Raises
+    ------
+    SceneError
+        If a value is bad, the profile repeats or has sharp corners in contact, the shear does not
+        follow from pressures (see `contact.partial_slip`), or a zone would stick in several
+        places.
+    NotConverged
+        If the zones that stick were not found to the tolerance.
+
+    Examples
+    --------
+    A wheel that transmits three quarters of mu P (F. W. Carter, Proc. R. Soc. Lond. A 112, 1926,
+    151-157): half of its contact sticks, and the creepage is mu a / (2 R).
+
+    >>> import contact
+    >>> scene = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), half_width=0.1)
+    >>> wheel = contact.solve(scene)
+    >>> slip = contact.rolling(wheel, 0.5, tangential_load=0.75 * 0.5 * wheel.load)
+    >>> slip.stick_zones.round(9).tolist(), round(slip.creepage, 9)
+    ([[0.0, 0.1]], 0.025)
+    """
+    if not isinstance(solution, Solution):
+        raise SceneError.of("solution", solution, "a contact.Solution")
+    require_similar(solution.scene)
+    _require_wheel(solution)
+    mu = friction_of(friction)
+    one_of("leading", leading, ("right", "left"))
+    tol = tolerance(tol)
+    if (tangential_load is None) == (creepage is None):
+        raise SceneError.of(
+            "tangential_load and creepage",
+            (tangential_load, creepage),
+            "one of them: the other is part of the solution",
+        )
+    asked = Rolling(solution, mu, leading == "right", tol)
+    if creepage is None:
+        shear = tangential_load_of(tangential_load, mu, solution.load)
+        return asked.under_load(shear)
+    return asked.under_creepage(finite("creepage", creepage))
+
+
+def _require_wheel(solution: Solution) -> None:
+    """Raise SceneError unless the contact may roll steadily."""
+    profile, zones = solution.scene.profile, solution.zones
+    if solution.scene.period is not None:
+        raise SceneError(
+            "interaction: a periodic profile that rolls does not keep its shape in the frame of "
+            "the contact, so that nothing is steady: take contact.Isolated()",
+            "interaction",
+        )
+    if profile.support is not None and len(zones):
+        lo, hi = profile.support
+        near = 8 * np.spacing(max(abs(lo), abs(hi)))
+        if zones[0, 0] <= lo + near or zones[-1, 1] >= hi - near:
+            raise SceneError(
+                "profile: a sharp corner in contact has no leading edge to roll over: take a "
+                "profile whose contact ends smoothly",
+                "profile",
+            )
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """A contact that rolls, with a coefficient of friction.
+
+    Parameters
+    ----------
+    solution : Solution
+        The contact.
+    friction : float
+        Coefficient of friction [1].
+    to_right : bool
+        Whether the leading ends of zones are their right ends.
+    tol : float
+        Largest stated error of the zones that stick.
+    """
+
+    solution: Solution
+    friction: float
+    to_right: bool
+    tol: float
+
+    @property
+    def problem(self) -> Problem:
+        """The scaled problem of the contact."""
+        return self.solution.fields.problem
+
+    @property
+    def zones(self) -> Array:
+        """The scaled zones of the contact (n, 2)."""
+        return self.problem.units.scaled(self.solution.zones + self.solution.zone_remainders)
+
+    @property
+    def _creepage_unit(self) -> float:
+        """Creepage for a scaled theta of 1, under a positive shear."""
+        return self.friction * self.problem.units.slope * (-1.0 if self.to_right else 1.0)
+
+    def under_load(self, shear: float) -> Slip:
+        """The slip under a tangential load [N/m]."""
+        load = self.solution.load
+        rest = load - abs(shear) / self.friction
+        if shear == 0.0:
+            return self._whole(0.0, self.solution.zones, 0.0)
+        if rest <= 8 * np.finfo(float).eps * load:
+            return self._whole(shear, np.zeros((0, 2)), None)
+        found = self._stick(sie.Total(rest / self.problem.units.load))
+        assert found is not None
+        sign = float(np.sign(shear))
+        return self._slip(found, sign, shear)
+
+    def under_creepage(self, creepage: float) -> Slip:
+        """The slip under a given creepage."""
+        if creepage == 0.0:
+            return self._whole(0.0, self.solution.zones, 0.0)
+        sign = float(np.sign(creepage))
+        theta = abs(creepage) / self._creepage_unit
+        found = self._stick(sie.Amplitude(0, theta))
+        if found is None:
+            return self._whole(
+                sign * self.friction * self.solution.load, np.zeros((0, 2)), creepage
+            )
+        rest = found.density.total * self.problem.units.load
+        return self._slip(found, sign, sign * self.friction * (self.solution.load - rest))
+
+    def _stick(self, condition: sie.Condition) -> sie.Solution | None:
+        """The part q' of the shear on zones that stick; None if nothing sticks.
+
+        Zones in which nothing sticks vanish in the search, and those in which the slip would have
+        the wrong sign are added again.
+        """
+        contact, width = self.zones, np.diff(self.zones)[:, 0]
+        equation = sie.Equation(
+            self.problem.kernel,
+            self.problem.forcing,
+            (condition,),
+            (sie.Forcing(np.ones_like, _place, resolution=sie.Resolution(modes=1)),),
+        )
+        widths = OPTIONS.first_width * width
+        for _ in range(2 * len(contact) + 2):
+            active = widths > 0.0
+            if not active.any():
+                return None
+            found = self._solved(equation, self._stuck(widths))
+            if found is None:
+                return None
+            widths = np.zeros(len(contact))
+            table = found.zones.table
+            leading = table[:, 1] if self.to_right else table[:, 0]
+            own = contact[:, 1] if self.to_right else contact[:, 0]
+            widths[np.argmin(np.abs(leading[:, None] - own), axis=1)] = np.diff(table)[:, 0]
+            wrong = self._wrong_zones(found, widths)
+            if not wrong.any():
+                return found
+            widths[wrong] = OPTIONS.new_width * width[wrong]
+        raise NotConverged("not converged: the zones that stick were not found", (), self.solution)
+
+    def _stuck(self, widths: Array) -> sie.Zones:
+        """Scaled zones of these widths at the leading ends of the zones of contact."""
+        active = widths > 0.0
+        contact, widths = self.zones[active], widths[active]
+        if self.to_right:
+            table = np.column_stack((contact[:, 1] - widths, contact[:, 1]))
+            return sie.Zones.of(table, sie.FREE, sie.BOUNDED)
+        table = np.column_stack((contact[:, 0], contact[:, 0] + widths))
+        return sie.Zones.of(table, sie.BOUNDED, sie.FREE)
+
+    def _solved(self, equation: sie.Equation, zones: sie.Zones) -> sie.Solution | None:
+        """The solution near some zones, without those that vanish; None if all of them do."""
+        options = sie.NewtonOptions(allow_loss=True, max_steps=200)
+        with np.errstate(all="ignore"):
+            free = sie.find_ends(equation, zones, self.tol, options)
+        if not free.converged:
+            if len(free.lost) >= len(free.density.zones):
+                return None
+            raise NotConverged(
+                f"not converged: the zones that stick: {free.reason}", free.trace, self.solution
+            )
+        try:
+            return sie.solve(equation, free.density.zones, self.tol)
+        except sie.NotConverged as error:
+            # A small part of the shear needs fewer digits of its own: `_slip` decides.
+            if error.best is None:
+                raise NotConverged(
+                    f"not converged: the zones that stick: {error.reason}", (), self.solution
+                ) from error
+            return error.best
+
+    def _wrong_zones(self, found: sie.Solution, widths: Array) -> Array:
+        """Mask of zones without stick whose slip has the wrong sign; SceneError if others have it.
+
+        found: the part q' on the zones that stick, which have the widths `widths`.
+        """
+        contact = self.zones
+        nodes = chebyshev_nodes(OPTIONS.samples)
+        density, theta = found.density, found.amplitudes[0]
+        slip = contact.copy()
+        if self.to_right:
+            slip[:, 1] -= widths
+        else:
+            slip[:, 0] += widths
+        middle, half = slip.mean(axis=1, keepdims=True), 0.5 * np.diff(slip)
+        x = middle + half * nodes
+        slope = self.problem.slope(x)
+        rate = density.transform(x.ravel()).reshape(x.shape) - slope - theta
+        rate = rate if self.to_right else -rate
+        size = max(float(np.abs(slope).max()), abs(theta))
+        is_wrong = (rate < -OPTIONS.sign_tolerance * size).any(axis=1)
+        free = is_wrong & (widths == 0.0)
+        sticks = found.zones.table
+        at = sticks.mean(axis=1, keepdims=True) + 0.5 * np.diff(sticks) * nodes
+        part = density(at.ravel())
+        pressure = self.solution.fields.pressure(self.problem.units.x(at.ravel()))
+        pressure = pressure / self.problem.units.pressure
+        margin = OPTIONS.sign_tolerance * float(pressure.max())
+        bad = (part < -margin).any() or (part > 2 * pressure + margin).any()
+        if bad or (is_wrong & ~free).any():
+            raise SceneError(
+                "profile: a zone of contact would stick in several places, or not at its leading "
+                "edge alone, which is not solved: take a smoother profile, or another load",
+                "profile",
+            )
+        return np.asarray(free)
+
+    def _slip(self, found: sie.Solution, sign: float, shear: float) -> Slip:
+        """The slip with zones that stick; NotConverged if its error is above the tolerance."""
+        fields, solution = StickFields(self.problem, found.state), self.solution
+        size = found.state.size * self.problem.units.pressure
+        peak = unit_pressure(solution.fields)
+        width = float(np.diff(found.zones.table).max() / np.diff(self.zones).min())
+        own = found.error * max(size / peak, min(width, 1.0))
+        if own > self.tol:
+            raise NotConverged(
+                f"the stated error {own:.2g} of the zones that stick is above the tolerance "
+                f"{self.tol:.2g}",
+                (),
+                solution,
+            )
+        of_contact = OPTIONS.of_contact * solution.error
+        error = found.error * max(1.0, size / unit_pressure(fields)) + of_contact
+        terms = (
+            Term(sign * self.friction, solution.fields, solution.error),
+            Term(-sign * self.friction, fields, error),
+        )
+        stated = own + stated_error(solution, terms[:1], self.friction) + of_contact
+        parts = parted(solution, fields.zone_table, stated)
+        return replace(
+            self._whole(shear, parts.stick, sign * self._creepage_unit * found.amplitudes[0]),
+            slip_zones=parts.slip,
+            error=stated,
+            terms=terms,
+        )
+
+    def _whole(self, shear: float, stick: Array, creepage: float | None) -> Slip:
+        """The slip if everything sticks or slides, or a first form of another one."""
+        solution = self.solution
+        weight = shear / solution.load
+        terms = (Term(weight, solution.fields, solution.error),) if weight else ()
+        return Slip(
+            solution=solution,
+            friction=self.friction,
+            tangential_load=shear,
+            stick_zones=stick,
+            slip_zones=np.zeros((0, 2)) if len(stick) else solution.zones,
+            shift=None,
+            error=stated_error(solution, terms, self.friction),
+            terms=terms,
+            model="rolling",
+            creepage=None if creepage is None else float(creepage),
+        )
+
+
+def _place(x: Array) -> Array:
+    """The primitive of 1."""
+    return np.asarray(x)

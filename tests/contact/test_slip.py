@@ -1,0 +1,355 @@
+"""Shear, stick and slip: closed forms, laws on every route, and steps of friction on a grid."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import contact
+from contact.slip.memory import Memory
+from tests.contact.friction_grid import FrictionGrid
+
+pytestmark = pytest.mark.filterwarnings("ignore::contact.ModelWarning")
+MU, E = 0.4, 2.0
+ISOLATED, PERIODIC = contact.Isolated(), contact.Periodic()
+CYLINDER = contact.Parabola(1.0)
+WAVE = contact.Sinusoid(0.01, 1.0)
+TWO = contact.Fourier(1.0, [0.3e-2, -1e-2], [0.2e-2, 0.0])
+ROUGH = contact.Fourier(1.0, [4e-3, -1e-3, 7e-4, 3e-4], [0.0, 2e-4, -3e-4, 1e-4])
+HALF = 0.2
+
+
+def solved(profile=CYLINDER, interaction=ISOLATED, **control):
+    return contact.solve(contact.Scene(profile, E, interaction, **control), tol=1e-11)
+
+
+@pytest.fixture(scope="module")
+def cylinder():
+    return solved(half_width=HALF)
+
+
+def hertz(x, half):
+    return np.sqrt(np.maximum(half**2 - x**2, 0.0))
+
+
+X = np.linspace(-1.1, 1.1, 41) * HALF
+
+
+@pytest.mark.parametrize("part", [-0.9, -1e-3, 0.3, 0.75])
+def test_a_cylinder_sticks_in_its_middle(cylinder, part):
+    slip = contact.partial_slip(cylinder, MU, part * MU * cylinder.load)
+    inner = HALF * np.sqrt(1 - abs(part))
+    wanted = np.sign(part) * MU * (hertz(X, HALF) - hertz(X, inner))
+    assert np.abs(slip.shear(X) - wanted).max() < 1e-10 * MU * HALF
+    assert np.allclose(slip.stick_zones, [[-inner, inner]], rtol=0, atol=1e-10 * HALF)
+    assert np.allclose(slip.slip_zones, [[-HALF, -inner], [inner, HALF]], rtol=0, atol=1e-11)
+
+
+def test_the_shift_is_friction_times_the_difference_of_two_approaches():
+    one = solved(interaction=contact.Isolated(datum=3.0), half_width=HALF)
+    other = solved(interaction=contact.Isolated(datum=3.0), half_width=0.6 * HALF)
+    slip = contact.partial_slip(one, MU, MU * (other.load - one.load))
+    assert slip.shift == pytest.approx(MU * (other.approach - one.approach), rel=1e-10)
+
+
+def test_a_cycle_on_a_cylinder_has_the_closed_form(cylinder):
+    most, P = 0.7, cylinder.load
+    parts = [most, 0.2, -most, 0.3, most]
+    history = [(P, 0.0), *((P, part * MU * P) for part in parts)]
+    slips = contact.load_history(cylinder.scene, MU, history, tol=1e-11)[1:]
+
+    def shear(steps):
+        """The sum of friction at the whole load and of jumps of it at inner widths."""
+        return sum(weight * hertz(X, HALF * np.sqrt(1 - part)) for weight, part in steps)
+
+    wanted = [
+        [(1, 0), (-1, most)],
+        [(-1, 0), (2, 0.5 * (most - 0.2)), (-1, most)],
+        [(-1, 0), (1, most)],
+        [(1, 0), (-2, 0.5 * (most + 0.3)), (1, most)],
+        [(1, 0), (-1, most)],
+    ]
+    for slip, steps in zip(slips, wanted, strict=True):
+        assert np.abs(slip.shear(X) - MU * shear(steps)).max() < 1e-10 * MU * HALF
+    inner = HALF * np.sqrt(1 - 0.5 * (most + 0.3))
+    assert np.allclose(slips[3].stick_zones, [[-inner, inner]], rtol=0, atol=1e-10 * HALF)
+
+
+@pytest.mark.parametrize(
+    ("scene", "factor"),
+    [
+        (contact.Scene(CYLINDER, E, ISOLATED, half_width=HALF), 1.0),
+        (contact.Scene(CYLINDER, E, contact.Isolated(datum=5.0), half_width=HALF), 1.0),
+        (contact.Scene(WAVE, E, PERIODIC, contact_fraction=0.6), 1.0),
+        (contact.Scene(contact.Wedge(0.1), E, ISOLATED, load=0.01), 2.0),
+    ],
+    ids=["cylinder", "datum", "wave", "wedge"],
+)
+@pytest.mark.parametrize("part", [0.4, 0.95])
+def test_a_cycle_loses_the_energy_of_the_closed_form(scene, factor, part):
+    P = contact.solve(scene, tol=1e-11).load
+    Q = part * MU * P
+    history = [(P, 0.0), (P, Q), (P, -Q), (P, Q)]
+    there, back = contact.load_history(scene, MU, history, tol=1e-11)[2:]
+    wanted = part - part**2 / 2 + (1 - part) * np.log1p(-part)
+    wanted *= factor * 4 * MU**2 * P**2 / (np.pi * E)
+    assert there.dissipated + back.dissipated == pytest.approx(wanted, rel=1e-10)
+    assert there.dissipated == pytest.approx(back.dissipated, rel=1e-10)
+
+
+@pytest.mark.parametrize("part", [-0.4, 1e-3, 0.7, 0.99])
+@pytest.mark.parametrize("leading", ["right", "left"])
+def test_a_wheel_has_the_creepage_of_carter(cylinder, part, leading):
+    slip = contact.rolling(cylinder, MU, part * MU * cylinder.load, leading=leading)
+    inner = HALF * np.sqrt(1 - abs(part))
+    at = (HALF - inner) * (1 if leading == "right" else -1)
+    wanted = np.sign(part) * MU * (hertz(X, HALF) - hertz(X - at, inner))
+    assert np.abs(slip.shear(X) - wanted).max() < 1e-10 * MU * HALF
+    assert slip.creepage == pytest.approx(np.sign(part) * MU * (HALF - inner), abs=1e-12)
+    given = contact.rolling(cylinder, MU, creepage=slip.creepage, leading=leading)
+    assert given.tangential_load == pytest.approx(slip.tangential_load, rel=1e-9)
+
+
+def test_a_wheel_slides_from_some_creepage_on(cylinder):
+    slip = contact.rolling(cylinder, MU, creepage=-1.01 * MU * HALF)
+    assert slip.slides and slip.tangential_load == -MU * cylinder.load
+    assert contact.rolling(cylinder, MU, MU * cylinder.load).creepage is None
+
+
+ROUTES = {
+    "closed": lambda: solved(half_width=HALF),
+    "wave": lambda: solved(WAVE, PERIODIC, contact_fraction=0.5),
+    "two zones": lambda: solved(TWO, PERIODIC, load=0.012),
+    "gaps": lambda: solved(ROUGH, PERIODIC, contact_fraction=0.97),
+    "full contact": lambda: solved(ROUGH, PERIODIC, mean_pressure=0.1),
+    "punch": lambda: solved(contact.Flat(1.0), load=0.1),
+    "tilted": lambda: solved(tilt=0.05, load=0.02),
+    "kinks": lambda: solved(contact.Wedge(0.01, 1.0), PERIODIC, load=3e-3),
+}
+
+
+@pytest.mark.parametrize("route", ROUTES)
+@pytest.mark.parametrize("part", [-0.5, 0.999])
+def test_where_a_contact_sticks_the_shear_causes_no_strain(route, part):
+    solution = ROUTES[route]()
+    slip = contact.partial_slip(solution, MU, part * MU * solution.load)
+    size = MU * solution.load / max(np.sum(slip.slip_zones[:, 1] - slip.slip_zones[:, 0]), 0.3)
+    nodes = 0.5 - 0.5 * np.cos(np.linspace(0.05, np.pi - 0.05, 8))
+    for (lo, hi), sticks in [(one, True) for one in slip.stick_zones] + [
+        (one, False) for one in slip.slip_zones
+    ]:
+        x = lo + (hi - lo) * nodes
+        stress = slip.stress(x, 0.0 * x)
+        limit = MU * solution.pressure(x)
+        assert np.all(np.abs(slip.shear(x)) <= limit + 1e-8 * size)
+        assert np.abs(stress.xy + slip.shear(x)).max() < 1e-8 * size
+        if sticks:  # s_xx = -p - 2 T q, and T q is the strain
+            assert np.abs(stress.xx + solution.pressure(x)).max() < 1e-7 * size
+        else:
+            assert np.abs(np.abs(slip.shear(x)) - limit).max() < 1e-8 * size
+
+
+@pytest.mark.parametrize("leading", ["right", "left"])
+@pytest.mark.parametrize("part", [-0.3, 0.9, 0.999])
+def test_all_zones_that_roll_have_one_strain_where_they_stick(leading, part):
+    solution = solved(contact.Polynomial([0, 0.01, -1.0, 0, 1.0]), load=0.05)
+    assert len(solution.zones) == 2
+    slip = contact.rolling(solution, MU, part * MU * solution.load, leading=leading)
+    own = solution.zones[:, 1] if leading == "right" else solution.zones[:, 0]
+    at = slip.stick_zones[:, 1] if leading == "right" else slip.stick_zones[:, 0]
+    assert np.all(np.abs(own[:, None] - at).min(axis=0) < 1e-12)
+    x = np.concatenate([np.linspace(lo, hi, 9)[1:-1] for lo, hi in slip.stick_zones])
+    strain = slip.stress(x, 0.0 * x).xx + solution.pressure(x)
+    sign = -1.0 if leading == "right" else 1.0
+    assert np.abs(strain - sign * E * slip.creepage).max() < 1e-9 * MU * solution.max_pressure
+    x = np.concatenate([np.linspace(lo, hi, 9)[1:-1] for lo, hi in slip.slip_zones])
+    strain = slip.stress(x, 0.0 * x).xx + solution.pressure(x)
+    assert np.all(np.sign(part) * (sign * strain - E * slip.creepage) < 0)
+
+
+def test_a_bulk_stress_moves_the_zone_that_sticks():
+    # D. Nowell and D. A. Hills, Int. J. Mech. Sci. 29, 1987, 355-365.
+    solution = solved(half_width=HALF)
+    peak, part = 0.5 * E * HALF, 0.6
+    inner = HALF * np.sqrt(1 - part)
+    most = 4 * MU * peak * (1 - inner / HALF)
+    for sign in (1, -1):
+        slip = contact.partial_slip(solution, MU, sign * part * MU * solution.load, 0.5 * most)
+        middle = sign * 0.5 * (HALF - inner)
+        assert np.allclose(slip.stick_zones, [[middle - inner, middle + inner]], rtol=0, atol=1e-12)
+        wanted = sign * MU * (hertz(X, HALF) - hertz(X - middle, inner))
+        assert np.abs(slip.shear(X) - wanted).max() < 1e-10 * MU * HALF
+        x = np.linspace(*slip.stick_zones[0], 7)[1:-1]
+        assert np.allclose(slip.stress(x, 0 * x).xx + solution.pressure(x), 0.25 * most)
+    contact.partial_slip(solution, MU, part * MU * solution.load, 0.999 * most)
+    with pytest.raises(contact.SceneError, match="opposite directions"):
+        contact.partial_slip(solution, MU, part * MU * solution.load, 1.001 * most)
+
+
+@pytest.mark.parametrize("load", [2e-3, 6e-3])
+def test_a_rough_period_slips_as_steps_on_a_grid_say(load):
+    solution = contact.solve(contact.Scene(TWO, 1.0, PERIODIC, load=load), tol=1e-10)
+    slip = contact.partial_slip(solution, MU, 0.6 * MU * load)
+    far = []
+    for n in (128, 512):
+        grid = FrictionGrid(n, TWO.height, MU)
+        grid.step(load, 0.0)
+        grid.step(load, 0.6 * MU * load)
+        far.append(np.abs(slip.shear(grid.x) - grid.q).mean() / MU / solution.max_pressure)
+    assert far[1] < 2e-4 + 0.5 * far[0]
+    assert abs(grid.shift / slip.shift - 1) < 3e-4
+    assert grid.lost == pytest.approx(slip.dissipated, rel=5e-3)
+
+
+def random_history(seed):
+    rng = np.random.default_rng(seed)
+    loads = rng.uniform(1e-3, 8e-3, 5)
+    points = [(P, MU * P * rng.uniform(-0.95, 0.95)) for P in loads]
+    points.insert(3, (points[2][0], -0.5 * points[2][1]))
+    return points
+
+
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 20))]
+)
+def test_random_histories_are_those_of_steps_on_a_grid(seed):
+    points = random_history(seed)
+    scene = contact.Scene(TWO, 1.0, PERIODIC, load=1.0)
+    slips = contact.load_history(scene, MU, points, tol=1e-9)
+    far, lost = [], []
+    for steps in (8, 32):
+        grid, memory, before = FrictionGrid(96, TWO.height, MU), Memory(MU), (0.0, 0.0)
+        far.append([])
+        lost.append([])
+        for point in points:
+            begun = grid.lost
+            for k in range(1, steps + 1):
+                part = k / steps
+                grid.step(*(a + (b - a) * part for a, b in zip(before, point, strict=True)))
+            before = point
+            layers = memory.go_to(*point).layers
+            h = [*(layer.h for layer in layers), 0.0]
+            wanted = sum(
+                (h[k] - h[k + 1]) * grid.pressure(layer.top) for k, layer in enumerate(layers)
+            )
+            far[-1].append(np.abs(grid.q - wanted).max() / (MU * grid.p.max()))
+            lost[-1].append(grid.lost - begun)
+    # The steps of the grid are in error in proportion to their length, which is extrapolated.
+    assert max(far[1]) < 0.5 * max(far[0]) < 0.1
+    lost = np.add(lost[1], np.subtract(lost[1], lost[0]) / 3)
+    by_memory = np.array([slip.dissipated for slip in slips])
+    assert np.abs(lost - by_memory).max() < 0.01 * by_memory.sum()
+
+
+def test_a_wrong_history_is_noticed():
+    """The steps on the grid tell friction 0.4 from 0.38."""
+    solution = contact.solve(contact.Scene(TWO, 1.0, PERIODIC, load=6e-3), tol=1e-8)
+    grid = FrictionGrid(512, TWO.height, MU)
+    grid.step(6e-3, 0.0)
+    grid.step(6e-3, 0.6 * MU * 6e-3)
+    wrong = contact.partial_slip(solution, 0.95 * MU, 0.6 * MU * 6e-3)
+    far = np.abs(wrong.shear(grid.x) - grid.q).mean() / MU / solution.max_pressure
+    assert far > 2e-3 and abs(grid.shift / wrong.shift - 1) > 3e-3
+
+
+def test_all_that_sticks_and_slips_is_the_contact():
+    for route in ("two zones", "gaps"):
+        solution = ROUTES[route]()
+        slip = contact.partial_slip(solution, MU, 0.3 * MU * solution.load)
+        both = np.concatenate((slip.stick_zones, slip.slip_zones))
+        assert np.diff(both).sum() == pytest.approx(np.diff(solution.zones).sum(), rel=1e-12)
+        assert slip.error < 1e-7
+
+
+def test_a_load_on_the_verge_of_sliding_slips_everywhere(cylinder):
+    slip = contact.partial_slip(cylinder, MU, -MU * cylinder.load)
+    assert slip.slides and np.array_equal(slip.slip_zones, cylinder.zones)
+    assert np.allclose(slip.shear(X), -MU * cylinder.pressure(X))
+    punch = ROUTES["punch"]()
+    held = contact.partial_slip(punch, MU, 0.999 * MU * punch.load)
+    assert np.array_equal(held.stick_zones, punch.zones) and len(held.slip_zones) == 0
+
+
+def test_no_tangential_load_means_no_shear(cylinder):
+    for slip in (contact.partial_slip(cylinder, MU, 0.0), contact.rolling(cylinder, MU, 0.0)):
+        assert not slip.shear(X).any() and len(slip.slip_zones) == 0
+        assert np.array_equal(slip.stick_zones, cylinder.zones)
+
+
+SCENES = {
+    "another tilt": {"load": 0.1, "moment": 1e-3},
+    "another kernel": {"load": 0.1, "substrate": contact.Layer(thickness=1.0, nu=0.3)},
+    "law": {"load": 0.1, "law": contact.JKR(1e-3)},
+    "nominal pressure": {"mean_pressure": 1.0, "interaction": contact.Localized()},
+}
+
+
+@pytest.mark.parametrize("what", SCENES)
+def test_a_scene_whose_shear_is_not_known_is_refused_by_name(what):
+    given = dict(SCENES[what])
+    model = given.pop("interaction", ISOLATED)
+    scene = contact.Scene(WAVE if model is not ISOLATED else CYLINDER, E, model, **given)
+    with pytest.raises(contact.SceneError, match=what):
+        contact.load_history(scene, MU, [(1.0, 0.1)])
+
+
+def test_values_out_of_range_are_refused_by_name(cylinder):
+    wave = ROUTES["wave"]()
+    for solution, given, what in (
+        (wave, {"bulk_stress": 1.0}, "grows from period to period"),
+        (cylinder, {"tangential_load": 0.0, "bulk_stress": 1.0}, "bulk_stress"),
+        (cylinder, {"tangential_load": 1.001 * MU * cylinder.load}, "at most friction"),
+        (cylinder, {"friction": -0.1}, "friction"),
+        (cylinder, {"friction": 0.0}, "friction"),
+        (cylinder, {"tangential_load": np.nan}, "tangential_load"),
+        (None, {}, "solution"),
+    ):
+        with pytest.raises(contact.SceneError, match=what):
+            contact.partial_slip(solution, **{"friction": MU, "tangential_load": 1e-5, **given})
+
+
+def test_what_does_not_roll_is_refused_by_name(cylinder):
+    for solution, given, what in (
+        (cylinder, {}, "one of them"),
+        (cylinder, {"creepage": 0.1, "tangential_load": 0.0}, "one of them"),
+        (cylinder, {"creepage": 0.1, "leading": "up"}, "leading"),
+        (ROUTES["wave"](), {"creepage": 0.1}, "periodic"),
+        (ROUTES["punch"](), {"creepage": 0.1}, "sharp corner"),
+    ):
+        with pytest.raises(contact.SceneError, match=what):
+            contact.rolling(solution, MU, **given)
+
+
+@pytest.mark.parametrize(
+    ("history", "what"),
+    [([], "at least one"), ([(1.0,)], "list"), ([(1.0, 0.1), (1.0, 0.5)], r"history\[1\]")],
+)
+def test_a_bad_history_is_refused_by_name(cylinder, history, what):
+    with pytest.raises(contact.SceneError, match=what):
+        contact.load_history(cylinder.scene, MU, history)
+
+
+def test_a_slip_is_kept_in_files_tables_and_pickles(tmp_path):
+    solution = ROUTES["two zones"]()
+    slip = contact.partial_slip(solution, MU, 0.5 * MU * solution.load)
+    x = np.linspace(-0.5, 0.5, 33)
+    again = pickle.loads(pickle.dumps(slip))
+    assert np.array_equal(again.shear(x), slip.shear(x))
+    assert again.dissipated == slip.dissipated
+    rolled = contact.rolling(solved(half_width=HALF), MU, creepage=0.01)
+    assert np.array_equal(pickle.loads(pickle.dumps(rolled)).shear(X), rolled.shear(X))
+    plain = slip.to_dict()
+    assert plain["stick_zones"] == slip.stick_zones.tolist() and plain["creepage"] is None
+    assert plain["solution"]["zones"] == solution.zones.tolist()
+    slip.save(tmp_path / "slip.json")
+    slip.save(tmp_path / "slip.nc")
+    slip.save_fields(tmp_path / "fields.csv")
+    slip.save_zones(tmp_path / "zones.csv")
+    with pytest.raises(contact.SceneError):
+        slip.save(tmp_path / "slip.json")
+    rows = (tmp_path / "zones.csv").read_text().splitlines()
+    assert rows[0] == "left,right,width,state" and len(rows) == 1 + 1 + 3
+    assert {"shear", "stick_zones", "pressure"} <= set(slip.to_dataset().data_vars)
+    assert "stick" in slip.summary and "<img" in slip._repr_html_()
