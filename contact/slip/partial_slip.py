@@ -74,7 +74,7 @@ def partial_slip(
     >>> scene = contact.Scene(wave, 1e9, contact.Periodic(), contact_fraction=0.5)
     >>> slip = contact.partial_slip(contact.solve(scene), friction=0.3, tangential_load=100.0)
     >>> (slip.stick_zones / 1e-4).round(6).tolist()
-    [[-0.165178, 0.165178]]
+    [[-0.215968, 0.215968]]
     """
     if not isinstance(solution, Solution):
         raise SceneError.of("solution", solution, "a contact.Solution")
