@@ -179,8 +179,8 @@ class Problem(sie.Kept):
     def algebraic(self) -> sie.AlgebraicPoints | None:
         """Points near which the scaled slope is a power of the distance; None if there are none."""
         points, units = np.asarray(self.profile.algebraic_points), self.units
-        if not len(points):
-            return None
+        if not len(points) or self.kappa:
+            return None  # with kappa the law admits even powers only, which are smooth
         at, exponents, left, right = points.T
         at = nearest_image(
             np.asarray(units.scaled(at)), self.centre, self.cell if self.reference else self.period

@@ -16,7 +16,7 @@ from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.weighted import Split, Weighted
 from sie.basis.zones import Zones
 from sie.density.base import DensityBase
-from sie.density.series import OPTIONS, by_quadrature, even_angles
+from sie.density.series import OPTIONS, angles_at_kinks, by_quadrature, even_angles
 from sie.jumps.logarithms import Logarithms
 from sie.jumps.right_side import ForcingJumps
 from sie.second_kind.jumps import Known
@@ -88,8 +88,10 @@ class SecondKindDensity(DensityBase):
     @property
     def sampling(self) -> Index:
         """Number of equidistant angles that resolve the density on each zone (Z,)."""
-        modes = np.count_nonzero(self.coefficients, axis=1)
-        return np.maximum(2 * modes, OPTIONS.samples)
+        counts = 2 * np.count_nonzero(self.coefficients, axis=1)
+        for one in self.known:
+            counts[one.zone] += 4 * len(one.factors)
+        return np.maximum(counts, OPTIONS.samples)
 
     @cached_property
     def bases(self) -> list[Weighted]:
@@ -245,20 +247,39 @@ class SecondKindDensity(DensityBase):
         eps ((1 + t) phi'(t) + 2 alpha A (1 - t)^(alpha - 1)) at equal t. Values closer to an end
         than `DensityOptions.end_distance` do not count.
         """
-        angle = np.clip(even_angles(OPTIONS.samples), np.sqrt(2 * OPTIONS.end_distance), None)
-        angle = np.minimum(angle, np.pi - np.sqrt(2 * OPTIONS.end_distance))
-        left, right = interval.sides(angle)
-        out = np.zeros((3, len(self.zones)))
-        slopes = np.array(self.edge_slopes) / self.zones.half ** (self.zones.weight.exponent - 1)
-        for number, basis in enumerate(self._families):
-            group = np.flatnonzero(self._family == number)
-            value, by_theta = interval.by_angle(partial(self._values, basis, group), angle)
-            slope, (at_left, at_right) = -by_theta / np.sin(angle), slopes[:, group, None]
-            moved_right = left * slope + 2 * basis.alpha * at_right * right**-basis.rest
-            moved_left = right * slope - 2 * basis.rest * at_left * left**-basis.alpha
-            changes = (value, moved_left, moved_right)
-            out[:, group] = [np.abs(one).max(axis=1) for one in changes]
+        out, counts = np.zeros((3, len(self.zones))), np.minimum(self.sampling, OPTIONS.max_angles)
+        kinds = np.column_stack((self._family, counts))
+        for number, count in np.unique(kinds, axis=0).tolist():
+            group = np.flatnonzero((self._family == number) & (counts == count))
+            out[:, group] = self._changes(group, even_angles(count))
+        for zone in sorted({one.zone for one in self.known if one.order == 0}):
+            at, heights = self._kinks_of(zone)
+            angle = angles_at_kinks(at, heights, even_angles(int(counts[zone])))
+            out[1:, zone] = self._changes(np.array([zone]), angle)[1:, 0]
         return out[0], out[1], out[2]
+
+    def _kinks_of(self, zone: int) -> tuple[Array, Array]:
+        """(distances of a zone's kinks from its left end in half widths, their heights)."""
+        parts = [one for one in self.known if one.zone == zone and one.order == 0]
+        at = np.concatenate([np.ravel(one.closed.left) for one in parts])
+        return at, np.concatenate([one.factors for one in parts])
+
+    def _changes(self, group: Index, angle: Array) -> Array:
+        """Largest values (3, zones) of the three quantities of `sensitivity` on zones of one kappa.
+
+        Angles closer to an end than `DensityOptions.end_distance` are moved to that distance.
+        """
+        least = np.sqrt(2 * OPTIONS.end_distance)
+        angle = np.clip(angle, least, np.pi - least)
+        left, right = interval.sides(angle)
+        basis = self._families[self._family[group[0]]]
+        scale = self.zones.half ** (self.zones.weight.exponent - 1)
+        at_left, at_right = (np.array(self.edge_slopes) / scale)[:, group, None]
+        value, by_theta = interval.by_angle(partial(self._values, basis, group), angle)
+        slope = -by_theta / np.sin(angle)
+        moved_right = left * slope + 2 * basis.alpha * at_right * right**-basis.rest
+        moved_left = right * slope - 2 * basis.rest * at_left * left**-basis.alpha
+        return np.array([np.abs(one).max(axis=1) for one in (value, moved_left, moved_right)])
 
     def _values(self, basis: Weighted, group: Index, left: Array, right: Array) -> Array:
         """Density at the same points 1 + t, 1 - t of several zones of one kappa (zones, points)."""

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from contact.errors import SceneError
 from contact.model.checks import finite, keep, non_negative, poisson_ratio, positive, such
 from contact.model.controls.base import Quantity
@@ -169,7 +171,8 @@ class Sliding(Law):
                 "with elastic mismatch goes with isolated and periodic bodies, not with "
                 f"{scene.interaction.name}"
             )
-        if len(scene.profile.algebraic_points):
+        _, exponents, left, right = np.reshape(scene.profile.algebraic_points, (-1, 4)).T
+        if np.any((exponents % 2 != 0) | (left != right)):
             return (
                 "with elastic mismatch goes with profiles whose slope has jumps at most, and that "
                 f"of {scene.profile.name} is a power of the distance from a point"
