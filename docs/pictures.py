@@ -21,6 +21,7 @@ import numpy as np
 import contact
 import sie
 from contact.extras import require
+from contact.model.registry import parameters
 from contact.model.units import prefix, quantity
 from contact.solution.sampling import positions, surfaces, window
 
@@ -139,6 +140,10 @@ def _label(one: contact.Solution, shown: list[contact.Solution]) -> str:
     """Return a label that distinguishes a scene from the others."""
     if len({repr(other.scene.interaction) for other in shown}) > 1:
         return f"{one.scene.interaction}".replace("closure=", "").replace("neighbours=", "")
+    laws = [parameters(other.scene.law) for other in shown]
+    for name, value in parameters(one.scene.law).items():
+        if len({other.get(name) for other in laws}) > 1:
+            return f"{name} {value:g}"
     if len({other.moment for other in shown}) > 1 and one.scene.moment is not None:
         return f"moment {quantity(one.scene.moment, 'N')}"
     if len({other.scene.profile.name for other in shown}) > 2:

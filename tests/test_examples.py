@@ -90,6 +90,7 @@ COUNTS = {
     "registration": (900, 150, 1e5, 1e5),
     "rounded_punch": (24, 48, 1e2, 2.5e5),
     "textures": (900, 400, 1e5, 1e6),
+    "sliding_roller": (60, 48, 3e3, 6e5),
     "tilted_punch": (120, 48, 1e3, 1e5),
     "two_zones": (50, 120, 3e4, 1e4),
     "adhesive": (300, 300, 1e6, 1e6),
@@ -269,6 +270,12 @@ def test_a_punch_lifts_off_one_corner_when_the_load_is_far_off_its_middle() -> N
     for solution, closed in found:
         assert solution.tilt == pytest.approx(closed.tilt, rel=1e-8, abs=1e-15)
         assert solution.zones == pytest.approx(closed.zones, abs=1e-12)
+
+
+def test_a_sliding_roller_has_the_closed_form() -> None:
+    for solution, half, middle in module("sliding_roller").main():
+        assert 0.5 * solution.zone_widths[0] == pytest.approx(half, rel=1e-9)
+        assert solution.zones.mean() == pytest.approx(middle, rel=1e-9, abs=1e-12)
 
 
 def rms_slope(profile: contact.Sampled) -> float:

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.problem import Problem
+from contact.model.controls import Quantity
 from contact.model.laws import Frictionless
 from contact.search.context import SolveContext
 from contact.search.grid.proposals import placed
@@ -23,6 +24,7 @@ from contact.search.strategies.gaps import (
     why_not_gaps,
 )
 from contact.search.strategies.guesses import Outcome
+from contact.search.strategies.load_search import approach, contact_fraction, nearer
 from contact.search.topology.failure import Failure
 from contact.solution.solution import Solution
 
@@ -48,9 +50,33 @@ def _found(context: SolveContext) -> Outcome:
     with context.plan.timed("coarse search"):
         smooth = context.solve_scene(bare, max(context.tol, SEARCH.intermediate))
     outcome = _from(context, smooth)
+    if isinstance(outcome, Failure) and context.scene.given_load is None:
+        context.record_failure("the control itself", outcome)
+        near_by = _under_loads(context, smooth.load)
+        outcome = outcome if near_by is None else _from(context, near_by)
     if not isinstance(outcome, Failure):
         return outcome
     raise outcome.refusal or NotConverged(f"not converged: {outcome.reason}")
+
+
+def _under_loads(context: SolveContext, first: float) -> Solution | None:
+    """The contact under a load with nearly the given approach or contact fraction.
+
+    first: the load to begin with. A small contact may be merging with its neighbour, so that
+    Newton's method does not get there from the contact without friction.
+    """
+    scene, fraction = context.scene, context.scene.given_fraction
+    goal = scene.held(Quantity.APPROACH) if fraction is None else fraction
+    assert goal is not None
+
+    def under(load: float, start: Solution | None) -> Solution:
+        return context.solve_scene(scene.under("load", load), SEARCH.intermediate, start)
+
+    quantity, best = approach if fraction is None else contact_fraction, None
+    for best, error in nearer(under, quantity, goal, first):
+        if error <= SEARCH.tight_factor * SEARCH.rough:
+            break
+    return best
 
 
 def _from(context: SolveContext, similar: Solution) -> Outcome | Failure:
