@@ -72,11 +72,13 @@ def _under_loads(context: SolveContext, first: float) -> Solution | None:
     def under(load: float, start: Solution | None) -> Solution:
         return context.solve_scene(scene.under("load", load), SEARCH.intermediate, start)
 
-    quantity, best = approach if fraction is None else contact_fraction, None
-    for best, error in nearer(under, quantity, goal, first):
+    quantity = approach if fraction is None else contact_fraction
+    found: Solution | None = None
+    for here, error in nearer(under, quantity, goal, first):
+        found = here
         if error <= SEARCH.tight_factor * SEARCH.rough:
             break
-    return best
+    return found
 
 
 def _from(context: SolveContext, similar: Solution) -> Outcome | Failure:

@@ -19,7 +19,7 @@ from sie.density.base import DensityBase
 from sie.density.series import OPTIONS, angles_at_kinks, by_quadrature, even_angles
 from sie.jumps.logarithms import Logarithms
 from sie.jumps.right_side import ForcingJumps
-from sie.second_kind.jumps import Known
+from sie.second_kind.jumps import Known, KnownJumps
 from sie.second_kind.system import bases_of
 
 
@@ -89,7 +89,7 @@ class SecondKindDensity(DensityBase):
     def sampling(self) -> Index:
         """Number of equidistant angles that resolve the density on each zone (Z,)."""
         counts = 2 * np.count_nonzero(self.coefficients, axis=1)
-        for one in self.known:
+        for one in self._known_jumps:
             counts[one.zone] += 4 * len(one.factors)
         return np.maximum(counts, OPTIONS.samples)
 
@@ -252,15 +252,20 @@ class SecondKindDensity(DensityBase):
         for number, count in np.unique(kinds, axis=0).tolist():
             group = np.flatnonzero((self._family == number) & (counts == count))
             out[:, group] = self._changes(group, even_angles(count))
-        for zone in sorted({one.zone for one in self.known if one.order == 0}):
+        for zone in sorted({one.zone for one in self._known_jumps if one.order == 0}):
             at, heights = self._kinks_of(zone)
             angle = angles_at_kinks(at, heights, even_angles(int(counts[zone])))
             out[1:, zone] = self._changes(np.array([zone]), angle)[1:, 0]
         return out[0], out[1], out[2]
 
+    @property
+    def _known_jumps(self) -> list[KnownJumps]:
+        """Closed forms of the densities of jumps, without those of values at ends."""
+        return [one for one in self.known if isinstance(one, KnownJumps)]
+
     def _kinks_of(self, zone: int) -> tuple[Array, Array]:
         """(distances of a zone's kinks from its left end in half widths, their heights)."""
-        parts = [one for one in self.known if one.zone == zone and one.order == 0]
+        parts = [one for one in self._known_jumps if one.zone == zone and one.order == 0]
         at = np.concatenate([np.ravel(one.closed.left) for one in parts])
         return at, np.concatenate([one.factors for one in parts])
 
