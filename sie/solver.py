@@ -126,7 +126,7 @@ class Solution:
         return out
 
     def report(self) -> Report:
-        """How well each zone is resolved, and the condition of the system.
+        """A report on the resolution of each zone and on the condition number of the system.
 
         Returns
         -------

@@ -281,7 +281,10 @@ class CohesiveCurve(Curve):
         return np.asarray(new)
 
     def nearest(self, table: Array, value: float) -> PastState:
-        """The known state with as many intervals as `table` and the nearest ends; else the last."""
+        """The known state with as many intervals as `table` and with the nearest ends.
+
+        If no known state has this number of intervals, it is the last known state.
+        """
 
         def away(one: PastState) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)

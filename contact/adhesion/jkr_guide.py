@@ -45,7 +45,7 @@ def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> Cohesiv
 def _curve_without_range(curve: CohesiveCurve, zones: Array, share: float) -> Curve | None:
     """The curve of equilibria of a law without range (JKR), with `share` of the adhesion work.
 
-    None where strips are wider than zones, or there is no such law.
+    None if the strip of tension is wider than a typical zone, or if there is no such law.
     """
     if curve.problem.profile.support is not None or curve.strip > float(
         np.median(np.diff(zones, axis=1))

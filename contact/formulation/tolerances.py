@@ -31,8 +31,8 @@ class Tolerances:
     # Allowed overlap of surfaces that attract each other without contact, divided by the reach of
     # the tension. It is round-off times a condition number of 1e3.
     apart_rounding: float = 1e-12
-    # Bound of a gap's round-off, divided by its likely size. The stated error contains the likely
-    # size.
+    # Bound of a gap's round-off, divided by the likely size of this round-off. The stated error
+    # contains the likely size.
     rounding_margin: float = 16.0
     # In contact.closed: round-off of the gap's slope, relative to the terms of the slope. A
     # negative slope within this round-off counts as zero.

@@ -264,7 +264,7 @@ class Weighted(Kept):
         return self.split_slope(self.split(c), points)
 
     def split_transform(self, split: Split, points: Points) -> Number:
-        """Transform F of the density of a `Split`; finite beside an end where it is bounded."""
+        """Transform F of the density of a `Split`; finite at ends where the density is bounded."""
 
         def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
             at_left, at_right = split[:2] if sign > 0 else split[1::-1]
@@ -383,7 +383,7 @@ class Weighted(Kept):
         return _to_u(self.kappa, count)
 
     def moments(self, count: int, length: int) -> Array:
-        """Chebyshev coefficients (length, count) of the densities as seen from outside.
+        """Chebyshev coefficients (length, count) that give the field of each S_n off the interval.
 
         m[l, n] = (2 - delta_l0) / pi int S_n T_l dt. Off the interval sum_n c_n S_n has the field
         of sum_l (m c)_l T_l / sqrt(1 - t^2). Coefficients with l < n are zero.

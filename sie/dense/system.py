@@ -80,8 +80,7 @@ class Layout:
         return out
 
     def flat(self, table: Array) -> Array:
-        """The array of unknowns with the coefficients of a table, and with zeros for the
-        amplitudes.
+        """The array of unknowns with the coefficients of a table, and zero amplitudes.
 
         It is the inverse of `padded`.
         """
@@ -92,8 +91,10 @@ class Layout:
 
 @record
 class Targets:
-    """Points on zones, given by the zone's index, the distances from its two ends, and the
-    position.
+    """Points on zones.
+
+    zone: index of the zone of each point; left, right: distances from the ends of the zone; x:
+    positions.
     """
 
     zone: Index
@@ -291,8 +292,9 @@ class System(Rows):
         self.lowest[chosen] = np.where(inner, widened(of_g, count), self.lowest[chosen])
 
     def equation_rows(self) -> tuple[Array, Array]:
-        """(matrix, right side) of the equation on the solved zones (half of all zones if
-        symmetric).
+        """(matrix, right side) of the equation on the solved zones.
+
+        These are half of all zones if the zones are symmetric.
         """
         layout, zones = self.layout, self.zones
         if len(self.own) == 0:  # only the totals are unknown
@@ -351,9 +353,7 @@ class System(Rows):
 
     @cached_property
     def panels(self) -> Panels | Skeleton | None:
-        """Panels or a skeleton for fast sums of the kernel's regular part; None if neither
-        applies.
-        """
+        """Panels or skeleton for fast sums of the kernel's regular part; None if none applies."""
         return panels_over(self.equation.kernel, self.zones)
 
     @cached_property
@@ -374,8 +374,9 @@ class System(Rows):
         return moments_of(panels, zones, self.equation.kernel, table, ForcingJumps.none())
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
-        """(equation rows, levels) due to the kernel's regular part, from a density's panel
-        moments.
+        """(equation rows, levels) due to the kernel's regular part.
+
+        moments: moments of the density on the panels.
         """
         assert self.panels is not None
         spread = self.panels.spread(self.targets.x)
@@ -386,8 +387,9 @@ class System(Rows):
 
     @cached_property
     def diagonal(self) -> Index:
-        """Index of the unknown c_k for each row of the equation that is kept (see
-        `MirrorSymmetry`).
+        """Index of the unknown c_k of each row of the equation that is kept.
+
+        On symmetric zones, `MirrorSymmetry` chooses these rows.
         """
         return self.own[self.kept]
 
@@ -493,8 +495,7 @@ class System(Rows):
 
     @cached_property
     def beyond(self) -> Array:
-        """Known coefficients of the density on all zones, used in the intensities K: (zones, n +
-        1).
+        """Known coefficients (zones, n + 1) of the density that contribute to the intensities K.
 
         Above m they are those of the right side. Up to m they correct for jumps whose coefficients
         the unknowns include.
@@ -517,9 +518,7 @@ class System(Rows):
 
     @cached_property
     def wants_levels(self) -> bool:
-        """Whether any side condition contains levels (means of the potential minus the
-        primitive).
-        """
+        """Whether any side condition contains the levels of `Rows.levels`."""
         return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
 
     @property
@@ -527,7 +526,7 @@ class System(Rows):
         return self.levels()[1]
 
     def level_changes(self, y: Array) -> Array:
-        """The part of the levels (mean potential minus primitive) linear in the unknowns y."""
+        """The part of the `levels` that is linear in the unknowns y."""
         return np.asarray(self.levels()[0] @ y)
 
     @property
@@ -543,8 +542,9 @@ class System(Rows):
         return 2.2e-16 * root_of_squares(self.levels()[0], y)
 
     def levels(self) -> Linear:
-        """Mean of the potential minus the right side's primitive on each solved zone, as (rows,
-        constants).
+        """(rows, constants) of the level of each solved zone.
+
+        The level is the mean of the potential minus the primitive of the right side g.
 
         The mean of a zone's own potential is w c_0 log(w / 2), with the half width w. The mean of
         the primitive of g follows from its values at the ends and from the coefficients of g, since

@@ -45,9 +45,7 @@ from sie.trees.tree import TERMS, Tree
 
 
 class Plane:
-    """The transform of a density, the transform's derivative, and the potential, at complex
-    points.
-    """
+    """Transform of a density, the transform's derivative, and the potential, at complex z."""
 
     def __init__(self, density: Series) -> None:
         self.density = density
@@ -62,8 +60,9 @@ class Plane:
         self.total = float(np.pi * (c[:, 0] @ zones.half))
 
     def __call__(self, z: Complex, what: What) -> Complex:
-        """The transform, its derivative, or the potential at complex points z (n,) in any
-        period.
+        """The transform, its derivative, or the potential at complex points z (n,).
+
+        The points may lie in any period.
         """
         x, y = z.real, np.abs(z.imag)
         place = self.density.into_period(x)

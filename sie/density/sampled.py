@@ -94,8 +94,9 @@ class _Sampled:
         )
 
     def series(self, tol: float) -> Array:
-        """Coefficients of T_j in X f, to the relative tolerance; ValueError if they do not
-        decay.
+        """Coefficients of T_j in X f, to the relative tolerance `tol`.
+
+        Raises ValueError if they do not decay to it.
         """
         n = OPTIONS.first_nodes
         check = 2 * np.cos(_THETA / 2) ** 2, 2 * np.sin(_THETA / 2) ** 2

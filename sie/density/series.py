@@ -144,8 +144,9 @@ class Series(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """(largest density, its largest change if the left end moves, if the right end moves) by
-        zone.
+        """(largest density, its largest changes by a motion of the left and of the right end).
+
+        Each has one value for each zone.
 
         Changes are those at equal normalised position by a motion of an end, divided by the motion
         relative to the zone's width. Values closer to singular ends and kinks than
@@ -249,8 +250,7 @@ class Series(DensityBase):
 
     @cached_property
     def panel_moments(self) -> tuple[Panels | Skeleton, Array] | None:
-        """(panels of the kernel's regular part, moments of the density); None if there are no
-        panels.
+        """(panels or skeleton of the kernel's regular part, moments of the density).
 
         It is None if the regular part is not computed by panels.
         """

@@ -489,7 +489,7 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
 
 
 def _rates_by_differences(state: SecondKindState) -> tuple[EndRates, Array]:
-    """As `_rates_and_responses` for an equation with kappa, by solutions with displaced ends."""
+    """`_rates_and_responses` for an equation with kappa, by differences of displaced solutions."""
     free, step = FreeEnds(state), np.cbrt(EPS)
     asks_levels = any(condition.levels for condition in state.equation.conditions)
     intensities, levels, unknowns = [], [], []

@@ -173,7 +173,7 @@ class Progress:
         return stays or (stalled and move < options.rounding_step)
 
     def _stays(self) -> bool:
-        """Whether the last moves hardly decreased while no width changed by a factor of 3."""
+        """Whether moves of ends no longer decrease, and no width has changed by a factor of 3."""
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
         if len(now) != len(before):
             return False

@@ -129,7 +129,7 @@ class StepAtJumps:
         width, steps = zones.b - zones.a, plain.copy()
         rises = heights > 0
         inside, outside = _nearest(zones, at[rises], heights[rises], self.period)
-        # Where the edge slope A is not reliable, a jump of the right side outside the zone still
+        # If the edge slope A is not reliable, a jump of the right side outside the zone still
         # limits the step. The end stops soon after this jump.
         guided = (slopes > 0) | ((not of_density) & (k > 0) & (outside[0] < width))
         closest = np.minimum(inside[0], outside[0])

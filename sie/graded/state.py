@@ -93,8 +93,9 @@ class GradedState(Answered):
         return self
 
     def wide_of(self, zones: Index) -> tuple[Any, Index]:
-        """The solution on zones without slits (here itself), and the indices of the given zones in
-        it.
+        """(solution on zones without slits, indices of the given zones in it).
+
+        Here the solution has no slits: it is this object itself.
         """
         return self, zones
 
@@ -199,9 +200,9 @@ class GradedState(Answered):
     def residuals(self) -> Array:
         """Size of the residual of each row of the equation, then of each side condition.
 
-        It is that of the interpolated charges on twice as many nodes, the largest of the row's own
-        node and of the new nodes on both sides of it. Close to a gap the terms of a row may be
-        tiny, and so is its residual.
+        The charges are interpolated to twice as many nodes. The residual of a row is the largest
+        one at the row's own node and at the new nodes on both sides of it. Close to a gap the terms
+        of a row may be tiny, and so is its residual.
         """
         system, zones = self.system, self.density.zones
         finer = GradedSystem(self.equation, zones, 2 * system.sizes, self.density.jumps)
@@ -400,8 +401,8 @@ def _solve_once(equation: Equation, system: GradedSystem, sizes: Sizes) -> Grade
         raise SingularSystem(not_finite(equation, system.source_x))
     solver = regular_factors(equation, matrix)
     y = solver(right)
-    # One step of iterative refinement makes the error of each row as small as the row's own terms
-    # (R. D. Skeel, Math. Comp. 35, 1980, 817-832), also where these are tiny beside a gap.
+    # One step of iterative refinement makes the error of each row as small as the row's own terms,
+    # even next to a gap, where these terms are tiny (R. D. Skeel, Math. Comp. 35, 1980, 817-832).
     y = y + solver(right - matrix @ y)
     sizes.solves += 1
     sizes.profile_evaluations += system.nodes

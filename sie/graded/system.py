@@ -38,21 +38,20 @@ from sie.jumps.right_side import ForcingJumps
 
 @dataclass(frozen=True)
 class GradedOptions:
-    """When zones get graded coordinates, and how many unknowns they may have."""
+    """Limits for the use of graded coordinates, and numbers of modes and unknowns."""
 
-    # A gap beside a fixed end is narrow if it is below this fraction of the wider zone beside it.
-    # Plain series then need 200 modes or more, graded ones 50. Insensitive: twice or half of it
-    # changes times only.
+    # A gap next to a fixed end is narrow if its width is below this fraction of the wider adjacent
+    # zone. Plain series then need 200 modes or more, graded ones 50. Insensitive: half or twice
+    # this value changes only computing times.
     max_gap: float = 0.005
-    # With at most so many unknowns plain coordinates are as fast, and their levels have more
-    # digits.
+    # Up to this number of unknowns, plain coordinates are as fast and give levels with more digits.
     min_plain_unknowns: int = 900
     # No gap counts as wider than this multiple of its zone, so that the coordinate is defined next
     # to infinite gaps. From there on the coordinate is nearly linear.
     max_grading_gap: float = 1.0
     # Number of modes of a zone beyond those that its kernel needs, for the right side.
     extra_modes: int = 8
-    # Where the modes of a zone do not suffice, their rate of decay gives the number for the next
+    # If the modes of a zone do not suffice, their rate of decay gives the number for the next
     # solution. It is multiplied by this margin.
     growth: float = 1.1
     # Largest number of modes of a zone, and of all zones. A matrix of that size takes some seconds.

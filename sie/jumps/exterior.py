@@ -150,7 +150,7 @@ class ExteriorLogarithms(PerZone):
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
         """Integral of the density of nearby logarithms from the left end, over the half width.
 
-        It is the integral over the whole zone less the one from the point to the right end.
+        It is the integral over the whole zone minus the one from the point to the right end.
         """
         angle = theta(left, right)
 

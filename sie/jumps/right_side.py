@@ -347,10 +347,10 @@ class ForcingJumps(PlacedJumps):
         return self._coefficients(OPTIONS.far_terms[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
-        """What jumps, splines and poles contribute to the mean of the right side's primitive.
+        """Contribution of jumps, splines and poles to the mean of the right side's primitive.
 
-        One value for each zone, divided by its half width. The mean is over theta, and the
-        primitive is shifted so that its values at both ends add up to zero. `System.levels` adds
+        It has one value for each zone, divided by the half width of the zone. The mean is over
+        theta, and the primitive is shifted so that its values at both ends add up to zero. `System.levels` adds
         the contribution of the smooth remainder of the right side.
         """
         phi, s, q = self.phi, self.s, self.order

@@ -12,7 +12,7 @@ from sie.slits.system import AnyState
 
 @dataclass(frozen=True)
 class ReportOptions:
-    """How much of a report is shown."""
+    """Limit of the length of a report."""
 
     # Largest number of zones in the table, so that it fits on a screen.
     max_rows: int = 24
@@ -23,9 +23,9 @@ OPTIONS = ReportOptions()
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """How well a solution is resolved, zone by zone; `print` shows it as a table.
+    """Resolution of a solution on each zone; `print` shows it as a table.
 
-    Of many zones the table has those with the largest errors.
+    If there are many zones, the table shows those with the largest errors.
 
     Attributes
     ----------

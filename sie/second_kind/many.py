@@ -211,8 +211,9 @@ class ManyRows(Rows):
 
     @classmethod
     def of(cls, system: SecondKindRows, far: FarSum | None = None) -> Self:
-        """The rows of the equation of `system`; far: sums over far zones; None: new ones are
-        made.
+        """The rows of the equation of `system`.
+
+        far: sums over far zones; new ones are computed if it is None.
         """
         zones, layout = system.zones, system.layout
         if far is None:

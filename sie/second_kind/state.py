@@ -129,7 +129,7 @@ class SecondKindState(Answered):
         """Changes of the levels for given changes of the side conditions' values."""
         return np.asarray(self.system.levels()[0] @ self.solver(self._right_of(values)))
 
-    # What Newton's method on the ends needs.
+    # Newton's method for the ends uses the members below.
     @property
     def _table(self) -> Array:
         """Coefficients of the density on each zone (Z, n + 1)."""

@@ -62,8 +62,9 @@ class Answered(Kept):
         return np.cumsum([0, *counts], dtype=np.intp)[:-1]
 
     def values(self, condition: int = 0, change: float = 1.0) -> Array:
-        """Changes of all side conditions' values, which are `change` for the given condition, else
-        zero.
+        """Changes of the values of all side conditions, if only one condition is changed.
+
+        They are `change` for this condition, and zero for the others.
         """
         out = np.zeros(len(self.whole.condition_scale))
         out[self.condition_index[condition]] = change
@@ -114,18 +115,14 @@ class Solved(Answered):
         return self.homogeneous(self.response_unknowns(values, tolerance))
 
     def response_unknowns(self, values: Array, tolerance: float = 0.0) -> Array:
-        """The unknowns of the density `response`, in the order of the columns of the system's
-        matrix.
-        """
+        """The unknowns of the density `response`, in the order of the system's columns."""
         right, iteration = self.right_of(values), self.iteration
         return self.symmetry.unfold(
             self.solver(right) if iteration is None else iteration(right, None, tolerance)
         )
 
     def right_of(self, values: Array) -> Array:
-        """Right side of the system for given condition values, and zero as the equation's right
-        side.
-        """
+        """Right side of the system for given condition values and a zero right side g."""
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
         return right
@@ -171,16 +168,12 @@ class Solved(Answered):
 
     @property
     def field_tail(self) -> float:
-        """The largest, over all zones, of the last coefficients of the other zones' field (see
-        `tails`).
-        """
+        """The largest of `tails`, the last coefficients of the other zones' field on each zone."""
         return float(self.tails.max())
 
     @cached_property
     def level_rows(self) -> Array:
-        """Coefficients of the levels (see `levels`) in the rows of the conditions: (rows, solved
-        zones).
-        """
+        """Coefficients (rows, solved zones) of the `levels` in the rows of the side conditions."""
         zones = self.density.zones
         out = np.zeros((len(self.condition_scale), len(zones.solved)))
         for condition, first in zip(self.equation.conditions, self.condition_index, strict=True):

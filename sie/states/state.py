@@ -68,8 +68,9 @@ class State(Solved):
         return self
 
     def wide_of(self, zones: Index) -> "tuple[State, Index]":
-        """The solution on zones without slits (here itself), and the indices of the given zones in
-        it.
+        """(solution on zones without slits, indices of the given zones in it).
+
+        Here the solution has no slits: it is this object itself.
         """
         return self, zones
 
@@ -80,9 +81,7 @@ class State(Solved):
 
     @cached_property
     def size(self) -> float:
-        """The largest coefficient of the density on all zones, to which `density_error` is
-        relative.
-        """
+        """Largest coefficient of the density on all zones; `density_error` is relative to it."""
         return float(self.zone_sizes.max())
 
     @cached_property
@@ -210,8 +209,9 @@ class State(Solved):
 
     @cached_property
     def _missing_fields(self) -> Array:
-        """Sum of the coefficients of the other zones' fields on each zone (Z,) beyond the coupled
-        modes.
+        """Sum of the neglected coefficients of the other zones' fields on each zone (Z,).
+
+        They are the coefficients beyond the coupled modes.
 
         They decay geometrically, at a rate that follows from the distance. The fields of a user's
         functions may decay otherwise: then the largest of the last three coefficients is used.

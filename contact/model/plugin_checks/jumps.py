@@ -73,8 +73,9 @@ class JumpEstimates:
 
 
 def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0) -> JumpEstimates:
-    """Estimated jumps of the derivatives at `places`, from values of the profile beside each
-    place. Place number i uses values at distances up to `reach[i]`.
+    """Estimated jumps of the derivatives at `places`, from values of the profile close to them.
+
+    Place number i uses values at distances up to `reach[i]` on both sides.
 
     nearest: the shortest step, for places that are not known to the last digit.
     """
@@ -169,9 +170,7 @@ def slope_jumps(
 
 
 def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
-    """Messages about wrong jumps of f'' and f''': declared jumps that are false, and jumps that
-    are not declared.
-    """
+    """Messages about jumps of f'' and f''' that are declared and false, or not declared."""
     jumps = np.asarray(profile.jumps)
     if jumps.ndim != 2 or jumps.shape[1] != 3 or not np.isin(jumps[:, 1], (2, 3)).all():
         yield (
@@ -228,9 +227,7 @@ def _one_place(width: float) -> float:
 
 
 def _rough(profile: Profile) -> Array:
-    """Algebraic points whose power is at most 3, so that the third derivative is not continuous
-    there.
-    """
+    """Algebraic points of a power of at most 3, where the third derivative is not continuous."""
     points = np.asarray(profile.algebraic_points, dtype=np.float64)
     return np.asarray(np.unique(points[points[:, 1] <= 3.0, 0]))
 
@@ -300,8 +297,9 @@ def room_around(places: Array, others: Array, width: float, periodic: bool) -> A
 def _against_declared(
     profile: Profile, places: Array, seen: JumpEstimates, scale: float, width: float
 ) -> Iterator[str]:
-    """Messages about wrong jumps of f'' and f''' at these places; `corners.kinks` checks the
-    jumps of f'.
+    """Messages about wrong jumps of f'' and f''' at the given places.
+
+    `corners.kinks` checks the jumps of f'.
     """
     for order in (2, 3):
         listed = profile.jumps[profile.jumps[:, 1] == order]
@@ -329,9 +327,7 @@ def _against_declared(
 
 
 def _bends(profile: Profile, lo: float, width: float, scale: float) -> Array:
-    """Places at which the second derivative seems to jump, accurate to a few steps of the
-    differences.
-    """
+    """Places at which f'' seems to jump, accurate to a few times `BEND_STEP` of the width."""
     h, periodic = BEND_STEP * width, profile.period is not None
     if periodic:
         lo = unlikely_border(profile)
@@ -363,8 +359,9 @@ def window_of(profile: Profile) -> tuple[float, float]:
 
 
 def _half_window(profile: Profile) -> float:
-    """Half width [m] of an interval about 0 in which a shape is smooth and finite; 1 m if none
-    is found.
+    """Half width [m] of an interval about 0 in which a shape is smooth and finite.
+
+    It is 1 m if no such interval is found.
     """
     half = 1.0
     for _ in range(_HALVINGS):

@@ -165,8 +165,7 @@ def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
         return False
     usual = float(np.quantile(steps[inner], 0.75))
     # On the flanks of a narrow bump all steps are large, not only the one at the bump's top. The
-    # usual step is therefore at least the median of those steps that follow or precede a `border`
-    # step.
+    # usual step is therefore at least the median of the steps next to a `border` step.
     following = inner & (np.append(border[1:], False) | np.append(False, border[:-1]))
     if following.any():
         usual = max(usual, float(np.median(steps[following])))

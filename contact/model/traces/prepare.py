@@ -122,8 +122,9 @@ class Preparation:
 
 @dataclass(frozen=True)
 class Trace:
-    """A prepared trace: points [m], period or None, history, warnings, intermediate stages and
-    source.
+    """A prepared trace: points [m], period, history, warnings, intermediate stages and source.
+
+    The period is None if the trace is not periodic.
     """
 
     x: Array
@@ -219,8 +220,9 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
 
 
 def _upside_down(reading: Reading, by: Preparation) -> bool:
-    """Whether heights must be inverted. SceneError if they are called depths and `invert` is not
-    given.
+    """Whether heights must be inverted.
+
+    Raises SceneError if the file calls them depths and `invert` is not given.
     """
     if reading.depth and by.invert is None:
         what = f"the heights are called {shown(reading.depth)}"
@@ -232,8 +234,10 @@ def _upside_down(reading: Reading, by: Preparation) -> bool:
 def _at_places(
     path: str, x: Array, height: Array, lines: NDArray[np.int64], count: bool | int | None
 ) -> tuple[Array, Array, str]:
-    """The points at their own positions, which must be distinct, or at `count` evenly spaced
-    positions; and a note on the choice.
+    """(positions, heights, note on the choice of the positions).
+
+    Without `count` they are those of the file, which must be distinct. Otherwise they are `count`
+    evenly spaced positions.
     """
     if count is None or _pitch_behind_rounding(x) is None:
         _refuse_repeated(path, x, lines)
@@ -334,8 +338,7 @@ def _doubts(reading: Reading, x: Array, height: Array, period: float | None) -> 
 
 
 def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
-    """Positions and heights at `count` evenly spaced positions, and a note that says what was
-    done.
+    """(positions, heights, note on what was done), for `count` evenly spaced positions.
 
     Positions printed with too few digits (0.0, 0.2, 0.3, 0.5 for a pitch of 0.156) give a spline
     false slopes. If rounding explains all deviations from an even pitch, the positions are replaced
@@ -366,8 +369,9 @@ def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
 
 
 def taper_ends(x: Array, height: Array, fraction: float) -> Array:
-    """Heights that are drawn to a common height near both ends. The common height is the mean of
-    the heights there.
+    """Heights that approach a common height near both ends.
+
+    The common height is the mean of the heights near both ends.
 
     The deviation from this mean is multiplied by (1 - cos(pi s))/2. s grows from 0 at an end to 1
     at the distance `fraction` times the length.

@@ -99,8 +99,8 @@ class Influence:
     is_periodic: bool
     _compliance: Array = field(repr=False, compare=False)  # S in Fourier space on the padded grid
     stiffness: Array = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
-    # The datum in the logarithm adds `_offset` times the load to the displacement. This constant is
-    # added separately, so that the displacement keeps its digits.
+    # Displacement per unit of load that comes from the datum in the logarithm. It is added
+    # separately, so that the displacement keeps its digits.
     _offset: float = 0.0
 
     @classmethod
