@@ -11,6 +11,7 @@ transform of the plateau.
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Self
 
 import numpy as np
@@ -44,9 +45,16 @@ class Plateaus:
         if period is None:
             lefts, rights = [*lefts, (None, math.inf)], [(None, -math.inf), *rights]
         else:
-            lefts = [*lefts[1:], (lefts[0][0], lefts[0][1] + period)]
+            first, begin = zones.left[0], a[0]
+            if first.until is not None:
+                first = replace(first, until=first.until + period)
+            lefts = [*lefts[1:], (first, begin + period)]
         for i, (left, right) in enumerate(zip(rights, lefts, strict=True)):
             found.extend(_in_gap(i - (period is None), left, right))
+        if period is not None and zones.left[0].until is not None:
+            # This plateau lies before the first zone, and not after the last one.
+            _, _, value = found.pop()
+            found.insert(0, (zones.left[0].until, a[0], value))
         table = np.array(found).reshape(-1, 3)
         return cls(table[:, :2], table[:, 2])
 
@@ -210,9 +218,11 @@ class Logarithms:
         away[point, which] = 1.0
         values = self._of_lag(away)
         if kernel.period is not None:
-            # Positions in the zone itself are given relative to the zone's own ends.
+            # The image of each position that is nearest to the middle of the zone. Positions in the
+            # zone itself are given relative to the zone's own ends.
+            turns = np.round((zones.middle[zone[point]] - self.at[which]) / kernel.period)
             outside = self.own[which] != zone[point]
-            beside = np.where(outside, nearest_image(beside, 0.0, kernel.period), beside)
+            beside = np.where(outside, beside - turns * kernel.period, beside)
         without = np.log(w[point] / (2 * size * kernel.datum))
         values[point, which] = without + self._rest(beside)
         return np.asarray(values @ self.weight)

@@ -187,3 +187,16 @@ def test_plateaus_with_two_values_are_refused():
     equation = sie.Equation(sie.cauchy(), PARABOLA, (sie.Total(1.0), sie.EqualPotential()))
     with pytest.raises(ValueError, match="same value"):
         sie.solve(equation, sie.Zones.of([[-1.0, -0.5], [0.5, 1.0]], *ends))
+
+
+def test_a_plateau_at_the_crest_of_full_contact():
+    """The limit less the pressure is the pressure of Westergaard's contact of the trough."""
+    limit, mean = 1.5, 1.0
+    end = sie.free_with_value(limit)
+    equation = sie.Equation(sie.hilbert(np.pi), WAVE, sie.Total(mean * np.pi))
+    found = sie.solve(equation, sie.Zones.of([[0.7, 2.5]], end, end), tol=1e-11)
+    half = np.arcsin(np.sqrt(limit - mean))
+    assert np.abs(found.zones.table - np.pi / 2 - [[-half, half]]).max() < 1e-11
+    away = np.array([-0.6, 0.0, 0.4])
+    exact = limit - 2 * np.cos(away) * np.sqrt(np.sin(half) ** 2 - np.sin(away) ** 2)
+    assert np.abs(found.density(np.pi / 2 + away) - exact).max() < 1e-11
