@@ -73,9 +73,7 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
 
 
 def _parts(state: State | SlitState) -> tuple[float, float, float]:
-    """Relative errors of the density due to (the iteration, round-off of rows, all other
-    causes).
-    """
+    """Relative errors of the density, due to (iteration, round-off of rows, all other causes)."""
     size = max(state.size, 1e-300)
     iteration = float(state.linear_error.max(initial=0.0)) / size
     if isinstance(state, SlitState):
@@ -166,8 +164,9 @@ def _is_noisy(worst: _Worst) -> bool:
 
 
 def _of_resolution(worst: _Worst, tol: float) -> str:
-    """The largest cause from `_causes`, as a message; if none is large, round-off or the
-    residual.
+    """The largest cause from `_causes`, as a message.
+
+    If none is large, the message names round-off or the residual.
     """
     state, m, causes = worst.state, int(worst.state.system.layout.m[worst.zone]), _causes(worst)
     neighbour, rounded, noisy = causes["neighbour"], causes["places"], _is_noisy(worst)

@@ -414,8 +414,9 @@ def solve(
 
 
 def _solve(equation: Equation, zones: Zones, tol: float, solutions: Iterator[Solution]) -> Solution:
-    """The first of ever more accurate solutions that meets the tolerance; NotConverged if none
-    does.
+    """The first of ever more accurate solutions that meets the tolerance.
+
+    Raises NotConverged if none does.
     """
     try:
         found = _best(solutions, tol)
@@ -468,8 +469,9 @@ def _solvable(equation: Equation, zones: Zones) -> bool:
 
 
 def _best(solutions: Iterator[Solution], tol: float) -> Solution:
-    """The first of ever more accurate solutions that meets the tolerance; the best one if none
-    does.
+    """The first of ever more accurate solutions that meets the tolerance.
+
+    If none does, it is the best one.
     """
     best = next(solutions)
     while best.error > tol and (found := next(solutions, None)) is not None:
@@ -499,8 +501,9 @@ def _free(
 
 
 def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
-    """The solution with its stated errors; `search` is the search for the free ends, if any are
-    free.
+    """The solution with its stated errors.
+
+    search: the search for the free ends; None if no end is free.
     """
     zones, value = state.density.zones, None if search is None else search.value
     if search is not None and not search.converged:

@@ -182,9 +182,7 @@ class State:
         return growth, second[1][:, None] * motions
 
     def _driven(self, ends: Index) -> Array:
-        """Derivatives of the given ends' residuals by motions of these ends, divided by
-        `weight`.
-        """
+        """Derivatives of residuals of the given ends by motions of these ends, over `weight`."""
         return np.asarray(self.rates[np.ix_(ends, ends)] / self.weight[ends, None])
 
     def _second(self, ends: Index) -> tuple[Array, Array] | None:

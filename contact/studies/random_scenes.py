@@ -246,9 +246,7 @@ def _reason(error: contact.ContactError) -> str:
 
 
 def unsound(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
-    """Return a message if a solution is not certified or its stated error exceeds `tol`; else
-    ''.
-    """
+    """Return a message if a solution is not certified or its error exceeds `tol`; else ''."""
     if not solution.certificate.holds and scene.interaction.exact:
         return f"not certified: {solution.certificate.note}"
     return "" if solution.error <= tol else f"stated error {solution.error:.2g}"

@@ -374,9 +374,7 @@ class _PathRun:
         self.rises = 1.0
 
     def note(self, point: State | None, value: float = 0.0) -> None:
-        """Record the equilibrium `point`; if it is None, record separate surfaces at the given
-        value.
-        """
+        """Record the equilibrium `point`, or separate surfaces at the given value if it is None."""
         units = self.problem.units
         if point is not None:
             approach = -point.level * units.height if self.problem.operator.has_approach else np.nan
@@ -439,8 +437,9 @@ class _PathRun:
         return self.by.started(self.scene.under(self.control, value), scaled)
 
     def solved(self, here: PathState, value: float, before: float) -> Solution:
-        """The solution for the state `here` at a value of the control; `before` is the previous
-        value.
+        """The solution for the state `here` at a value of the control.
+
+        before: the previous value.
         """
         scene = self.scene.under(self.control, value)
         way = "advancing" if self.rises else "receding"

@@ -89,8 +89,9 @@ def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
 
 
 def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
-    """Largest difference of ends, relative to the zone's width; None for different numbers of
-    zones.
+    """Largest difference of ends, relative to the zone's width.
+
+    It is None if the numbers of zones differ.
     """
     if attempt.solution is None or exact.solution is None:
         return None

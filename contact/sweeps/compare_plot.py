@@ -132,8 +132,10 @@ def _name_lines(axes: Any) -> None:
 
 
 def _stretch(solution: Solution) -> tuple[float, float]:
-    """The interval to draw: all of `window`, or the surroundings of the pressure peak if no zone
-    would be visible in `window`.
+    """The interval to draw.
+
+    It is `window`, or the surroundings of the pressure peak if no zone would be visible in
+    `window`.
     """
     lo, hi = window(solution)
     visible = FIGURE.min_visible * (hi - lo)

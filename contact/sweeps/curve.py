@@ -46,8 +46,9 @@ class Curve:
     def from_previous(
         self, value: float, previous: tuple[CurvePoint, ...], min_tol: float = 0.0
     ) -> Solution:
-        """The solution at a value, started from the solutions `previous`. The last one of them is
-        the nearest.
+        """The solution at a value, started from the solutions `previous`.
+
+        The last one of these is the nearest.
 
         The tolerance is that of the curve, or `min_tol` if that is larger.
         """

@@ -67,8 +67,7 @@ class PathOptions:
 
     @property
     def retries_beyond(self) -> tuple[float, ...]:
-        """If two loads are equal, an event is also sought outside them, at these relative
-        distances.
+        """Relative distances from two equal loads at which an event is sought outside them.
 
         The two loads are equal except for round-off. Round-off can give a certified sign the wrong
         value, so that the event between the loads seems to lie beyond them.
@@ -342,11 +341,10 @@ class _Condition:
         return self.of(self.formal(load))
 
     def of(self, fields: Any) -> float:
-        """Value of the condition. `fields` are pressure and gap, computed with a fixed number of
-        zones.
+        """Value of the condition: the least gap or pressure where the event takes place.
 
         It is the least gap around a zone to be born, or the least pressure between two zones that
-        have merged.
+        have merged. fields: pressure and gap, computed with a fixed number of zones.
         """
         function = fields.formal_gap if self.of_gap else fields.formal_pressure
         place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), peaks=1)

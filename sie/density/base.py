@@ -112,11 +112,10 @@ class DensityBase(Kept):
         return out
 
     def locate(self, x: ArrayLike) -> tuple[Array, Index, Mask]:
-        """(x moved by whole periods, index of the last zone that starts before x, whether x is in
-        it).
+        """(moved x, index of a zone for each x, whether x lies inside this zone).
 
-        x is moved to lie right of the first zone's left end; the zone is the last one that starts
-        before x.
+        x is moved by whole periods to lie right of the first zone's left end. The zone is the last
+        one that starts before x.
         """
         zones = self.zones
         place = wrapped(np.asarray(x, dtype=float), zones.a[0], self.kernel.period)

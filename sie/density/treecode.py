@@ -66,8 +66,9 @@ class Treecode:
         return self._summed(x, self.potential_series, True)
 
     def _summed(self, x: Array, series: Array, potential: bool) -> Array:
-        """Field at points x, as the sum of the series of the point's cell and closed forms of near
-        zones.
+        """Field at points x.
+
+        It is the sum of the series of the point's cell and of closed forms of near zones.
         """
         out = np.empty(len(x))
         order = np.argsort(x, kind="stable")

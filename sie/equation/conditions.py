@@ -54,16 +54,13 @@ class Rows(Protocol):
         """Integral of the density over each solved zone."""
 
     def levels(self) -> Linear:
-        """Level of each solved zone, the mean of the potential minus the primitive of the right
-        side.
+        """Level of each solved zone: the mean of the potential minus the primitive of g.
 
         The weight of the mean is 1 / sqrt(1 - t^2).
         """
 
     def level_steps(self) -> Linear:
-        """Level of each zone (mean of potential minus primitive) minus that of its left
-        neighbour.
-        """
+        """Level of each zone (see `levels`) minus the level of its left neighbour."""
         matrix, constants = self.levels()
         return np.diff(matrix, axis=0), np.diff(constants)
 
@@ -161,16 +158,15 @@ def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, 
 
 
 def of_levels(condition: Condition, zones: Zones) -> Array:
-    """Coefficients (rows, solved zones) of the levels (means of potential minus primitive) in a
-    condition.
-    """
+    """Coefficients (rows, solved zones) of the levels of `Rows.levels` in a condition."""
     count = len(zones.solved)
     return asked(condition, Trial(zones, np.zeros((count, count)), np.eye(count)), count)[0]
 
 
 def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
-    """Whether a condition contains potentials, by declaration or by a test with trial
-    potentials.
+    """Whether a condition contains potentials.
+
+    The condition declares it, or a test with trial potentials shows it.
     """
     if condition.levels or type(condition).rows in _SILENT:
         return condition.levels
@@ -181,8 +177,7 @@ def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
 
 @record
 class ByZone:
-    """Coefficients of a condition with one row for each zone, or for each pair of neighbouring
-    zones.
+    """Coefficients of a condition with one row for each zone, or for each pair of neighbours.
 
     `by_zone` finds them from the response of its rows to levels and to densities c_0 / sqrt(1 -
     t^2). Row i of the condition is
@@ -197,9 +192,7 @@ class ByZone:
 
     @property
     def of_levels(self) -> bool:
-        """Whether all rows of the condition contain levels (see `Rows.levels`); otherwise no row
-        does.
-        """
+        """Whether all rows of the condition contain the levels of `Rows.levels`; else none does."""
         return bool(np.all(self.levels != 0.0))
 
 
@@ -609,9 +602,7 @@ class EndCondition(Protocol):
     """A condition that contains only the ends of the zones, not the density."""
 
     def residual(self, zones: Zones) -> tuple[float, Array, Array]:
-        """(residual of the condition, its derivatives by outward motions of left and of right ends
-        (n,)).
-        """
+        """(residual, its derivatives by outward motions of left ends and of right ends (n,))."""
 
 
 @dataclass(frozen=True)

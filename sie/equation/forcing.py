@@ -128,9 +128,7 @@ class Jumps(Kept):
 
     @cached_property
     def of_order_zero(self) -> tuple[Array, Array]:
-        """(positions, heights) of the jumps of the function itself (order 0), not of a
-        derivative.
-        """
+        """(positions, heights) of the jumps of order 0: those of the function itself."""
         which = np.asarray(self.orders) == 0
         return self.at[which], self.heights[which]
 
@@ -277,8 +275,9 @@ class Forcing(Kept):
 
     @property
     def logarithms(self) -> tuple[Array, Array]:
-        """(positions, heights) of jumps of the wanted density itself; there the right side is
-        logarithmic.
+        """(positions, heights) of jumps of the wanted density itself.
+
+        The right side is logarithmic there.
         """
         return self.jumps.of_order_zero if self.jumps.of_density else NO_JUMPS.of_order_zero
 

@@ -122,9 +122,7 @@ class IterativeSystem(System):
 
     @cached_property
     def known_intensities(self) -> tuple[Array, Array]:
-        """The part of the intensities K at left and right ends that does not depend on the
-        unknowns.
-        """
+        """The part of the intensities K at left and right ends that the unknowns do not change."""
         return self.intensities_of(self.beyond)
 
     def applied(self, y: Array, rough: bool = False) -> "tuple[Array, Applied]":
@@ -157,9 +155,7 @@ class IterativeSystem(System):
 
     @cached_property
     def levelled(self) -> bool:
-        """Whether a condition on potentials has one row for each zone, or for each pair of
-        neighbours.
-        """
+        """Whether a condition on potentials has a row for each zone or each pair of neighbours."""
         return self.of_zones is not None and self.of_zones.of_levels
 
     @cached_property

@@ -350,8 +350,8 @@ class ForcingJumps(PlacedJumps):
         """Contribution of jumps, splines and poles to the mean of the right side's primitive.
 
         It has one value for each zone, divided by the half width of the zone. The mean is over
-        theta, and the primitive is shifted so that its values at both ends add up to zero. `System.levels` adds
-        the contribution of the smooth remainder of the right side.
+        theta, and the primitive is shifted so that its values at both ends add up to zero.
+        `System.levels` adds the contribution of the smooth remainder of the right side.
         """
         phi, s, q = self.phi, self.s, self.order
         sine, double = self.sine, np.sin(2 * phi)

@@ -238,8 +238,9 @@ class SecondKindRows(Rows):
         return self._by_zone(of_zone)[0], known
 
     def _means(self, weight: Callable[[Array], Array], zone: int, count: int) -> Array:
-        """Means of `weight` times T_l over a zone in its angle theta, up to l where they have
-        decayed.
+        """Means of `weight` times T_l over the angle theta of a zone.
+
+        They are computed up to the l at which they have decayed.
         """
         size = max(count, MODES.first_nodes)
         while True:

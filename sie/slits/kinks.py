@@ -184,9 +184,7 @@ class SlitKink(Kept):
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the integral of psi (see `slope`), divided by its half
-        width.
-        """
+        """Mean over the wide zone of the integral of psi (see `slope`), over its half width."""
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi

@@ -86,8 +86,7 @@ class Carried:
 
     @classmethod
     def of(cls, system: System, y: Array, slits: dict[int, Array]) -> Carried:
-        """The data to carry over from the solution with unknowns y, namely totals and fields of
-        zones.
+        """The data to carry over from the solution with unknowns y: totals and fields of zones.
 
         slits: coefficients that slits add to those of their zones, by zone.
         """
@@ -107,9 +106,7 @@ class Carried:
         return cls(zones.middle, zones.half, totals, field, layout, y[coupled.coefficients :])
 
     def near(self, system: IterativeSystem) -> Array:
-        """Predicted unknowns of another system, as the first guess for the iteration of that
-        system.
-        """
+        """Predicted unknowns of another system, from which the iteration of that system starts."""
         zones, layout, period = system.zones, system.layout, system.equation.kernel.period
         at = wrapped(zones.middle, float(self.middle[0] - self.half[0]), period)
         place = self._place(at, zones.half)

@@ -41,8 +41,7 @@ OPTIONS = SolveOptions()
 
 
 class SingularSystem(ArithmeticError):
-    """The assembled system has no unique solution, because its side conditions depend on each
-    other.
+    """The assembled system has no unique solution: its side conditions depend on each other.
 
     Examples
     --------
@@ -304,8 +303,9 @@ def _solve_iterated(
     jumps: ForcingJumps,
     sizes: Sizes,
 ) -> State:
-    """The solution by fast sums and GMRES, with a first guess from the last solution if there is
-    one.
+    """The solution by fast sums and GMRES.
+
+    It starts from the last solution if there is one.
     """
     system = IterativeSystem(equation, zones, m, samples.coefficients, jumps, sizes.rough)
     carried = (

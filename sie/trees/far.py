@@ -104,8 +104,9 @@ class Nested:
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
 
     def _slices(self) -> list[slice]:
-        """Slices of nodes, one for each level of the tree; shorter ones if matrices are not
-        stored.
+        """Slices of nodes, one for each level of the tree.
+
+        They are shorter if matrices are not stored.
         """
         levels, most = self.tree.levels, len(self.tree) if self.kept else SUMS.cache_pairs
         bounds = zip(levels[1:-1], levels[2:], strict=True)
@@ -143,9 +144,7 @@ class Nested:
 
 
 class FarSum:
-    """Field of far zones on targets, as a series of the transform and the potential at the
-    middle.
-    """
+    """Field of far zones on targets: a series of the transform, and the potential at the middle."""
 
     def __init__(self, sources: Nested, targets: Nested, kernel: Kernel) -> None:
         self.sources, self.targets, self.kernel = sources, targets, kernel
@@ -243,8 +242,9 @@ class FarSum:
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:
-    """Whether fast sums apply, that is, whether the kernel's regular part is smooth across all
-    zones.
+    """Whether fast sums apply.
+
+    They apply if the regular part of the kernel is smooth across all zones.
     """
     if kernel.regular is None:
         return kernel.regular_potential is None

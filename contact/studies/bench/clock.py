@@ -15,8 +15,9 @@ T = TypeVar("T")
 
 
 def seconds(call: Callable[[], Any], patience: float = 0.3, most: int = 25) -> float:
-    """Least processor time [s] of a call that is repeated: for `patience` s, at most `most`
-    times.
+    """Least processor time [s] of a repeated call.
+
+    The call is repeated for `patience` s, but at most `most` times.
 
     The least time is taken because other work on the machine only adds to it.
     """
