@@ -59,6 +59,7 @@ with uncollected():
 if TYPE_CHECKING:
     from contact.explorer.explore import explore
     from contact.inside.stress import Stress
+    from contact.inside.yielding import Yield
     from contact.model.scene_file import load_scene
     from contact.slip.history import load_history
     from contact.slip.partial_slip import partial_slip
@@ -77,6 +78,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "contact.explorer.explore": "explore",
     "contact.inside.stress": "Stress",
+    "contact.inside.yielding": "Yield",
     "contact.model.scene_file": "load_scene",
     "contact.sweeps.adhesive": "AdhesiveEvent AdhesivePath",
     "contact.sweeps.solve_many": "solve_many",
@@ -154,6 +156,7 @@ __all__ = [
     "Stress",
     "Substrate",
     "Wedge",
+    "Yield",
     "controls",
     "dundurs_beta",
     "explore",

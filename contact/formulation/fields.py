@@ -613,8 +613,7 @@ class ZoneFields(sie.Kept):
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
         units = self.problem.units
         z = self._scaled(x) + 1j * (y / units.length)
-        value: Complex = self.density.transform(z)
-        slope: Complex = self.density.transform_slope(z)
+        value, slope = self.density.transform_with_slope(z)
         if self._nominal:
             # Outside the strip (a, b) with its copies acts the nominal pressure P, whose transform
             # is -P (i + (1/pi) ln((z - a)/(z - b))).

@@ -175,10 +175,10 @@ class GapFields(sie.Kept):
         units = self.problem.units
         relief, bend = self._slope_inside(x, y)
         z = units.scaled(x) + 1j * (y / units.length)
+        opened, opens = self.gap_slope.transform_with_slope(z)
         skew = self.problem.skew
-        value = self.mean - skew * (relief / units.slope - self.gap_slope.transform(z))
-        bend = bend / units.slope - self.gap_slope.transform_slope(z) / units.length
-        slope = -skew * bend
+        value = self.mean - skew * (relief / units.slope - opened)
+        slope = -skew * (bend / units.slope - opens / units.length)
         return -1j * units.pressure * value, -1j * units.pressure * slope
 
     @cached_property

@@ -85,8 +85,7 @@ class Pieces(sie.Kept):
         t: distances from the start of the period, moved to lie between the first place and the one
         a period later.
         """
-        z = t + 1j * y
-        return self._transform.in_plane(z, "transform"), self._transform.in_plane(z, "derivative")
+        return self._transform.in_plane(t + 1j * y)
 
     @cached_property
     def _transform(self) -> sie.PiecewiseTransform:

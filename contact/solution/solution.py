@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
-from contact.errors import SceneError
+from contact.errors import SceneError, unwarned
 from contact.extras import require
 from contact.formulation.energy import elastic_energy
 from contact.formulation.fields import ZoneFields
@@ -28,9 +28,11 @@ from sie import Array, Index, wrapped
 
 if TYPE_CHECKING:
     from contact.inside.stress import Stress
+    from contact.inside.yielding import Yield
 
 # Names of modules that are imported only when a solution is drawn, written, or asked for warnings.
 _INSIDE = "contact.inside.field"
+_YIELDING = "contact.inside.yielding"
 _FIGURES = "contact.solution.plotting"
 _FILES = "contact.solution.export"
 _WARNINGS = "contact.solution.model_warnings"
@@ -361,6 +363,51 @@ class Solution(sie.Kept):
         inside = require(_INSIDE)
         places = inside.body_points(x, y)
         found: Stress = inside.stress_of(self.fields, *places, self.error, lateral, nu)
+        return found
+
+    def first_yield(
+        self,
+        strength: float,
+        nu: float,
+        criterion: str = "mises",
+        lateral: str = "as loaded",
+        tol: float = 1e-9,
+    ) -> "Yield":
+        """Load and place of first yield, as the scene's control is raised or lowered to it.
+
+        Parameters
+        ----------
+        strength : float
+            Yield strength [Pa]: in tension for "mises", in shear for "tresca".
+        nu : float
+            Poisson's ratio of body 1.
+        criterion : str
+            "mises", or "tresca": the largest shear stress on any plane.
+        lateral : str
+            As for `stress`.
+        tol : float
+            Tolerance of the contacts that are solved.
+
+        Returns
+        -------
+        Yield
+            `load` [N/m], `x`, `y` [m], `error` and `solution`. Next to sharp corners, sharp tips
+            and ends under JKR's law the stress is infinite: there the load is 0, and `note` says
+            so.
+
+        Raises
+        ------
+        SceneError
+            If the criterion is unknown, a number is out of its range, the body is not a half-plane,
+            or the law has an attraction and the body yields under a smaller control.
+        OutOfRange
+            If no value of the control reaches the strength.
+        """
+        yielding, control = require(_YIELDING), self.scene.control[0]
+        curve = require("contact.sweeps.curve").Curve(self.scene, control, tol)
+        rule = yielding.Criterion(criterion, nu, lateral)
+        with unwarned():
+            found: Yield = yielding.first_yield(self, curve.at, strength, rule)
         return found
 
     @property

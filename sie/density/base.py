@@ -182,6 +182,21 @@ class DensityBase(Kept):
         """The derivative F'(z) of `transform` at complex z (any shape)."""
         return self._in_plane(z, "derivative")
 
+    def transform_with_slope(self, z: ArrayLike) -> tuple[Complex, Complex]:
+        """(F(z), F'(z)) at complex z with Im z >= 0 (any shape); NaN where z is not finite.
+
+        It takes less time than `transform` and `transform_slope`.
+        """
+        points = np.asarray(z, dtype=complex)
+        nothing, finite = complex(np.nan, np.nan), np.isfinite(points)
+        value, slope = np.full(points.shape, nothing), np.full(points.shape, nothing)
+        value[finite], slope[finite] = self._with_slope(points[finite])
+        return value, slope
+
+    def _with_slope(self, points: Complex) -> tuple[Complex, Complex]:
+        """The transform and its derivative at finite points (n,) in the upper half plane."""
+        return self.plane(points, "transform"), self.plane(points, "derivative")
+
     def _in_plane(self, z: ArrayLike, what: What) -> NDArray[Any]:
         """Transform, its derivative, or potential at complex z; NaN where z is not finite."""
         points = np.asarray(z, dtype=complex)

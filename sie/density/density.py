@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sie.basis.data import Array, Mask, by_rows
+from sie.basis.data import Array, Complex, Mask, by_rows
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.zones import Zones
@@ -137,6 +137,9 @@ class Density(Series):
     def plane(self) -> Plane:
         """The fields of the density at complex points."""
         return Plane(self)
+
+    def _with_slope(self, points: Complex) -> tuple[Complex, Complex]:
+        return self.plane.with_slope(points)
 
     def _on_line(self, x: Array, potential: bool) -> Array:
         """Transform or potential of all zones at real x, summed directly or by a tree."""

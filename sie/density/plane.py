@@ -18,6 +18,7 @@ Many zones are summed by a tree (`sie.trees`): the field of a node at points wit
 follows from its first moments.
 """
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -40,7 +41,7 @@ from sie.jumps.formulas import OPTIONS as JUMPS
 from sie.jumps.right_side import ForcingJumps
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.trees.far import Nested
-from sie.trees.plane import field_of_tree
+from sie.trees.plane import HilbertRest, fields_of_tree
 from sie.trees.tree import TERMS, Tree
 
 
@@ -66,9 +67,8 @@ class Plane:
         """
         x, y = z.real, np.abs(z.imag)
         place = self.density.into_period(x)
-        out = self.poles(place, y, what)
-        regular = self.regular(complex_of(place, y), what)
-        out = out if regular is None else out + regular
+        (out,) = self.poles(place, y, (what,))
+        out = self._with_regular(out, complex_of(place, y), what)
         if what == "potential":
             turns = np.full(len(x), float(sum(shift > 0 for shift in self.density.kernel.poles)))
             if self.density.kernel.period is not None:
@@ -76,34 +76,51 @@ class Plane:
             out = out - 1j * self.total * turns
         return np.where(z.imag < 0, np.conj(out), out)
 
-    # The methods below give the part of the fields that the kernel's poles cause, without the
-    # regular part.
-    def poles(self, x: Array, y: Array, what: What) -> Complex:
-        """Field at x + i y that the kernel's poles cause, summed by the tree."""
-        return field_of_tree(
-            self.nested.tree, self.series, self.density.kernel, (x, y), what, self.of_zones
+    def with_slope(self, z: Complex) -> tuple[Complex, Complex]:
+        """The transform and its derivative at points z (n,), Im z >= 0, in any period."""
+        place = complex_of(self.density.into_period(z.real), z.imag)
+        value, slope = self.poles(place.real, place.imag, ("transform", "derivative"))
+        return (
+            self._with_regular(value, place, "transform"),
+            self._with_regular(slope, place, "derivative"),
         )
 
-    def of_zones(self, x: Array, y: Array, zone: Index, what: What) -> Complex:
-        """Field of one zone at each point x + i y, for pairs of a point and a zone."""
+    def _with_regular(self, out: Complex, z: Complex, what: What) -> Complex:
+        regular = self.regular(z, what)
+        return out if regular is None else np.asarray(out + regular)
+
+    # The methods below give the part of the fields that the kernel's poles cause, without the
+    # regular part.
+    def poles(self, x: Array, y: Array, whats: Sequence[What]) -> list[Complex]:
+        """Fields at x + i y that the kernel's poles cause, summed by the tree."""
+        return fields_of_tree(
+            self.nested.tree, self.series, self.density.kernel, (x, y), whats, self.of_zones
+        )
+
+    def of_zones(self, x: Array, y: Array, zone: Index, whats: Sequence[What]) -> list[Complex]:
+        """Fields of one zone at each point x + i y, for pairs of a point and a zone."""
         density = self.density
         zones, w = density.zones, density.zones.half[zone]
         seen = InPlane.of(zones.beyond_a(x, zone) / w, -zones.before_b(x, zone) / w, y / w)
-        if what == "potential":
-            value = of_t(density.coefficients, seen, w, density.kernel.datum, zone, what)
-        else:
-            bounded = density.bounded
-            value = (
-                transform_slope_of(*bounded, seen, zone) / w
-                if what == "derivative"
-                else transform_of(*bounded, seen, zone)
-            )
+        values = []
+        for what in whats:
+            if what == "potential":
+                value = of_t(density.coefficients, seen, w, density.kernel.datum, zone, what)
+            else:
+                bounded = density.bounded
+                value = (
+                    transform_slope_of(*bounded, seen, zone) / w
+                    if what == "derivative"
+                    else transform_of(*bounded, seen, zone)
+                )
+            values.append(np.array(value, dtype=complex))
         if len(density.jumps):
-            value = value.copy()
             for i, here in Grouped.by(zone).places().items():
                 if i in density.jumps.by_zone:
-                    value[here] += self._jumps(i, seen[here], what)
-        return value
+                    some = seen[here]
+                    for value, what in zip(values, whats, strict=True):
+                        value[here] += self._jumps(i, some, what)
+        return values
 
     def _jumps(self, zone: int, seen: InPlane, what: What) -> Complex:
         """Field that the jumps in one zone cause at the given points."""
@@ -165,11 +182,16 @@ class Plane:
         regular = kernel.regular_of(what)
         if regular is None:
             return None
-        if not kernel.sure:
-            _check_analytic(regular, z, self.density.zones.middle)
-        return by_quadrature(
-            self._central_nodes if kernel.sure else self.density.quadrature, z, regular
-        )
+        if kernel.sure:
+            return self._rest(z, what)
+        _check_analytic(regular, z, self.density.zones.middle)
+        return by_quadrature(self.density.quadrature, z, regular)
+
+    @cached_property
+    def _rest(self) -> HilbertRest:
+        tree = self.nested.tree
+        middle = 0.5 * float(tree.lo[0] + tree.hi[0])
+        return HilbertRest(self.density.kernel, middle, self._central_nodes)
 
     @cached_property
     def _central_nodes(self) -> list[tuple[Array, Array]]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebint
 
 from sie.basis.data import Array, numbered
+from sie.basis.interval import What
 from sie.basis.sums import OPTIONS, stretches
 from sie.basis.zones import Zones
 from sie.density.plane import Plane
@@ -80,9 +81,8 @@ class Treecode:
             # Outside the cells the tree sums the fields. At most points the moments of all zones
             # together suffice. Close to an image of the zones, single zones are summed.
             plane: Plane = self.density.plane  # type: ignore[assignment]
-            out[beyond] = plane.poles(
-                x[beyond], np.zeros(len(beyond)), "potential" if potential else "transform"
-            ).real
+            what: What = "potential" if potential else "transform"
+            out[beyond] = plane.poles(x[beyond], np.zeros(len(beyond)), (what,))[0].real
         order, cell = order[~outside], np.clip(cell[~outside], 0, len(self.middle) - 1)
         table = np.ascontiguousarray(series.T)
         for here in stretches(self.start[cell + 1] - self.start[cell] + 4, OPTIONS.memory_pairs):

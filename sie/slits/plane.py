@@ -95,8 +95,8 @@ class SlitPlane:
                     continue
                 close = seen[some]
                 out[some] -= slack.plane.of_zones(
-                    at[some], y[some], np.full(len(some), number), what
-                )
+                    at[some], y[some], np.full(len(some), number), (what,)
+                )[0]
                 value, slope = _of_series(here, row, at[some], y[some])
                 value = (
                     value if what == "transform" else slope - value * close.zeta / close.root**2

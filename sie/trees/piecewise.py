@@ -13,6 +13,7 @@ forms of the pieces near the cell,
 So no number is larger than f itself, whereas truncated powers of n jumps grow to n^2 times it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,12 +21,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Complex, Index, by_rows, record
+from sie.basis.data import Array, Complex, Index, Kept, by_rows, record
 from sie.basis.interval import Outside, What, complex_of
-from sie.basis.kernels import Kernel, Regular
+from sie.basis.kernels import Kernel
 from sie.basis.sums import OPTIONS as SUMS
 from sie.trees.far import FarSum, Nested
-from sie.trees.plane import field_of_tree
+from sie.trees.plane import HilbertRest, fields_of_tree
 from sie.trees.tree import SEPARATION, TERMS, Tree
 
 
@@ -41,6 +42,9 @@ class CellOptions:
 
 
 _OPTIONS = CellOptions()
+
+
+_WITH_SLOPE: tuple[What, What] = ("transform", "derivative")
 
 
 class PiecewiseTransform:
@@ -213,15 +217,25 @@ class PiecewiseTransform:
         x = np.asarray(x, dtype=float)
         return np.reshape(by_rows(self._at_points, x.ravel(), max_rows=SUMS.cache_pairs), x.shape)
 
-    def in_plane(self, z: Complex, what: What) -> Complex:
-        """The transform of f, or its derivative, at points z (n,) with Im z >= 0.
+    def in_plane(self, z: Complex) -> tuple[Complex, Complex]:
+        """The transform of f and its derivative at points z (n,) with Im z >= 0.
 
         With a period, the points lie within half a period of the middle of the pieces.
         """
-        plane = self._plane
-        out = field_of_tree(plane.tree, plane.series, self.kernel, (z.real, z.imag), what, plane)
-        regular = self.kernel.regular_of(what)
-        return out if regular is None else out + plane.regular(z, regular)
+        plane, whats = self._plane, _WITH_SLOPE
+        value, slope = fields_of_tree(
+            plane.tree, plane.series, self.kernel, (z.real, z.imag), whats, plane.of_pieces
+        )
+        if self.kernel.regular is None:
+            return value, slope
+        rest = self._rest
+        return value + rest(z, "transform"), slope + rest(z, "derivative")
+
+    @cached_property
+    def _rest(self) -> HilbertRest:
+        tree = self._plane.tree
+        middle = 0.5 * float(tree.lo[0] + tree.hi[0])
+        return HilbertRest(self.kernel, middle, [self._plane.nodes])
 
     @cached_property
     def _plane(self) -> "_PiecesInPlane":
@@ -237,7 +251,7 @@ class PiecewiseTransform:
 
 
 @record
-class _PiecesInPlane:
+class _PiecesInPlane(Kept):
     """The pieces of a function as sources of fields in the plane.
 
     tree: over the pieces. series: first moments of its nodes, as coefficients of T_l / sqrt(1 -
@@ -257,33 +271,29 @@ class _PiecesInPlane:
         moments = Nested(tree, kept=False).upward((local @ _monomials()) * (w / np.pi)[:, None])
         return cls(tree, moments * twice / tree.half[:, None], local)
 
-    def __call__(self, x: Array, y: Array, piece: Index, what: What) -> Complex:
-        """Field of one piece at each point x + i y."""
+    def of_pieces(self, x: Array, y: Array, piece: Index, whats: Sequence[What]) -> list[Complex]:
+        """Transform and derivative of one piece at each point x + i y."""
         leaf = self.tree.leaves[piece]
         w = self.tree.half[leaf]
         left = complex_of((x - self.tree.lo[leaf]) / w, y / w)
         right = complex_of((x - self.tree.hi[leaf]) / w, y / w)
         p, q, r = self.local[piece].T
         z = np.where(np.abs(left) < np.abs(right), left - 1, right + 1)
-        value = p + z * (q + z * r)
+        value, bend = p + z * (q + z * r), q + 2 * z * r
         with np.errstate(divide="ignore", invalid="ignore"):
             # The logarithm is infinite at an end of a piece. There f is continuous, and the
             # infinite terms of the pieces on both sides cancel.
             log = np.log(np.where(left == 0, 1.0, left)) - np.log(np.where(right == 0, 1.0, right))
-            if what == "transform":
-                return np.asarray((value * log - 2 * (q + z * r)) / np.pi)
-            return np.asarray(
-                ((q + 2 * z * r) * log + value * (1 / left - 1 / right) - 2 * r) / (np.pi * w)
-            )
+            rate = (bend * log + value * (1 / left - 1 / right) - 2 * r) / (np.pi * w)
+        return [np.asarray((value * log - 2 * (q + z * r)) / np.pi), np.asarray(rate)]
 
-    def regular(self, z: Complex, kernel: Regular) -> Complex:
-        """Field at z of a kernel that is smooth over all pieces."""
+    @cached_property
+    def nodes(self) -> tuple[Array, Array]:
+        """(nodes on all pieces, weights with the first moments of the function)."""
         tree = self.tree
         xi = 0.5 * (tree.lo[0] + tree.hi[0]) + tree.half[0] * chebyshev.gauss(TERMS)
         weights = chebyshev.t_matrix(TERMS, TERMS) @ self.series[0] * (tree.half[0] / TERMS)
-        return np.asarray(
-            by_rows(lambda at: kernel(at[:, None], xi) @ weights, z, max_rows=SUMS.cache_pairs)
-        )
+        return xi, np.asarray(weights)
 
 
 def clenshaw(table: Array, cell: Index, t: Array) -> Array:

@@ -1,57 +1,154 @@
 """Fields at points of the plane, summed over the nodes of a tree of intervals."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 
-from sie.basis.data import Array, Index
+from sie.basis.data import Array, Index, Kept, record
 from sie.basis.interval import Complex, InPlane, What, decay_rate, of_t
-from sie.basis.kernels import Kernel
-from sie.basis.sums import OPTIONS as BLOCKS
-from sie.trees.tree import SEPARATION, Tree
+from sie.basis.kernels import Kernel, Regular
+from sie.basis.sums import OPTIONS as SUMS
+from sie.trees.tree import SEPARATION, TERMS, Tree
 
 # Limit of |rho| for far points. Here rho = zeta - sqrt(zeta^2 - 1), and zeta is the point's
 # position from the middle of a tree node, in half widths. Below this limit, the node's field
 # follows from its first TERMS moments.
 _FAR = float(np.exp(-decay_rate(SEPARATION)))
 
-# The field of one interval at each point x + iy, for pairs of a point and an interval.
-OfLeaves = Callable[[Array, Array, Index, What], Complex]
+
+@dataclass(frozen=True)
+class PlaneOptions:
+    """Options of fields in the plane."""
+
+    block: int = 1 << 15  # points at once; insensitive: 2^13 to 2^17 take the same time
+    # Distance from the middle of all intervals, in periods, up to which the regular part of
+    # Hilbert's kernel is a power series. It converges up to 3/2.
+    series_reach: float = 0.9
+    # The coefficients follow from values on a circle of this radius. Between the two radii, the
+    # terms of the series fall to round-off.
+    circle: float = 1.2
+    terms: int = 128  # (series_reach / circle)^128 is 1e-16
+    nodes: int = 256  # (circle / 1.5)^256, the aliasing, is far below round-off
 
 
-def field_of_tree(
+OPTIONS = PlaneOptions()
+
+# The fields of one interval at each point x + iy, for pairs of a point and an interval.
+OfLeaves = Callable[[Array, Array, Index, Sequence[What]], list[Complex]]
+
+
+def fields_of_tree(
     tree: Tree,
     series: Array,
     kernel: Kernel,
     points: tuple[Array, Array],
-    what: What,
+    whats: Sequence[What],
     leaf: OfLeaves,
-) -> Complex:
-    """Field at the points x + iy that the kernel's poles cause.
+) -> list[Complex]:
+    """Fields at the points x + iy that the kernel's poles cause, one for each of `whats`.
 
     For each point, nodes are split from the root down until they are far or are a single interval.
 
-    series: first moments of each node, coefficients of T_l / sqrt(1 - t^2). leaf: the field of one
+    series: first moments of each node, coefficients of T_l / sqrt(1 - t^2). leaf: the fields of one
     interval that is near.
     """
     x, y = points
-    out = np.zeros(len(x), dtype=complex)
+    out = [np.zeros(len(x), dtype=complex) for _ in whats]
     for shift in kernel.poles:
-        block = max(1, BLOCKS.memory_pairs // len(tree))
-        for start in range(0, len(x), block):
-            point = np.arange(start, min(start + block, len(x)))
+        near_points, near_items = [], []
+        for start in range(0, len(x), OPTIONS.block):
+            point = np.arange(start, min(start + OPTIONS.block, len(x)))
             node = np.zeros(len(point), dtype=np.intp)
             while len(point):
                 at, w = x[point] - shift, tree.half[node]
                 seen = InPlane.of((at - tree.lo[node]) / w, (at - tree.hi[node]) / w, y[point] / w)
                 far = np.abs(seen.rho) < _FAR
-                value = of_t(series, seen[far], w[far], kernel.datum, node[far], what)
-                np.add.at(out, point[far], value)
-                near = ~far & (tree.item[node] >= 0)
-                if near.any():
-                    i = point[near]
-                    np.add.at(out, i, leaf(x[i] - shift, y[i], tree.item[node[near]], what))
-                split = ~far & ~near
+                some, here = seen[far], point[far]
+                for total, what in zip(out, whats, strict=True):
+                    value = of_t(series, some, w[far], kernel.datum, node[far], what)
+                    np.add.at(total, here, value)
+                leaves = ~far & (tree.item[node] >= 0)
+                near_points.append(point[leaves])
+                near_items.append(tree.item[node[leaves]])
+                split = ~far & ~leaves
                 point = np.repeat(point[split], 2)
                 node = np.column_stack((tree.left[node[split]], tree.right[node[split]])).ravel()
+        if not near_points:
+            continue
+        i, item = np.concatenate(near_points), np.concatenate(near_items)
+        if len(i):
+            for total, value in zip(out, leaf(x[i] - shift, y[i], item, whats), strict=True):
+                np.add.at(total, i, value)
     return out
+
+
+@record
+class HilbertRest(Kept):
+    """Fields of the regular part of Hilbert's kernel.
+
+    middle: middle of all intervals; parts: nodes within half a period of it, and weights, which
+    represent the density.
+    """
+
+    kernel: Kernel
+    middle: float
+    parts: list[tuple[Array, Array]]
+
+    def __call__(self, z: Complex, what: What) -> Complex:
+        """The field at points z within half a period of the middle along the line, Im z >= 0."""
+        period, regular = self.period, self.kernel.regular_of(what)
+        assert regular is not None
+        out, u = np.empty(len(z), dtype=complex), (z - self.middle) / period
+        near = np.abs(u) < OPTIONS.series_reach
+        scaled, total = u[near] / OPTIONS.circle, np.zeros(int(near.sum()), dtype=complex)
+        if len(total):
+            for coefficient in self._coefficients(what):
+                total *= scaled
+                total += coefficient
+        out[near] = total
+        # Far points are so deep that nothing cancels.
+        far = regular if what == "potential" else partial(_less_poles, period, what)
+        out[~near] = self._summed(far, z[~near])
+        return out
+
+    @property
+    def period(self) -> float:
+        assert self.kernel.period is not None
+        return self.kernel.period
+
+    def _coefficients(self, what: What) -> list[complex]:
+        """Coefficients of the power series of the field, the highest power first."""
+        if what not in self._kept:
+            turns = np.arange(OPTIONS.nodes) / OPTIONS.nodes
+            circle = self.period * OPTIONS.circle * np.exp(2j * np.pi * turns)
+            regular = self.kernel.regular_of(what)
+            assert regular is not None
+            values = self._summed(regular, self.middle + circle)
+            terms = np.fft.fft(values)[: OPTIONS.terms] / OPTIONS.nodes
+            self._kept[what] = terms[::-1].tolist()
+        return self._kept[what]
+
+    @cached_property
+    def _kept(self) -> dict[What, list[complex]]:
+        return {}
+
+    def _summed(self, of: Regular, at: Complex) -> Complex:
+        total = np.zeros(len(at), dtype=complex)
+        for start in range(0, len(at), SUMS.cache_pairs // TERMS):
+            here = slice(start, start + SUMS.cache_pairs // TERMS)
+            for xi, weight in self.parts:
+                total[here] += np.asarray(of(at[here, None], xi)) @ weight  # type: ignore[arg-type]
+        return total
+
+
+def _less_poles(period: float, what: What, at: Array, xi: Array) -> Array:
+    """Hilbert's kernel without its poles at 0 and +-L, or its derivative, far from the line."""
+    d = (at - xi) / period
+    wave = np.exp(2j * np.pi * d)
+    if what == "transform":
+        whole = -1j * np.pi * (1 + 2 * wave / (1 - wave))
+        return np.asarray((whole - 1 / d - 1 / (d - 1) - 1 / (d + 1)) / period)
+    whole = 4 * np.pi**2 * wave / (1 - wave) ** 2
+    return np.asarray((whole + 1 / d**2 + 1 / (d - 1) ** 2 + 1 / (d + 1) ** 2) / period**2)

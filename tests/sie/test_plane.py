@@ -208,8 +208,8 @@ def test_the_tree_adds_up_what_the_zones_do_one_by_one(what):
     expected = np.array(
         [
             density.plane.of_zones(
-                np.full(len(zone), s.real), np.full(len(zone), s.imag), zone, what
-            ).sum()
+                np.full(len(zone), s.real), np.full(len(zone), s.imag), zone, (what,)
+            )[0].sum()
             for s in z
         ]
     )

@@ -1,0 +1,457 @@
+r"""First yield: the load and the place at which the equivalent stress first reaches the strength.
+
+The largest equivalent stress in the body is sought at all depths, from the finest detail of the
+pressure to the widest zone. Without shear, a pressure between 0 and P causes no larger shear than
+P/pi in the plane, and no larger mean stress than P. The pressures within k depths of a point have
+the highest value P1, and those farther away act over an angle of 2 arccot(k) only. So
+
+    shear <= P1/pi + (P - P1) 2 arccot(k)/pi,     mean <= P1 + (P - P1) 2 arccot(k)/pi.
+
+Depths and places at which these bounds are below a stress that has been found are left out.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.errors import OutOfRange, SceneError
+from contact.formulation.protocol import Fields
+from contact.inside.stress import LATERAL, Stress
+from contact.model.checks import one_of, poisson_ratio, positive
+from contact.model.scene import Scene
+from sie import Array
+
+CRITERIA = ("mises", "tresca")
+
+
+@dataclass(frozen=True)
+class YieldOptions:
+    """Options of the search for the largest stress, and of that for the load."""
+
+    # Depths are in a geometric sequence. Over a factor of 1.3 a stress changes by some per cent,
+    # which the refinement of the best places makes up for.
+    depth_ratio: float = 1.3
+    places_per_depth: float = 2.0  # places along the surface, per depth
+    samples_per_length: float = 4.0  # of the pressure, per length over which the profile varies
+    zone_samples: int = 24  # least number of samples of the pressure on a zone
+    # Depths begin at this part of the zone's half width, or of the profile's detail. The largest
+    # stress below a smooth peak of the pressure is at 0.3 to 0.8 of its half width.
+    first_depth: float = 0.1
+    reach: float = 8.0  # k in the bounds of the stresses
+    bound_margin: float = 1.1  # for peaks of the pressure between its samples
+    refined: int = 48  # places that are refined
+    near_best: float = 0.8  # least stress of a refined place, in units of the largest
+    steps: int = 40  # of a refinement; each halves its step unless it moves
+    max_ratio: float = 8.0  # of the control, in one step of the search for a bracket
+    max_solves: int = 80
+    least_ratio: float = 1e-6  # of the control: down to this a corner or a tip bears load
+
+
+OPTIONS = YieldOptions()
+
+
+class Body(Protocol):
+    """A solution, as the search for first yield sees it."""
+
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def zones(self) -> Array: ...
+    @property
+    def fields(self) -> Fields: ...
+    @property
+    def load(self) -> float: ...
+    @property
+    def error(self) -> float: ...
+    @property
+    def max_pressure(self) -> float: ...
+    def pressure(self, x: ArrayLike) -> Array: ...
+    def stress(self, x: ArrayLike, y: ArrayLike, lateral: str, nu: float | None) -> Stress: ...
+
+
+@dataclass(frozen=True)
+class Yield:
+    """First yield: the load at which the equivalent stress reaches the strength, and the place.
+
+    Parameters
+    ----------
+    load : float
+        The load [N/m], per period if there is one; 0 if the body yields under any load.
+    x, y : float
+        The place in body 1 [m]; y is the depth.
+    error : float
+        Bound of the relative error of the load.
+    note : str
+        Why the load is 0: a sharp corner or tip; else "".
+    solution : Solution or None
+        The contact at first yield; None if the load is 0.
+
+    Examples
+    --------
+    A cylinder yields below the surface at p_0 = Y / 0.5575 for nu = 0.3.
+
+    >>> import contact
+    >>> cylinder = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), load=1e3)
+    >>> found = contact.solve(cylinder).first_yield(1e6, nu=0.3)
+    >>> round(1e6 / found.solution.max_pressure, 8), round(found.y / found.solution.zones[0, 1], 6)
+    (0.55751622, 0.704292)
+    """
+
+    load: float
+    x: float
+    y: float
+    error: float = 0.0
+    note: str = ""
+    solution: Any = field(default=None, repr=False)
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A yield criterion: the equivalent stress that is compared with the strength."""
+
+    name: str
+    nu: float
+    lateral: str
+
+    def of(self, stress: Stress) -> Array:
+        return stress.mises(self.nu) if self.name == "mises" else stress.tresca(self.nu)
+
+    def at(self, body: Body, x: Array, y: Array) -> Array:
+        return self.of(body.stress(x, y, self.lateral, self.nu))
+
+    def bound(self, highest: Array, anywhere: float, deep: float) -> Array:
+        """Bound of the equivalent stress from the pressures near a point, and anywhere."""
+        angle = 2 * np.arctan(1 / OPTIONS.reach) / np.pi
+        beyond = angle * np.maximum(anywhere - highest, 0.0)
+        shear = highest / np.pi + beyond + 0.5 * deep
+        mean = highest + beyond + 0.5 * deep
+        if self.name == "mises":
+            return np.hypot(np.sqrt(3) * shear, (1 - 2 * self.nu) * mean)
+        return np.asarray(np.maximum(shear, 0.5 * (shear + (1 - 2 * self.nu) * mean)))
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest equivalent stress [Pa] in a body, its error, and its place [m]."""
+
+    stress: float
+    error: float
+    x: float
+    y: float
+
+
+def largest(body: Body, criterion: Criterion) -> Peak:
+    """The largest equivalent stress in the body."""
+    samples = _Samples.of(body)
+    if samples.highest == 0.0 and body.fields.deep_pressure == 0.0:
+        return Peak(0.0, 0.0, 0.0, 0.0)
+    on_surface = criterion.at(body, samples.x, np.zeros(len(samples.x)))
+    places = [(samples.x, np.zeros(len(samples.x)), on_surface, samples.scale)]
+    best = float(on_surface.max(initial=0.0))
+    deep = abs(body.fields.deep_pressure) if criterion.lateral != LATERAL[0] else 0.0
+    for depth in samples.depths():
+        x = samples.at_depth(depth)
+        highest = samples.near(x, OPTIONS.reach * depth)
+        bound = criterion.bound(highest, samples.highest, deep)
+        x = x[OPTIONS.bound_margin * bound >= best]
+        if len(x):
+            y = np.full(len(x), depth)
+            value = criterion.at(body, x, y)
+            best = max(best, float(value.max()))
+            places.append((x, y, value, y))
+    x, y, value, size = (np.concatenate(part) for part in zip(*places, strict=True))
+    x, y, size = _apart(x, y, value, size)
+    return _refined(body, criterion, x, y, size)
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """Samples of the pressure on the surface, ascending, with images of one period on both sides.
+
+    x: places [m]; pressure: absolute values [Pa]; scale: the length over which the pressure varies
+    there [m]; period: [m] or None; span: the widest zone [m], or the period.
+    """
+
+    x: Array
+    pressure: Array
+    scale: Array
+    period: float | None
+    span: float
+    table: list[Array]
+
+    @classmethod
+    def of(cls, body: Body) -> "_Samples":
+        scene, zones = body.scene, body.zones
+        period, detail = scene.period, scene.profile.resolution or np.inf
+        if len(zones) == 0:
+            if period is None:
+                raise SceneError("surfaces apart do not yield", "load")
+            zones = scene.profile.x0 + np.array([[0.0, period]])
+            detail = min(detail, period / 16)
+        parts, scales = [], []
+        for a, b in zones:
+            half = 0.5 * (b - a)
+            count = max(OPTIONS.zone_samples, int(OPTIONS.samples_per_length * 2 * half / detail))
+            angle = np.pi * (np.arange(count) + 0.5) / count
+            even = a + 2 * half * (np.arange(count) + 0.5) / count
+            parts.append(np.concatenate((0.5 * (a + b) - half * np.cos(angle), even)))
+            scales.append(np.full(2 * count, min(half, detail)))
+        gaps = zones[1:, 0] - zones[:-1, 1]
+        parts.append(0.5 * (zones[1:, 0] + zones[:-1, 1]))
+        scales.append(gaps)
+        x, scale = np.concatenate(parts), np.concatenate(scales)
+        order = np.argsort(x)
+        x, scale = x[order], scale[order]
+        pressure = np.abs(body.pressure(x))
+        pressure = np.where(np.isfinite(pressure), pressure, 0.0)
+        span = float(np.diff(zones, axis=1).max())
+        whole = pressure
+        if period is not None:
+            whole = np.tile(pressure, 3)
+        table = [whole]
+        while 2 ** len(table) <= len(whole):
+            step, last = 2 ** (len(table) - 1), table[-1]
+            table.append(np.maximum(last[:-step], last[step:]))
+        return cls(x, pressure, scale, period, span, table)
+
+    @property
+    def highest(self) -> float:
+        return float(self.pressure.max(initial=0.0))
+
+    def depths(self) -> Array:
+        """Depths from the widest zone to the finest detail [m]."""
+        least = OPTIONS.first_depth * float(self.scale.min())
+        count = int(np.ceil(np.log(self.span / least) / np.log(OPTIONS.depth_ratio)))
+        return self.span / OPTIONS.depth_ratio ** np.arange(count + 1.0)
+
+    def at_depth(self, depth: float) -> Array:
+        """Places that are to be looked at in this depth: samples that it can resolve."""
+        x = self.x[OPTIONS.first_depth * self.scale <= depth]
+        cell = np.floor(x * (OPTIONS.places_per_depth / depth))
+        return x[np.diff(cell, prepend=-np.inf) > 0]
+
+    def near(self, x: Array, reach: float) -> Array:
+        """The highest pressure within the distance `reach` of each place."""
+        at = self.x
+        if self.period is not None:
+            if 2 * reach >= self.period:
+                return np.full(len(x), self.highest)
+            at = np.concatenate((at - self.period, at, at + self.period))
+        first = np.searchsorted(at, x - reach)
+        count = np.maximum(np.searchsorted(at, x + reach, side="right") - first, 1)
+        level = np.floor(np.log2(count)).astype(np.intp)
+        out = np.zeros(len(x))
+        for k in np.unique(level).tolist():
+            here = np.flatnonzero(level == k)
+            one, size = self.table[k], 2**k
+            start = np.minimum(first[here], len(one) - 1)
+            end = np.clip(first[here] + count[here] - size, 0, len(one) - 1)
+            out[here] = np.maximum(one[start], one[end])
+        return out
+
+
+def _apart(x: Array, y: Array, value: Array, size: Array) -> tuple[Array, Array, Array]:
+    """The best places, none of them close to a better one."""
+    order = np.argsort(-value)
+    order = order[value[order] >= OPTIONS.near_best * value[order[0]]]
+    kept: list[int] = []
+    while len(order) and len(kept) < OPTIONS.refined:
+        best = order[0]
+        kept.append(int(best))
+        close = (np.abs(x[order] - x[best]) < size[best]) & (
+            np.abs(y[order] - y[best]) < size[best]
+        )
+        close[0] = True
+        order = order[~close]
+    return x[kept], y[kept], size[kept]
+
+
+def _refined(body: Body, criterion: Criterion, x: Array, y: Array, size: Array) -> Peak:
+    """The largest stress near some places, by a search whose step is halved where it does not move.
+
+    A parabola through the values around each place proposes the next one.
+    """
+    dx, dy = (part.ravel() for part in np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]))
+    step = 0.25 * size
+    smallest = 1e-4 * size
+    for _ in range(OPTIONS.steps):
+        around_x = x + step * dx[:, None]
+        around_y = np.maximum(y + step * dy[:, None], 0.0)
+        value = criterion.at(body, around_x, around_y)
+        move_x, move_y = _vertex(value, dx, dy)
+        there_x, there_y = x + step * move_x, np.maximum(y + step * move_y, 0.0)
+        there = criterion.at(body, there_x, there_y)
+        best = np.argmax(value, axis=0)
+        of_grid = np.take_along_axis(value, best[None], axis=0)[0]
+        by_vertex = there >= of_grid
+        new_x = np.where(by_vertex, there_x, x + step * dx[best])
+        new_y = np.where(by_vertex, there_y, np.maximum(y + step * dy[best], 0.0))
+        moved = np.maximum(np.abs(new_x - x), np.abs(new_y - y))
+        x, y = new_x, new_y
+        step = np.maximum(np.where(moved < 0.5 * step, 0.5 * step, step), smallest)
+        if np.all((step <= smallest) & (moved < smallest)):
+            break
+    found = body.stress(x, y, criterion.lateral, criterion.nu)
+    value = criterion.of(found)
+    best_place = int(np.argmax(value))
+    error = 2.0 * float(np.ravel(found.error)[best_place])
+    return Peak(float(value[best_place]), error, float(x[best_place]), float(y[best_place]))
+
+
+def _vertex(value: Array, dx: Array, dy: Array) -> tuple[Array, Array]:
+    """The maximum of the paraboloid through 3 x 3 values, at most one step away."""
+    columns = np.column_stack((np.ones(9), dx, dy, 0.5 * dx * dx, dx * dy, 0.5 * dy * dy))
+    _, gx, gy, xx, xy, yy = np.linalg.pinv(columns) @ value
+    determinant = xx * yy - xy * xy
+    peaked = (xx < 0) & (determinant > 0)
+    safe = np.where(peaked, determinant, 1.0)
+    move_x = np.where(peaked, (xy * gy - yy * gx) / safe, np.sign(gx))
+    move_y = np.where(peaked, (xy * gx - xx * gy) / safe, np.sign(gy))
+    return np.clip(move_x, -1.0, 1.0), np.clip(move_y, -1.0, 1.0)
+
+
+def first_yield(
+    body: Body, at: Callable[[float], Body], strength: float, criterion: Criterion
+) -> Yield:
+    """The load at which the largest stress is the strength, as the scene's control is raised.
+
+    at: the solution under another value of the control.
+    """
+    positive("strength", strength)
+    one_of("criterion", criterion.name, CRITERIA)
+    poisson_ratio("nu", criterion.nu)
+    one_of("lateral", criterion.lateral, LATERAL)
+    value = body.scene.control[1]
+    if value <= 0:
+        raise SceneError.of(
+            body.scene.control[0], value, "above 0: first yield is found by raising it"
+        )
+    search = _Search(at, strength, criterion)
+    search.add(value, body)
+    return search.run()
+
+
+@dataclass
+class _Search:
+    """A bracket of first yield in the logarithm of the control."""
+
+    at: Callable[[float], Body]
+    strength: float
+    criterion: Criterion
+    # (ln of the control, ln of the largest stress over the strength, solution, peak) on both sides.
+    below: tuple[float, float, Body, Peak] | None = None
+    above: tuple[float, float, Body, Peak] | None = None
+    solves: int = 0
+
+    def add(self, value: float, body: Body) -> tuple[float, float, Body, Peak]:
+        peak = (
+            Peak(np.inf, 0.0, *_singular_place(body))
+            if _is_singular(body, self.criterion)
+            else largest(body, self.criterion)
+        )
+        ratio = peak.stress / self.strength
+        point = (float(np.log(value)), float(np.log(max(ratio, 1e-300))), body, peak)
+        if point[1] < 0:
+            self.below = point
+        else:
+            self.above = point
+        self.solves += 1
+        return point
+
+    def solve(self, level: float) -> tuple[float, float, Body, Peak]:
+        if self.solves >= OPTIONS.max_solves:
+            raise OutOfRange(
+                f"first yield is not found by {self.solves} contacts: the largest stress does not "
+                "reach the strength, or changes slowly with the load"
+            )
+        value = float(np.exp(level))
+        return self.add(value, self.at(value))
+
+    def run(self) -> Yield:
+        point = self.below or self.above
+        assert point is not None
+        start, last, slope = point[0], point, 0.5
+        while self.below is None or self.above is None:
+            wanted = -last[1] / slope if np.isfinite(last[1]) else -np.inf
+            limit = np.log(OPTIONS.max_ratio)
+            level = last[0] + float(np.clip(wanted + np.sign(wanted) * 0.01, -limit, limit))
+            if np.isinf(last[1]) and level < start + np.log(OPTIONS.least_ratio):
+                peak = last[3]
+                return Yield(0.0, peak.x, peak.y, 0.0, _NOTE)
+            new = self.solve(level)
+            if np.isfinite(new[1]) and np.isfinite(last[1]):
+                rate = (new[1] - last[1]) / (new[0] - last[0])
+                if rate < 1e-6 and new[1] < 0:
+                    raise OutOfRange(
+                        f"no yield: the largest stress is {np.exp(new[1]):.3g} of the strength and "
+                        "no longer grows with the load"
+                    )
+                slope = float(np.clip(rate, 0.05, 4.0))
+            last = new
+        return self._within()
+
+    def _within(self) -> Yield:
+        """Regula falsi with the Illinois weights, within the bracket."""
+        assert self.below is not None and self.above is not None
+        low, high = self.below, self.above
+        weights = [1.0, 1.0]
+        side, last = 0, low if abs(low[1]) < abs(high[1]) else high
+        slope = 0.5
+        while True:
+            if np.isfinite(high[1]):
+                slope = (high[1] - low[1]) / (high[0] - low[0])
+            width = high[0] - low[0]
+            if abs(last[1]) < 1e-11 or width < 1e-12:
+                break
+            f_low, f_high = weights[0] * low[1], weights[1] * high[1]
+            level = 0.5 * (low[0] + high[0])
+            if np.isfinite(f_high):
+                level = low[0] - f_low * width / (f_high - f_low)
+            previous, last = last, self.solve(level)
+            if np.isfinite(last[1]) and np.isfinite(previous[1]) and last[0] != previous[0]:
+                slope = (last[1] - previous[1]) / (last[0] - previous[0])
+            if last[1] < 0:
+                low, weights[0] = last, 1.0
+                weights[1] = 0.5 * weights[1] if side < 0 else 1.0
+                side = -1
+            else:
+                high, weights[1] = last, 1.0
+                weights[0] = 0.5 * weights[0] if side > 0 else 1.0
+                side = 1
+            # The stress is known to its error only.
+            noise = 0.1 * last[3].error / self.strength
+            if abs(last[1]) < noise:
+                break
+        body, peak = last[2], last[3]
+        control = body.scene.control[0]
+        error = (peak.error / self.strength + abs(last[1])) / max(abs(slope), 1e-3)
+        if control not in ("load", "mean_pressure"):
+            error *= 4.0
+        return Yield(body.load, peak.x, peak.y, float(error), "", body)
+
+
+_NOTE = (
+    "a sharp corner, a sharp tip or an adhesive end, where the stress is infinite under any load"
+)
+
+
+def _is_singular(body: Body, criterion: Criterion) -> bool:
+    """Whether the equivalent stress is infinite somewhere."""
+    if body.fields.problem.end.intensity:
+        return True
+    if np.isfinite(body.max_pressure):
+        return False
+    return True
+
+
+def _singular_place(body: Body) -> tuple[float, float]:
+    """A place on the surface at which the stress is infinite."""
+    kinks = body.scene.profile.kinks
+    with np.errstate(all="ignore"):
+        at = np.concatenate((kinks[kinks[:, 1] > 0, 0], body.zones.ravel()))
+        pressure = np.abs(body.pressure(at))
+    infinite = np.flatnonzero(np.isinf(pressure) | np.isnan(pressure))
+    return (float(at[infinite[0]]) if len(infinite) else float(at[0])), 0.0

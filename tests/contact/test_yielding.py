@@ -1,0 +1,124 @@
+"""First yield: Hertz's contact, the largest stress of rough contact, corners, refusals."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+import contact
+from contact.inside.yielding import Criterion, largest
+
+ISOLATED, PERIODIC = contact.Isolated(), contact.Periodic()
+WAVE = contact.Sinusoid(1e-6, 1e-4)
+E = 1e9
+
+
+def on_axis(criterion, nu):
+    """(place, value) of the largest stress on the axis below a cylinder, p_0 = a = 1."""
+
+    def value(y):
+        root = np.hypot(1, y)
+        xx, yy = 2 * y - (1 + 2 * y * y) / root, -1 / root
+        zz = nu * (xx + yy)
+        if criterion == "tresca":
+            return 0.5 * (max(xx, yy, zz) - min(xx, yy, zz))
+        return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2))
+
+    found = minimize_scalar(
+        lambda y: -value(y), bounds=(0.3, 1.5), method="bounded", options={"xatol": 1e-12}
+    )
+    return (found.x, -found.fun) if -found.fun > value(0.0) else (0.0, value(0.0))
+
+
+@pytest.mark.parametrize(
+    ("criterion", "nu", "control"),
+    [
+        ("mises", 0.3, {"load": 1e3}),
+        ("tresca", 0.3, {"half_width": 1e-4}),
+        ("mises", 0.1, {"load": 1e7}),
+    ],
+)
+def test_a_cylinder_yields_where_hertz_has_it(criterion, nu, control):
+    scene = contact.Scene(contact.Parabola(1.0), E, ISOLATED, **control)
+    found = contact.solve(scene).first_yield(1e6, nu, criterion)
+    depth, part = on_axis(criterion, nu)
+    half, peak = found.solution.zones[0, 1], 1e6 / part
+    assert found.load == pytest.approx(np.pi * peak**2 / E, rel=1e-10)
+    assert abs(found.load * E / (np.pi * peak**2) - 1) <= found.error + 1e-14
+    assert (found.x / half, found.y / half) == pytest.approx((0.0, depth), abs=1e-6)
+    assert found.note == ""
+
+
+@pytest.mark.parametrize(
+    ("profile", "control"),
+    [
+        (contact.Fourier(1e-4, [1e-6, 2e-7, -1e-7], [1e-7, 3e-7, 2e-7]), {"mean_pressure": 1e6}),
+        pytest.param(
+            contact.self_affine(hurst=0.8, period=1e-3, shortest=2e-5, rms_slope=0.02, seed=2),
+            {"mean_pressure": 1e6},
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+@pytest.mark.parametrize("lateral", ["as loaded", "free"])
+def test_at_first_yield_no_point_of_a_fine_grid_is_above_the_strength(profile, control, lateral):
+    solution = contact.solve(contact.Scene(profile, E, PERIODIC, **control))
+    found = solution.first_yield(5e6, 0.3, lateral=lateral)
+    assert found.solution.stress(found.x, found.y, lateral).mises(0.3) == pytest.approx(
+        5e6, rel=1e-8
+    )
+    period = profile.period
+    x = period * np.arange(1200) / 1200
+    for depth in period * 10 ** np.linspace(-4, -0.3, 40):
+        assert found.solution.stress(x, depth, lateral).mises(0.3).max() < 5e6 * (1 + 1e-9)
+    assert found.solution.stress(x, 0.0, lateral).mises(0.3).max() < 5e6 * (1 + 1e-9)
+
+
+def test_a_narrow_zone_beside_a_wide_one_is_not_missed():
+    # A sharp ridge of a thousandth of the period on a flat wave: the narrow zone has the highest
+    # stress, by a small part of the load.
+    x = np.arange(4000) / 4000
+    heights = 1e-3 * np.cos(2 * np.pi * x) + 2e-7 * np.cos(2 * np.pi * 500 * (x - 0.02)) * np.exp(
+        -(((x - 0.02) / 0.003) ** 2)
+    )
+    scene = contact.Scene(contact.Sampled(x, heights, period=1.0), E, PERIODIC, mean_pressure=2e5)
+    solution = contact.solve(scene)
+    peak = largest(solution, Criterion("mises", 0.3, "as loaded"))
+    grid = np.concatenate([np.linspace(a, b, 300) for a, b in solution.zones])
+    brute = max(
+        solution.stress(grid, depth).mises(0.3).max() for depth in 10 ** np.linspace(-5, -0.5, 60)
+    )
+    assert brute <= peak.stress * (1 + 1e-9)
+    assert brute > 0.98 * peak.stress
+
+
+@pytest.mark.parametrize(
+    ("profile", "law"),
+    [
+        (contact.Flat(1e-4), contact.Frictionless()),
+        (contact.Wedge(0.01), contact.Frictionless()),
+        (contact.Parabola(1.0), contact.JKR(0.01)),
+    ],
+)
+def test_corners_tips_and_adhesive_ends_yield_under_no_load_and_say_so(profile, law):
+    solution = contact.solve(contact.Scene(profile, E, ISOLATED, law=law, load=10.0))
+    found = solution.first_yield(1e6, 0.3)
+    assert found.load == 0.0 and found.solution is None
+    assert "sharp corner" in found.note
+
+
+def test_full_contact_does_not_yield_in_the_plane_whatever_the_load():
+    solution = contact.solve(contact.Scene(WAVE, E, PERIODIC, mean_pressure=1e6))
+    with pytest.raises(contact.OutOfRange, match="no longer grows"):
+        solution.first_yield(5e7, 0.5)
+
+
+def test_wrong_numbers_are_refused_by_name():
+    solution = contact.solve(contact.Scene(WAVE, E, PERIODIC, mean_pressure=1e6))
+    for arguments, name in (
+        ((-1.0, 0.3), "strength"),
+        ((1e6, 0.7), "nu"),
+        ((1e6, 0.3, "mohr"), "criterion"),
+        ((1e6, 0.3, "mises", "fixed"), "lateral"),
+    ):
+        with pytest.raises(contact.SceneError, match=name):
+            solution.first_yield(*arguments)
