@@ -51,7 +51,7 @@ from sie.basis.interval import Complex, InPlane, Outside, What, of_t, sides, the
 from sie.basis.kernels import cauchy
 from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.sums import pair_blocks, waves
-from sie.trees.piecewise import PiecewiseTransform, clenshaw
+from sie.trees.piecewise import PiecesInPlane, PiecewiseTransform, clenshaw
 from sie.trees.tree import SEPARATION, TERMS
 
 
@@ -288,53 +288,12 @@ class QuadraticSpline(Kept):
         return out
 
     def in_plane(self, seen: InPlane, what: What) -> Complex:
-        """Transform (1/pi) int f / (zeta - tau) dtau of the spline f, or its derivative by zeta.
+        """Transform (1/pi) int f / (zeta - tau) dtau of the spline f, or its derivative by zeta."""
+        return self._sources.field(seen.left, what)
 
-        The integral over each piece is computed by Gauss's rule or, close to the piece, by
-
-            int_0^h p(y) / (Y - y) dy = p(Y) log(Y / (Y - h)) - p_1 h - p_2 (h Y + h^2/2),
-
-        with the polynomial p(y) = p_0 + p_1 y + p_2 y^2 of the piece.
-        """
-        knots, p = self.knots, self.pieces
-        h = np.diff(knots)
-        places, weights = legendre(knots, SUMS.gauss_nodes)
-        weighted = self(places) * weights
-        # At this distance from a piece, in lengths of the piece, Gauss's rule has the error (4
-        # distance)^(-2 nodes). This error is the square of the round-off.
-        near = 0.25 * EPS ** (-1 / SUMS.gauss_nodes)
-        power = 1 if what == "transform" else 2
-        sign = 1.0 if what == "transform" else -1.0
-        out = np.empty(seen.left.shape, dtype=complex)
-        for here in pair_blocks(len(out), len(places)):
-            at = seen.left[here]
-            # A piece is close to a point if the middle of the piece is within `near` lengths of the
-            # piece.
-            close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < near * h
-            terms = sign * weighted / (at[:, None] - places) ** power
-            value = np.where(np.repeat(close, SUMS.gauss_nodes, axis=1), 0.0, terms).sum(axis=1)
-            i, j = np.nonzero(close)
-            one, two, three, size = *p[j].T, h[j]
-            past, before = at[i] - knots[j], at[i] - knots[j + 1]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                log = np.log(past) - np.log(before)
-                f = one + past * (two + past * three)
-                # At a knot the two adjacent pieces have the same value. The infinite parts of the
-                # logarithms of these pieces therefore cancel, and are omitted.
-                log = np.where(
-                    (past == 0) | (before == 0),
-                    np.where(past == 0, -1.0, 1.0) * np.log(size) - 1j * np.pi * (past == 0),
-                    log,
-                )
-                if what == "transform":
-                    closed = f * log - two * size - three * (size * past + 0.5 * size**2)
-                else:
-                    closed = (
-                        (two + 2 * three * past) * log - f * size / (past * before) - three * size
-                    )
-            np.add.at(value, i, closed)
-            out[here] = value / np.pi
-        return out
+    @cached_property
+    def _sources(self) -> PiecesInPlane:
+        return PiecesInPlane.of(self.knots, self.pieces)
 
 
 @record
@@ -551,10 +510,12 @@ class ConjugateSpline(Kept):
         """Transform of the density, or its derivative by zeta, at complex points zeta."""
         phi, weight = self._nodes
         rho, turn = seen.rho[:, None], np.exp(-1j * phi)
-        b, own = (
-            np.exp(seen.turned(np.cos(0.5 * phi), np.sin(0.5 * phi))),
-            1j * self.spline.in_plane(seen, what),
-        )
+        # 1 - rho e^(-i phi), without cancellation: see `InPlane.turned`.
+        c, sine = np.cos(0.5 * phi), np.sin(0.5 * phi)
+        twice = 2 / (seen.p + seen.m)
+        b = np.outer(twice * seen.m, (c - 1j * sine) * c)
+        b += np.outer(twice * seen.p, (c - 1j * sine) * 1j * sine)
+        own = 1j * self.spline.in_plane(seen, what)
         if what == "transform":
             return np.asarray(own + (rho * turn / b) @ weight * (2 / np.pi))
         return np.asarray(own - (rho * turn / b**2) @ weight * (2 / np.pi) / seen.root)

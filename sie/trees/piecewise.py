@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from sie.basis import chebyshev
 from sie.basis.data import Array, Complex, Index, Kept, by_rows, record
 from sie.basis.interval import Outside, What, complex_of
-from sie.basis.kernels import Kernel
+from sie.basis.kernels import Kernel, cauchy
 from sie.basis.sums import OPTIONS as SUMS
 from sie.trees.far import FarSum, Nested
 from sie.trees.plane import HilbertRest, fields_of_tree
@@ -238,8 +238,8 @@ class PiecewiseTransform:
         return HilbertRest(self.kernel, middle, [self._plane.nodes])
 
     @cached_property
-    def _plane(self) -> "_PiecesInPlane":
-        return _PiecesInPlane.of(*self._pieces)
+    def _plane(self) -> "PiecesInPlane":
+        return PiecesInPlane.of(*self._pieces)
 
     def _at_points(self, x: Array) -> Array:
         cell = np.clip(np.searchsorted(self.ends, x, side="right") - 1, 0, len(self) - 1)
@@ -251,7 +251,7 @@ class PiecewiseTransform:
 
 
 @record
-class _PiecesInPlane(Kept):
+class PiecesInPlane(Kept):
     """The pieces of a function as sources of fields in the plane.
 
     tree: over the pieces. series: first moments of its nodes, as coefficients of T_l / sqrt(1 -
@@ -263,7 +263,7 @@ class _PiecesInPlane(Kept):
     local: Array
 
     @classmethod
-    def of(cls, ends: Array, pieces: Array) -> "_PiecesInPlane":
+    def of(cls, ends: Array, pieces: Array) -> "PiecesInPlane":
         tree, w = Tree.over(ends[:-1], ends[1:]), 0.5 * np.diff(ends)
         p, q, r = pieces.T
         local = np.column_stack((p + w * (q + w * r), (q + 2 * w * r) * w, r * w * w))
@@ -271,8 +271,13 @@ class _PiecesInPlane(Kept):
         moments = Nested(tree, kept=False).upward((local @ _monomials()) * (w / np.pi)[:, None])
         return cls(tree, moments * twice / tree.half[:, None], local)
 
+    def field(self, z: Complex, what: What) -> Complex:
+        """Transform (1/pi) int f / (z - xi) dxi or its derivative at points z (n,), Im z >= 0."""
+        points = (z.real, z.imag)
+        return fields_of_tree(self.tree, self.series, cauchy(), points, (what,), self.of_pieces)[0]
+
     def of_pieces(self, x: Array, y: Array, piece: Index, whats: Sequence[What]) -> list[Complex]:
-        """Transform and derivative of one piece at each point x + i y."""
+        """Fields of one piece at each point x + i y, for pairs of a point and a piece."""
         leaf = self.tree.leaves[piece]
         w = self.tree.half[leaf]
         left = complex_of((x - self.tree.lo[leaf]) / w, y / w)
@@ -280,12 +285,18 @@ class _PiecesInPlane(Kept):
         p, q, r = self.local[piece].T
         z = np.where(np.abs(left) < np.abs(right), left - 1, right + 1)
         value, bend = p + z * (q + z * r), q + 2 * z * r
-        with np.errstate(divide="ignore", invalid="ignore"):
-            # The logarithm is infinite at an end of a piece. There f is continuous, and the
-            # infinite terms of the pieces on both sides cancel.
-            log = np.log(np.where(left == 0, 1.0, left)) - np.log(np.where(right == 0, 1.0, right))
-            rate = (bend * log + value * (1 / left - 1 / right) - 2 * r) / (np.pi * w)
-        return [np.asarray((value * log - 2 * (q + z * r)) / np.pi), np.asarray(rate)]
+        # The logarithm is infinite at an end of a piece. There f is continuous, and the infinite
+        # terms of the pieces on both sides cancel.
+        log = np.log(np.where(left == 0, 1.0, left)) - np.log(np.where(right == 0, 1.0, right))
+        fields = []
+        for what in whats:
+            if what == "transform":
+                fields.append(np.asarray((value * log - 2 * (q + z * r)) / np.pi))
+            else:
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    rate = bend * log + value * (1 / left - 1 / right) - 2 * r
+                fields.append(np.asarray(rate / (np.pi * w)))
+        return fields
 
     @cached_property
     def nodes(self) -> tuple[Array, Array]:
