@@ -110,24 +110,34 @@ class Yield:
 
 @dataclass(frozen=True)
 class Criterion:
-    """A yield criterion: the equivalent stress that is compared with the strength."""
+    """A yield criterion: the equivalent stress that is compared with the strength.
+
+    name: "mises", "tresca", or "shear", the largest shear stress in the plane.
+    """
 
     name: str
     nu: float
     lateral: str
 
     def of(self, stress: Stress) -> Array:
+        if self.name == "shear":
+            return stress.shear
         return stress.mises(self.nu) if self.name == "mises" else stress.tresca(self.nu)
 
     def at(self, body: Body, x: Array, y: Array) -> Array:
         return self.of(body.stress(x, y, self.lateral, self.nu))
 
     def bound(self, highest: Array, anywhere: float, deep: float) -> Array:
-        """Bound of the equivalent stress from the pressures near a point, and anywhere."""
+        """Bound of the equivalent stress from the pressures near a point, and anywhere.
+
+        It is for surfaces without shear.
+        """
         angle = 2 * np.arctan(1 / OPTIONS.reach) / np.pi
         beyond = angle * np.maximum(anywhere - highest, 0.0)
         shear = highest / np.pi + beyond + 0.5 * deep
         mean = highest + beyond + 0.5 * deep
+        if self.name == "shear":
+            return shear
         if self.name == "mises":
             return np.hypot(np.sqrt(3) * shear, (1 - 2 * self.nu) * mean)
         return np.asarray(np.maximum(shear, 0.5 * (shear + (1 - 2 * self.nu) * mean)))
@@ -154,9 +164,10 @@ def largest(body: Body, criterion: Criterion) -> Peak:
     deep = abs(body.fields.deep_pressure) if criterion.lateral != LATERAL[0] else 0.0
     for depth in samples.depths():
         x = samples.at_depth(depth)
-        highest = samples.near(x, OPTIONS.reach * depth)
-        bound = criterion.bound(highest, samples.highest, deep)
-        x = x[OPTIONS.bound_margin * bound >= best]
+        if not body.fields.problem.law.shear_ratio:
+            highest = samples.near(x, OPTIONS.reach * depth)
+            bound = criterion.bound(highest, samples.highest, deep)
+            x = x[OPTIONS.bound_margin * bound >= best]
         if len(x):
             y = np.full(len(x), depth)
             value = criterion.at(body, x, y)
@@ -199,6 +210,9 @@ class _Samples:
             even = a + 2 * half * (np.arange(count) + 0.5) / count
             parts.append(np.concatenate((0.5 * (a + b) - half * np.cos(angle), even)))
             scales.append(np.full(2 * count, min(half, detail)))
+            # With friction, the tension behind a zone may be the largest stress.
+            parts.append(np.array([a, b]))
+            scales.append(np.full(2, half))
         gaps = zones[1:, 0] - zones[:-1, 1]
         parts.append(0.5 * (zones[1:, 0] + zones[:-1, 1]))
         scales.append(gaps)

@@ -190,7 +190,13 @@ class DensityBase(Kept):
         points = np.asarray(z, dtype=complex)
         nothing, finite = complex(np.nan, np.nan), np.isfinite(points)
         value, slope = np.full(points.shape, nothing), np.full(points.shape, nothing)
-        value[finite], slope[finite] = self._with_slope(points[finite])
+        at = points[finite]
+        if self.beside is not None:
+            at = complex_of(self.beside.off_positions(at.real), at.imag)
+        value[finite], slope[finite] = self._with_slope(at)
+        if self.beside is not None:
+            value[finite] -= self.beside.in_plane(at, "transform")
+            slope[finite] -= self.beside.in_plane(at, "derivative")
         return value, slope
 
     def _with_slope(self, points: Complex) -> tuple[Complex, Complex]:
