@@ -7,7 +7,8 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -57,8 +58,19 @@ def modules(package: str) -> dict[str, Path]:
     }
 
 
-def imports(tree: ast.AST) -> Iterator[tuple[str, str | None]]:
+@cache
+def parsed(file: Path) -> ast.Module:
+    """The syntax tree of a file."""
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
+@cache
+def imports(tree: ast.AST) -> tuple[tuple[str, str | None], ...]:
     """(module, name or None) of every import, those for type checkers among them."""
+    return tuple(_imports(tree))
+
+
+def _imports(tree: ast.AST) -> Iterator[tuple[str, str | None]]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from ((alias.name, None) for alias in node.names)
@@ -83,7 +95,7 @@ def upward(package: str, text: str) -> list[str]:
     return [
         f"{package}.{name} imports {package}.{other}"
         for name, file in names.items()
-        for other in targets(package, names, ast.parse(file.read_text(encoding="utf-8")))
+        for other in targets(package, names, parsed(file))
         if rooms.index(other.partition(".")[0]) > rooms.index(name.partition(".")[0])
     ]
 
@@ -91,10 +103,7 @@ def upward(package: str, text: str) -> list[str]:
 def circles(package: str) -> list[str]:
     """Files that import themselves by way of others."""
     names = modules(package)
-    below = {
-        name: set(targets(package, names, ast.parse(file.read_text(encoding="utf-8"))))
-        for name, file in names.items()
-    }
+    below = {name: set(targets(package, names, parsed(file))) for name, file in names.items()}
     while ground := [name for name, others in below.items() if not others]:
         for name in ground:
             del below[name]
@@ -121,7 +130,7 @@ def test_no_file_imports_itself_by_way_of_others(package: str) -> None:
 @pytest.mark.parametrize("package", ORDER)
 def test_every_room_says_what_comes_in_and_what_goes_out(package: str) -> None:
     for file in (ROOT / package.replace(".", "/")).rglob("__init__.py"):
-        assert ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))), file
+        assert ast.get_docstring(parsed(file)), file
 
 
 def test_an_order_turned_upside_down_is_noticed() -> None:
@@ -130,10 +139,7 @@ def test_an_order_turned_upside_down_is_noticed() -> None:
 
 def test_the_engine_never_imports_contact() -> None:
     for name, file in modules("sie").items():
-        found = {
-            module.partition(".")[0]
-            for module, _ in imports(ast.parse(file.read_text(encoding="utf-8")))
-        }
+        found = {module.partition(".")[0] for module, _ in imports(parsed(file))}
         assert "contact" not in found, name
 
 
@@ -142,7 +148,7 @@ def test_contact_uses_only_what_the_engine_exports() -> None:
     for name, file in modules("contact").items():
         if name.startswith("studies."):
             continue  # they take the engine apart to measure it
-        tree = ast.parse(file.read_text(encoding="utf-8"))
+        tree = parsed(file)
         for module, what in imports(tree):
             assert not module.startswith("sie."), f"contact.{name} imports {module}"
             assert module != "sie" or what is None or what in public, (
@@ -159,7 +165,7 @@ def test_contact_uses_only_what_the_engine_exports() -> None:
 
 
 def _all_of(file: Path) -> ast.expr:
-    for node in ast.parse(file.read_text(encoding="utf-8")).body:
+    for node in parsed(file).body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
             return node.value
     raise AssertionError(f"{file} has no __all__")
@@ -170,7 +176,7 @@ def test_imports_stand_at_the_head_of_files() -> None:
         f"{package}.{name}.{function.name}"
         for package in ORDER
         for name, file in modules(package).items()
-        for function in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        for function in ast.walk(parsed(file))
         if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef))
         and any(isinstance(node, (ast.Import, ast.ImportFrom)) for node in ast.walk(function))
     ]
@@ -181,10 +187,10 @@ def test_imports_stand_at_the_head_of_files() -> None:
 LONGEST = 500
 
 
-def code_lines(text: str) -> int:
+def code_lines(text: str, tree: ast.Module) -> int:
     """Lines of a file that are neither blank nor comments nor docstrings."""
     documented: set[int] = set()
-    for node in ast.walk(ast.parse(text)):
+    for node in ast.walk(tree):
         if (
             isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
             and ast.get_docstring(node, clean=False) is not None
@@ -200,8 +206,12 @@ def code_lines(text: str) -> int:
 
 def test_files_stay_short() -> None:
     files = [file for package in ORDER for file in modules(package).values()]
-    assert [file for file in files if code_lines(file.read_text(encoding="utf-8")) > LONGEST] == []
-    assert code_lines('"""One.\n\nTwo."""\n# no\n\nx = 1\n') == 1
+    texts = {file: file.read_text(encoding="utf-8") for file in files}
+    # No file of fewer lines in all needs a look at what they are.
+    long = [file for file, text in texts.items() if text.count("\n") > LONGEST]
+    assert [file for file in long if code_lines(texts[file], parsed(file)) > LONGEST] == []
+    text = '"""One.\n\nTwo."""\n# no\n\nx = 1\n'
+    assert code_lines(text, ast.parse(text)) == 1
 
 
 def test_few_files_import_by_name() -> None:
@@ -212,31 +222,46 @@ def test_few_files_import_by_name() -> None:
                 assert "import_module" not in text and "__import__" not in text, f"{package}.{name}"
 
 
-def loaded_after(code: str, names: tuple[str, ...] = HEAVY) -> set[str]:
-    """Those of the modules, heavy ones if none are named, that are in sys.modules after the code
-    has run in a fresh interpreter.
-    """
-    report = f"\nimport sys; print(*[m for m in {names!r} if m in sys.modules])"
-    command = [sys.executable, "-c", code + report]
+WAVE = "contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)"
+SERIES = "contact.Scene(contact.Fourier(1e-4, [-1e-6, 2e-7]), 1e11, contact.Periodic(), mean_pressure=1e8)"
+# What a fresh interpreter does, one after the other.
+STEPS = {
+    "import": "import contact",
+    "wave": f"wave = contact.solve({WAVE}); wave.max_pressure",
+    "pressure": "wave.pressure(0.0)",
+    "gap": "wave.gap(0.0)",
+    "series": f"series = contact.solve({SERIES}); series.gap(0.0), series.energy",
+    "table": "series._repr_html_()",
+    "heavy": "import scipy.optimize",
+}
+
+
+@cache
+def _loaded() -> dict[str, set[str]]:
+    report = "\nprint(*sys.modules)\n"
+    code = "import sys\n" + "".join(step + report for step in STEPS.values())
+    command = [sys.executable, "-c", code]
     run = subprocess.run(
         command, cwd=ROOT, capture_output=True, text=True, check=True, stdin=subprocess.DEVNULL
     )
-    return set(run.stdout.split())
+    return dict(zip(STEPS, map(set, map(str.split, run.stdout.splitlines())), strict=True))
+
+
+def loaded_after(step: str, names: Collection[str] = HEAVY) -> set[str]:
+    """Those of the modules, heavy ones if none are named, that are in sys.modules after a step."""
+    return _loaded()[step] & set(names)
 
 
 def test_importing_contact_loads_nothing_heavy() -> None:
-    assert loaded_after("import contact") == set()
+    assert loaded_after("import") == set()
 
 
 def test_a_wave_is_solved_without_anything_heavy() -> None:
-    scene = (
-        "contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)"
-    )
-    assert loaded_after(f"import contact; contact.solve({scene}).pressure(0.0)") == set()
+    assert loaded_after("pressure") == set()
 
 
 def test_what_is_heavy_is_noticed_where_it_is_used() -> None:
-    assert "scipy.optimize" in loaded_after("import contact, scipy.optimize")
+    assert "scipy.optimize" in loaded_after("heavy")
 
 
 def test_contact_asks_no_type_of_the_engine_s_states_and_densities() -> None:
@@ -249,7 +274,7 @@ def test_contact_asks_no_type_of_the_engine_s_states_and_densities() -> None:
 def test_every_name_of_the_engine_is_found_where_it_is_said_to_be() -> None:
     homes = {name: module for module, names in sie._HOMES.items() for name in names.split()}
     assert set(homes) == set(sie.__all__) <= set(dir(sie))
-    tree = ast.parse((ROOT / "sie" / "__init__.py").read_text(encoding="utf-8"))
+    tree = parsed(ROOT / "sie" / "__init__.py")
     assert {name: module for module, name in imports(tree) if name in homes} == homes
     assert all(
         getattr(sie, name) is getattr(sys.modules[module], name) for name, module in homes.items()
@@ -257,12 +282,9 @@ def test_every_name_of_the_engine_is_found_where_it_is_said_to_be() -> None:
 
 
 def test_a_wave_is_solved_without_the_search_for_ends() -> None:
-    scene = (
-        "contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)"
-    )
     engine = ("sie.solver", "sie.states.solve", "sie.ends.newton", "sie.slits.system")
-    assert loaded_after(f"import contact; contact.solve({scene}).gap(0.0)", engine)
-    assert loaded_after(f"import contact; contact.solve({scene}).max_pressure", engine) == set()
+    assert loaded_after("wave", engine) == set()
+    assert loaded_after("gap", engine)
 
 
 def test_a_series_is_solved_without_tables_pictures_or_what_belongs_to_a_tension() -> None:
@@ -273,19 +295,17 @@ def test_a_series_is_solved_without_tables_pictures_or_what_belongs_to_a_tension
         "contact.testing",
         "contact.adhesion.deformed_profile",
     )
-    scene = "contact.Scene(contact.Fourier(1e-4, [-1e-6, 2e-7]), 1e11, contact.Periodic(), mean_pressure=1e8)"
-    solve = f"import contact; solution = contact.solve({scene}); solution.gap(0.0), solution.energy"
-    assert loaded_after(solve, late) == set()
-    assert loaded_after(f"{solve}; solution._repr_html_()", late) >= set(late[1:3])
+    assert loaded_after("series", late) == set()
+    assert loaded_after("table", late) >= set(late[1:3])
 
 
 def test_every_name_of_contact_that_is_loaded_late_is_found_where_it_is_said_to_be() -> None:
     homes = {name: module for module, names in contact._HOMES.items() for name in names.split()}
     assert set(homes) < set(contact.__all__)
-    tree = ast.parse((ROOT / "contact" / "__init__.py").read_text(encoding="utf-8"))
+    tree = parsed(ROOT / "contact" / "__init__.py")
     assert {name: module for module, name in imports(tree) if name in homes} == homes
     assert all(
         getattr(contact, name) is getattr(sys.modules[module], name)
         for name, module in homes.items()
     )
-    assert loaded_after("import contact", tuple(set(homes.values()))) == set()
+    assert loaded_after("import", homes.values()) == set()

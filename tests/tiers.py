@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
+from itertools import product
 from typing import Any
 
 import pytest
 
 
+def _slow(value: Any) -> Any:
+    return pytest.param(*(value if isinstance(value, tuple) else (value,)), marks=pytest.mark.slow)
+
+
 def quick(values: Iterable[Any], always: Collection[Any]) -> list[Any]:
     """The values for `parametrize`: those in `always` are run always, the others are slow."""
+    return [value if value in always else _slow(value) for value in values]
 
-    def slow(value: Any) -> Any:
-        return pytest.param(
-            *(value if isinstance(value, tuple) else (value,)), marks=pytest.mark.slow
+
+def diagonal(*axes: Sequence[Any]) -> list[Any]:
+    """All combinations of the values of several axes, for `parametrize`.
+
+    As many of them as the longest axis has values are run always, so that every value of every axis
+    is among them; the others are slow.
+    """
+    longest = max(map(len, axes))
+    always = {tuple(k % len(axis) for axis in axes) for k in range(longest)}
+    return [
+        values if numbers in always else _slow(values)
+        for values, numbers in zip(
+            product(*axes), product(*(range(len(axis)) for axis in axes)), strict=True
         )
-
-    return [value if value in always else slow(value) for value in values]
+    ]

@@ -8,6 +8,8 @@ from scipy.integrate import quad
 
 import sie
 from contact.studies.engine_problems import judged
+from sie.dense import modes
+from tests.tiers import quick
 
 KAPPAS = [-25.0, -1.0, -0.2, 1e-9, 0.3, 2.0, 25.0]
 S, B = sie.SINGULAR, sie.BOUNDED
@@ -17,7 +19,10 @@ def alpha(kappa):
     return np.arctan2(1.0, kappa) / np.pi
 
 
-@pytest.mark.parametrize("seed", [seed for seed in range(24) if seed != 8])
+# The slow ones have thirty zones, or zones too close for 256 modes.
+@pytest.mark.parametrize(
+    "seed", quick([seed for seed in range(24) if seed != 8], {*range(24)} - {2, 6, 21, 22, 23})
+)
 def test_designed_problems_are_solved_or_refused_and_stated(seed):
     """One to thirty zones, kappa from -25 to 25, all kinds of ends, both kernels, poles near by."""
     one = judged(seed, second_kind=True)
@@ -251,8 +256,11 @@ def test_what_is_not_known_with_kappa_is_refused_by_name():
         sie.solve_fixed(sie.Equation(sie.cauchy(), WAVE, sie.ZoneTotals(), kappa=0.1), TWO)
 
 
-def test_an_unresolved_zone_is_named_as_the_reason():
+@pytest.mark.parametrize("most", quick([768, 3072], [768]))
+def test_an_unresolved_zone_is_named_as_the_reason(most, monkeypatch):
+    sizes = modes.COUPLED_SIZES[modes.COUPLED_SIZES <= most]
+    monkeypatch.setattr(modes, "COUPLED_SIZES", sizes)
     zones = sie.Zones.of([[0.0, 1.0], [1.0 + 1e-8, 2.0]], S, S)
     equation = sie.Equation(sie.cauchy(), WAVE, sie.ZoneTotals((0.3, 0.7)), kappa=0.4)
-    with pytest.raises(sie.NotConverged, match="another zone is very close"):
+    with pytest.raises(sie.NotConverged, match=f"of {most} coefficients .* zone is very close"):
         sie.solve(equation, zones)
