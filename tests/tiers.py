@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from itertools import product
 from typing import Any
 
@@ -18,7 +18,7 @@ def quick(values: Iterable[Any], always: Collection[Any]) -> list[Any]:
     return [value if value in always else _slow(value) for value in values]
 
 
-def diagonal(*axes: Sequence[Any]) -> list[Any]:
+def diagonal(*axes: Collection[Any]) -> list[Any]:
     """All combinations of the values of several axes, for `parametrize`.
 
     As many of them as the longest axis has values are run always, so that every value of every axis

@@ -30,6 +30,7 @@ from contact.axisymmetric.profiles import abel_kernel
 from contact.axisymmetric.quadrature import panels
 from contact.errors import NotConverged, OutOfRange, SceneError
 from tests.contact.paper_forms import direct_kernel, direct_pressure
+from tests.tiers import diagonal
 
 R, E, A = 1.3, 2.0, 0.7
 RADII = np.array([0.01, 0.2, 0.45, 0.69])
@@ -163,10 +164,12 @@ def test_a_height_whose_tip_is_all_rounding_is_differentiated_exactly():
     assert spot.error < 1e-12
 
 
-@pytest.mark.parametrize("radius", [1e-6, 1e-3, 0.1])
 @pytest.mark.parametrize(
-    "height",
-    [lambda r: np.cosh(r) - 1, lambda r: np.sqrt(1 + r * r) - 1, lambda r: np.log(1 + r * r)],
+    ("height", "radius"),
+    diagonal(
+        [lambda r: np.cosh(r) - 1, lambda r: np.sqrt(1 + r * r) - 1, lambda r: np.log(1 + r * r)],
+        [1e-6, 1e-3, 0.1],
+    ),
 )
 def test_by_its_load_a_spot_whose_tip_is_all_rounding_is_the_same(height, radius):
     # Looked for from small radii on, where heights tell nothing.
@@ -177,8 +180,9 @@ def test_by_its_load_a_spot_whose_tip_is_all_rounding_is_the_same(height, radius
     assert found.pressure(r) == pytest.approx(spot.pressure(r), abs=1e-11 * spot.mean_pressure)
 
 
-@pytest.mark.parametrize("radius", [1e-4, 0.01, 0.5])
-@pytest.mark.parametrize("shape", ["catenary", "hyperboloid", "raised"])
+@pytest.mark.parametrize(
+    ("shape", "radius"), diagonal(["catenary", "hyperboloid", "raised"], [1e-4, 0.01, 0.5])
+)
 def test_what_rounding_of_heights_leaves_of_the_pressure_is_stated(shape, radius):
     hyperboloid, raised = (lambda r: np.sqrt(1 + r * r) - 1), (lambda r: 3.0 + r * r / (1 + r))
     height = {"catenary": lambda r: np.cosh(r) - 1, "hyperboloid": hyperboloid, "raised": raised}[

@@ -12,6 +12,7 @@ from contact.search.grid.scaling import scaled_scene
 from contact.search.strategies.load_search import KnownLoads, approach, contact_fraction, nearer
 from contact.search.topology.loop import NewtonSettings, refine_topology
 from contact.search.topology.pressure_form import PressureForm
+from tests.tiers import quick
 
 TIPS = contact.Fourier(1e-4, [-1e-6, -0.3e-6, 0.2e-6], [0.1e-6, 0.25e-6, 0.0])
 
@@ -93,7 +94,7 @@ def test_a_zone_that_was_just_born_is_found_under_its_load():
     assert 1e-7 < best.zone_widths.min() / best.zone_widths.max() < 1e-4
 
 
-@pytest.mark.parametrize("off", [0.0, 1e-15, -1e-15, -1e-12])
+@pytest.mark.parametrize("off", quick([0.0, 1e-15, -1e-15, -1e-12], [0.0, -1e-12]))
 def test_right_at_a_birth_there_is_one_number_of_zones_to_any_tolerance(off):
     load = birth().load * (1 + off)
     for tol in (1e-6, 1e-10):

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from itertools import cycle, product
 
 import mpmath as mp
 import numpy as np
@@ -16,7 +17,7 @@ from contact.formulation import claims
 from contact.formulation.conjugate import Conjugate
 from contact.model.plugin_checks.corners import corner
 from contact.model.profiles.noise import PLACES, STEP, noise
-from tests.tiers import quick
+from tests.tiers import diagonal, quick
 
 pytestmark = pytest.mark.filterwarnings("ignore::contact.ModelWarning")
 AMPLITUDE, PERIOD, MODULUS = 1e-6, 1e-4, 1e11
@@ -179,33 +180,25 @@ def right_or_refused(route, profile, true, shift=0.0):
     return ""
 
 
-@pytest.mark.parametrize("constant", [0.0, 0.01, 0.1, 10.0, 100.0])
-@pytest.mark.parametrize("route", ROUTES)
+@pytest.mark.parametrize(("route", "constant"), diagonal(ROUTES, [0.0, 0.01, 0.1, 10.0, 100.0]))
 def test_a_constant_in_the_heights_is_harmless_or_stated(route, constant):
     right_or_refused(route, Own(constant=constant), Own())
 
 
-@pytest.mark.parametrize("periods", [1, 1e3, 1e6])
-@pytest.mark.parametrize("route", ROUTES)
+@pytest.mark.parametrize(("route", "periods"), diagonal(ROUTES, [1, 1e3, 1e6]))
 def test_an_origin_many_periods_away_is_harmless_or_stated(route, periods):
     origin = periods * PERIOD
     if route != "isolated":
         right_or_refused(route, Own(origin=origin), Own(), place(origin))
 
 
-# Above 0.1 m nearly all are refused, after several tries.
-@pytest.mark.parametrize("constant", quick([0.01, 0.1, 10.0, 100.0], [0.01, 0.1]))
-@pytest.mark.parametrize("route", BY_RELIEF)
-def test_noise_of_derived_slopes_is_stated_where_the_pressure_comes_from_their_transform(
-    route, constant
-):
-    right_or_refused(route, Heights(constant=constant), Own())
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("constant", [0.01, 0.1, 10.0, 100.0])
-@pytest.mark.parametrize("route", [name for name in ROUTES if name not in BY_RELIEF])
-def test_noise_of_derived_slopes_is_stated_by_zones(route, constant):
+# Quick are those where the pressure comes from the transform of the slopes. Above 0.1 m nearly all
+# are refused, after several tries.
+@pytest.mark.parametrize(
+    ("route", "constant"),
+    quick(product(ROUTES, [0.01, 0.1, 10.0, 100.0]), [*zip(BY_RELIEF, cycle([0.01, 0.1]))]),
+)
+def test_noise_of_derived_slopes_is_stated(route, constant):
     right_or_refused(route, Heights(constant=constant), Own())
 
 
@@ -237,24 +230,21 @@ FALSE = {
 }
 
 
-@pytest.mark.parametrize("lie", FALSE)
-@pytest.mark.parametrize("route", ROUTES)
+@pytest.mark.parametrize(("route", "lie"), diagonal(ROUTES, FALSE))
 def test_false_slopes_and_corners_are_stated_or_named(route, lie):
     profile, true, told = FALSE[lie]
     said = right_or_refused(route, profile, true)
     assert told in said
 
 
-@pytest.mark.parametrize("route", ["gaps", "full", "least full", "layer in full", "JKR in full"])
-def test_a_corner_that_nobody_declares_is_named(route):
-    said = right_or_refused(route, Own(corner=KINK), Told(corner=KINK))
-    assert "the slope jumps by" in said and "kinks" in said
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("slope", [False, True])
-@pytest.mark.parametrize("route", ROUTES)
-def test_a_corner_that_nobody_declares_is_certified_by_no_route(route, slope):
+@pytest.mark.parametrize(
+    ("route", "slope"),
+    quick(
+        product(ROUTES, [True, False]),
+        [(route, True) for route in ("gaps", "full", "layer in full", "JKR in full")],
+    ),
+)
+def test_a_corner_that_nobody_declares_is_named_on_every_route(route, slope):
     profile = Own(corner=KINK) if slope else Heights(corner=KINK)
     said = right_or_refused(route, profile, Told(corner=KINK))
     assert "the slope jumps by" in said and "kinks" in said
@@ -272,8 +262,11 @@ def test_a_faint_corner_is_found_where_it_is(shape, size):
         assert corner(profile, at + 0.02 * PERIOD, at + 0.45 * PERIOD) is None
 
 
-def test_a_faint_corner_in_a_zone_is_named_by_the_refusal():
-    said = right_or_refused("zones under a load", Heights(corner=1e-5), Told(corner=1e-5))
+@pytest.mark.parametrize(
+    ("route", "size"), quick([("zones", 1e-3), ("zones under a load", 1e-5)], [("zones", 1e-3)])
+)
+def test_a_faint_corner_in_a_zone_is_named_by_the_refusal(route, size):
+    said = right_or_refused(route, Heights(corner=size), Told(corner=size))
     assert "the slope jumps by" in said and "kinks" in said
 
 
@@ -289,8 +282,9 @@ def test_faint_declared_corners_are_held_against_the_slope(lie, size):
     assert any("kink declared at" in fault for fault in report.faults)
 
 
-@pytest.mark.parametrize("times", [-1.0, 1.001, 1 + 1e-7, 1 + 1e-10])
-@pytest.mark.parametrize("route", BY_RELIEF)
+@pytest.mark.parametrize(
+    ("route", "times"), diagonal(BY_RELIEF, [-1.0, 1.001, 1 + 1e-7, 1 + 1e-10])
+)
 def test_a_false_transform_of_the_slope_is_harmless_or_named(route, times):
     said = right_or_refused(route, Transformed(times=times), Own())
     assert "slope_conjugate disagrees with the slope" in said if abs(times - 1) > 1e-6 else not said

@@ -22,7 +22,7 @@ from contact.formulation.conjugate import clausen2
 from contact.formulation.controls import Approach, Load, scaled_control
 from contact.search.grid.scaling import scaled_scene_about
 from contact.studies.trace_kinds import drawn
-from tests.tiers import quick
+from tests.tiers import diagonal, quick
 
 E, DELTA, WORK = 1.0, 0.01, 1e-5
 W_CYLINDER = 1e-6
@@ -74,20 +74,20 @@ def agrees(solution, reference, tol=1e-10):
     assert solution.certificate.holds
 
 
-@pytest.mark.parametrize("branch", ["advancing", "receding"])
-@pytest.mark.parametrize(
-    ("stress", "load"),
-    [
-        (2e-2, 1e-2),
-        (2e-2, -6e-4),
-        (5e-3, 2e-2),
-        (5e-3, 0.0),
-        (2e-3, -6e-4),
-        (1e-3, 1e-2),
-        (5e-4, -3e-4),
-    ],
-)
-def test_the_wave_is_that_of_the_closed_form_on_either_branch(stress, load, branch):
+WAVES = [
+    (2e-2, 1e-2),
+    (2e-2, -6e-4),
+    (5e-3, 2e-2),
+    (5e-3, 0.0),
+    (2e-3, -6e-4),
+    (1e-3, 1e-2),
+    (5e-4, -3e-4),
+]
+
+
+@pytest.mark.parametrize(("case", "branch"), diagonal(WAVES, ["advancing", "receding"]))
+def test_the_wave_is_that_of_the_closed_form_on_either_branch(case, branch):
+    stress, load = case
     solution, curve = wave(stress, branch=branch, load=load)
     reference = getattr(curve, branch)(load)
     agrees(solution, reference)
@@ -109,8 +109,7 @@ def test_pull_off_under_a_held_approach_is_that_of_the_closed_form():
     assert solution.pull_off.approach == pytest.approx(curve.pull_off(0.0).approach, rel=1e-7)
 
 
-@pytest.mark.parametrize("load", [1e-4, 0.0, -2e-5])
-@pytest.mark.parametrize("tabor", quick([0.01, 0.3, 3.0, 100.0], always=[0.01, 3.0, 100.0]))
+@pytest.mark.parametrize(("tabor", "load"), diagonal([0.01, 0.3, 3.0, 100.0], [1e-4, 0.0, -2e-5]))
 def test_the_cylinder_is_that_of_the_closed_form_from_rigid_bodies_to_narrow_strips(tabor, load):
     solution, curve = cylinder(tabor, load=load)
     agrees(solution, curve.advancing(load))
@@ -433,9 +432,8 @@ def test_ends_guided_by_a_grid_take_a_few_states(monkeypatch):
     assert len(taken) <= 10
 
 
-@pytest.mark.parametrize(
-    "control", [{"mean_pressure": 2e7}, pytest.param({"approach": 1.2e-7}, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("control", [{"mean_pressure": 2e7}, {"approach": 1.2e-7}])
 def test_a_law_without_range_leads_narrow_strips_to_where_they_come_by_themselves(
     control, monkeypatch
 ):
@@ -558,7 +556,10 @@ def test_the_error_of_a_wave_under_tension_everywhere_knows_that_load_and_tensio
     assert abs(np.diff(found.zones)[0, 0] / (2 * wanted.half_width) - 1) < found.error < 1e-8
 
 
-@pytest.mark.parametrize(("work", "pressure"), [(7e-8, 5.2e-3), (7e-8, 8e-3), (2.7e-8, 8e-3)])
+@pytest.mark.parametrize(
+    ("work", "pressure"),
+    quick([(7e-8, 5.2e-3), (7e-8, 8e-3), (2.7e-8, 8e-3)], always=[(7e-8, 5.2e-3)]),
+)
 def test_strips_that_contact_covers_are_widened_by_what_they_are_and_not_by_their_zones(
     work, pressure
 ):
@@ -596,6 +597,7 @@ class FlatTopped(contact.Profile):
         )
 
 
+@pytest.mark.slow
 def test_a_zone_on_a_level_top_beside_narrow_strips_is_followed_to_pull_off():
     # Its position is all but neutral: states on the way were solved to the strips, which are 3e-5
     # of it, and their rates were off by 3 %.

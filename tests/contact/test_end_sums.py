@@ -6,6 +6,7 @@ import pytest
 
 import sie
 from contact.adhesion.end_sums import Cells, EndSum
+from tests.tiers import diagonal
 
 PERIOD = 7.0
 
@@ -36,9 +37,10 @@ def exactly(x, ends, period):
         return float(mpmath.fsum((-1) ** k * log(lag) for k, lag in enumerate(lags)))
 
 
-@pytest.mark.parametrize("kind", ["even", "clustered", "random"])
-@pytest.mark.parametrize("period", [None, PERIOD])
-@pytest.mark.parametrize("longest", [np.inf, 0.3])
+@pytest.mark.parametrize(
+    ("kind", "period", "longest"),
+    diagonal(["even", "clustered", "random"], [PERIOD, None], [np.inf, 0.3]),
+)
 def test_they_are_what_they_are_one_by_one(kind, period, longest):
     rng = np.random.default_rng(3)
     ends = ends_of(kind, rng)

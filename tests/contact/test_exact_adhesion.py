@@ -12,6 +12,7 @@ import pytest
 from contact import exact
 from contact.errors import OutOfRange, SceneError
 from tests.contact import reference
+from tests.tiers import diagonal
 
 L = 2.0
 E_STAR = 3.0
@@ -243,8 +244,7 @@ def test_the_rates_that_tell_stability_are_the_derivatives_along_the_curve(curve
     assert by_approach * width == pytest.approx(approach, rel=1e-8)
 
 
-@pytest.mark.parametrize("curve", [c for c, _ in CURVES])
-@pytest.mark.parametrize("machine", (np.inf, 0.0, 0.5))
+@pytest.mark.parametrize(("curve", "machine"), diagonal([c for c, _ in CURVES], (np.inf, 0.0, 0.5)))
 def test_pull_off_is_the_least_of_what_the_machine_holds(curve, machine):
     if not curve.turning_points(machine):
         return
@@ -332,9 +332,10 @@ def test_loading_jumps_in_and_into_full_contact_and_unloading_comes_back_another
 @pytest.mark.parametrize(
     ("jkr", "dugdale"),
     [
-        (
+        pytest.param(
             exact.JKRWave(**WAVE, work=2e-4),
             lambda s: exact.DugdaleWave(**WAVE, work=2e-4, stress=s),
+            marks=pytest.mark.slow,
         ),
         (
             exact.JKRCylinder(**CYLINDER, work=2e-4),

@@ -6,6 +6,7 @@ from scipy.special import j0, j1
 
 import contact
 from contact.model.profiles.derive import differences, scale_of
+from tests.tiers import diagonal
 
 E_STAR = 1e9
 TURN = 2 * np.pi
@@ -52,9 +53,12 @@ def rippled_slope(x):
     return x / RADIUS + AMPLITUDE * TURN / WAVE * np.sin(TURN * x / WAVE)
 
 
-@pytest.mark.parametrize(("load", "zones"), [(1e4, 5), (5e4, 9), (1e6, 21)])
-@pytest.mark.parametrize("kind", [lambda height: height, of_floats], ids=["complex", "floats"])
-def test_scales_far_apart_are_solved_by_heights_alone(load, zones, kind):
+@pytest.mark.parametrize(
+    ("pressed", "kind"), diagonal([(1e4, 5), (5e4, 9), (1e6, 21)], ["complex", "floats"])
+)
+def test_scales_far_apart_are_solved_by_heights_alone(pressed, kind):
+    load, zones = pressed
+    kind = of_floats if kind == "floats" else lambda height: height
     own, known = Heights(kind(rippled)), Given(rippled, rippled_slope)
     found, told = (
         contact.solve(contact.Scene(p, 1e11, contact.Isolated(), load=load)) for p in (own, known)
@@ -106,10 +110,10 @@ REPEATED = [
 ]
 
 
-@pytest.mark.parametrize("kind", [lambda height: height, of_floats], ids=["complex", "floats"])
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(("shape", "kind"), diagonal(SHAPES, ["complex", "floats"]))
 def test_heights_alone_give_the_contact_of_the_slope_on_all_routes(shape, kind):
     height, slope, period = SHAPES[shape]
+    kind = of_floats if kind == "floats" else lambda height: height
     for control in LONE if period is None else REPEATED:
         model = contact.Isolated() if period is None else contact.Periodic()
         own, known = Heights(kind(height), period), Given(height, slope, period)

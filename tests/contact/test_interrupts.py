@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from contact import interrupts
+from tests.tiers import quick
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 pytest.importorskip("click")
@@ -47,7 +48,11 @@ def interrupted(
 
 
 @pytest.mark.parametrize(
-    "module", ["contact.interrupts", "numpy", "contact", "contact.solution.terminal"]
+    "module",
+    quick(
+        ["contact.interrupts", "numpy", "contact", "contact.solution.terminal"],
+        ["contact.interrupts", "contact.solution.terminal"],
+    ),
 )
 def test_a_command_is_interrupted_at_any_import(tmp_path: Path, module: str) -> None:
     done = interrupted(tmp_path, module)

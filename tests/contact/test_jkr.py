@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
+from itertools import cycle, product
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,7 +20,7 @@ from contact.adhesion import pull_off as apart
 from contact.adhesion.curve import Curve, State
 from contact.reference.inverse.adhesive import second_variation
 from tests.contact.strategies import adhesive_designs
-from tests.tiers import quick
+from tests.tiers import diagonal, quick
 
 E, DELTA, WORK = 1.0, 0.01, 1e-5
 WAVE = exact.JKRWave(DELTA, 1.0, E, WORK)
@@ -139,8 +140,10 @@ def test_above_the_critical_work_the_wave_closes_by_itself():
     assert full.certificate.smallest_pressure == pytest.approx(-np.pi * E * DELTA, rel=1e-9)
 
 
-@pytest.mark.parametrize("period", [None, 1.0])
-@pytest.mark.parametrize("seed", quick(range(40), always=range(8)))
+@pytest.mark.parametrize(
+    ("seed", "period"),
+    quick(product(range(40), [None, 1.0]), always=[*zip(range(8), cycle([None, 1.0]))]),
+)
 def test_a_designed_contact_lies_between_the_branches_and_is_one_where_as_many_zones_come_about(
     seed, period
 ):
@@ -403,12 +406,9 @@ def rough():
     return contact.Fourier(1e-4, size * np.cos(phase), size * np.sin(phase))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    "law",
-    [
-        pytest.param(contact.JKR(1e-4), id="jkr"),
-        pytest.param(contact.Dugdale(1e-4, 2e6), id="dugdale", marks=pytest.mark.slow),
-    ],
+    "law", [contact.JKR(1e-4), contact.Dugdale(1e-4, 2e6)], ids=["jkr", "dugdale"]
 )
 def test_pull_off_under_a_held_approach_is_where_the_path_ends(monkeypatch, law):
     frictionless = contact.solve(contact.Scene(rough(), 1e9, contact.Periodic(), mean_pressure=2e6))
@@ -437,14 +437,19 @@ def test_pull_off_under_a_held_approach_is_where_the_path_ends(monkeypatch, law)
 
 
 @pytest.mark.parametrize(
-    "layer", [{}, {"substrate": contact.Layer(3e-5, 0.2)}], ids=["half-plane", "layer"]
+    ("part", "substrate"),
+    diagonal([-0.5, 0.5, 0.9, 1.0, 1.1, 2.0], [contact.HalfPlane(), contact.Layer(3e-5, 0.2)]),
 )
-@pytest.mark.parametrize("part", [-0.5, 0.5, 0.9, 1.0, 1.1, 2.0])
-def test_growth_and_motions_are_those_of_the_rates_whichever_way_they_are_told(layer, part):
+def test_growth_and_motions_are_those_of_the_rates_whichever_way_they_are_told(part, substrate):
     # K dK/ds is symmetric, as the energy has second derivatives: told where all K have one sign, as
     # under less load.
     scene = contact.Scene(
-        rough(), 1e9, contact.Periodic(), law=contact.JKR(1e-4), mean_pressure=2e6, **layer
+        rough(),
+        1e9,
+        contact.Periodic(),
+        substrate=substrate,
+        law=contact.JKR(1e-4),
+        mean_pressure=2e6,
     )
     solution = contact.solve(scene)
     curve, zones = (
@@ -465,16 +470,15 @@ def test_growth_and_motions_are_those_of_the_rates_whichever_way_they_are_told(l
         )
 
 
-@pytest.mark.parametrize("work", [1e-3, 1e-7, 1e-9, 2e-12])
 @pytest.mark.parametrize(
-    "half_width, control", [(0.447, "load"), (0.447, "approach"), (0.2, "load")]
+    ("work", "given"),
+    diagonal([1e-3, 1e-7, 1e-9, 2e-12], [(0.447, "load"), (0.447, "approach"), (0.2, "load")]),
 )
-def test_the_load_of_pull_off_is_that_of_its_zone_however_wide_the_contact_was(
-    work, half_width, control
-):
+def test_the_load_of_pull_off_is_that_of_its_zone_however_wide_the_contact_was(work, given):
     """Westergaard's load less that of the edge intensities, sqrt(2 E* w L tan(pi a / L)); work: w L
     / (E* A^2).
     """
+    half_width, control = given
     wave, law = contact.Sinusoid(1.0, 1.0), contact.JKR(work)
     at_first = contact.solve(
         contact.Scene(wave, 1.0, contact.Periodic(), law=law, half_width=half_width)

@@ -22,7 +22,7 @@ from contact.search.grid.nested_grids import grid_height, propose
 from contact.studies import random_scenes
 from contact.studies.trace_kinds import drawn
 from tests.contact.judge import relative, solve, true_error
-from tests.tiers import quick
+from tests.tiers import diagonal, quick
 
 FIRST, SELF, PERIODIC = (
     contact.Localized("first-order"),
@@ -68,8 +68,7 @@ class TestClosedForms:
             x = np.linspace(a, 0.49, 25)
             assert np.max(np.abs(solution.gap(x) - answer.gap(x))) < 1e-9 * np.max(answer.gap(x))
 
-    @pytest.mark.parametrize("tol", [1e-4, 1e-8, 1e-11])
-    @pytest.mark.parametrize("a", [0.45, 0.49])
+    @pytest.mark.parametrize(("a", "tol"), diagonal([0.45, 0.49], [1e-4, 1e-8, 1e-11]))
     def test_the_stated_error_is_honest_beside_the_border_where_the_term_is_steep(self, a, tol):
         for model in MODELS:
             for profile, answer in list(closed_forms(0.3, model.closure))[1:]:
@@ -332,7 +331,7 @@ class TestSelfConsistentStrip:
         with pytest.raises(contact.OutOfRange, match=r"no strip is centred.*Periodic\(\)"):
             solve(wave, SELF, mean_pressure=0.00363165122206578)
 
-    @pytest.mark.parametrize("part", [0.3, 0.6])
+    @pytest.mark.parametrize("part", quick([0.3, 0.6], [0.6]))
     def test_its_nominal_pressure_is_resolved_up_to_the_border(self, part):
         # Under a load it is known: series of a column would be cut short so near to the border.
         body = drawn(np.random.default_rng(4), "texture", 60)
@@ -378,7 +377,10 @@ def alone_on_a_grid(solution, points, tol):
 class TestFirstOrderSearch:
     """Scenes drawn at random at which the search for the nominal pressure went wrong."""
 
-    @pytest.mark.parametrize("seed, tighter", [(12601, 1e-11), (12805, 1e-12), (24907, 1e-10)])
+    @pytest.mark.parametrize(
+        "seed, tighter",
+        quick([(12601, 1e-11), (12805, 1e-12), (24907, 1e-10)], [(12601, 1e-11), (12805, 1e-12)]),
+    )
     def test_the_stated_error_covers_what_the_nominal_pressure_is_off(self, seed, tighter):
         scene = random_scenes.draw(seed).scene
         solution, tight = (contact.solve(scene, tol) for tol in (1e-8, tighter))
@@ -389,7 +391,9 @@ class TestFirstOrderSearch:
         ("seed", "kind", "positions", "part"),
         [
             (zlib.crc32(b"rougheven") + 1, "rough", "even", 0.6),
-            (zlib.crc32(b"honeduneven") + 2, "honed", "uneven", 0.3),
+            pytest.param(
+                zlib.crc32(b"honeduneven") + 2, "honed", "uneven", 0.3, marks=pytest.mark.slow
+            ),
         ],
     )
     def test_no_gap_of_the_profile_alone_is_missed_near_full_contact(
@@ -505,13 +509,13 @@ class TestFirstOrderOfSeveralZones:
         assert abs(alone.zone_widths.sum() / solution.zone_widths.sum() - 1) < 1e-8
         assert abs(alone.zones.mean()) > 1e-3  # and has zones of its own
 
-    @pytest.mark.parametrize("positions", ["even", "uneven"])
+    @pytest.mark.parametrize("positions", quick(["even", "uneven"], ["uneven"]))
     def test_a_trace_is_solved_whatever_its_positions(self, positions):
         profile, full = trace(150, positions)
         solution = contact.solve(contact.Scene(profile, 1.0, FIRST, mean_pressure=0.1 * full))
         assert solution.certificate.holds and solution.error <= 1e-8 and len(solution.zones) > 3
 
-    @pytest.mark.parametrize("shift", [0.0, 0.25])
+    @pytest.mark.parametrize("shift", quick([0.0, 0.25], [0.25]))
     def test_a_gap_of_the_profile_alone_that_has_nearly_closed_stays(self, shift):
         fields = solve(
             Swinging(1.7023660265563023, 0.012030454697263937, shift),
@@ -553,9 +557,11 @@ class TestFirstOrderOfSeveralZones:
     @pytest.mark.parametrize(
         ("cosine", "sine", "load"),
         [
-            ([0.0087, -0.0332], [0.0023, -0.0035], 0.1253),
             ([-0.01, 0.0089], [-0.0029, 0.0088], 0.0483),
-            ([-0.0058, 0.0021, 0.0078], [0.0023, -0.0249, 0.0069], 0.1137),
+            pytest.param([0.0087, -0.0332], [0.0023, -0.0035], 0.1253, marks=pytest.mark.slow),
+            pytest.param(
+                [-0.0058, 0.0021, 0.0078], [0.0023, -0.0249, 0.0069], 0.1137, marks=pytest.mark.slow
+            ),
         ],
     )
     def test_the_stiffness_follows_the_profile_alone_too_where_it_is_cut_off_at_the_borders(
@@ -599,6 +605,7 @@ def test_the_profile_alone_ends_at_its_corners_as_in_the_strip():
     assert relative(solution.zone_widths, alone.zone_widths) < 1e-6
 
 
+@pytest.mark.slow
 def test_an_approach_at_which_grids_see_no_contact_is_that_of_a_load():
     scene = random_scenes.draw(21455).scene
     solution = contact.solve(scene)

@@ -9,6 +9,7 @@ import pytest
 
 import contact
 from tests.contact.judge import solve, true_error
+from tests.tiers import diagonal
 
 PLACES = np.arange(40) / 40
 
@@ -35,13 +36,12 @@ def steps(rng):
     return height
 
 
+SUBSTRATES = [contact.HalfPlane(), contact.Layer(0.05, 0.3), contact.Layer(0.02, 0.4, "smooth")]
+
+
 @pytest.mark.parametrize(
-    "substrate",
-    [contact.HalfPlane(), contact.Layer(0.05, 0.3), contact.Layer(0.02, 0.4, "smooth")],
-    ids=repr,
+    ("shape", "seed", "substrate"), diagonal([tops, steps], range(2), SUBSTRATES)
 )
-@pytest.mark.parametrize("shape", [tops, steps])
-@pytest.mark.parametrize("seed", range(2))
 def test_every_control_leads_to_the_contact_of_the_load_however_full(shape, seed, substrate):
     rng = np.random.default_rng(seed)
     profile = contact.Sampled(PLACES, shape(rng), period=1.0)

@@ -20,6 +20,7 @@ from contact.search.grid.nested_grids import find_window, narrowest, propose, zo
 from contact.search.grid.scaling import scaled_scene
 from contact.search.topology.intervals import NARROW, merged
 from contact.studies.trace_kinds import drawn
+from tests.tiers import diagonal
 
 Array = NDArray[np.float64]
 Shape = Callable[[Array], Array]
@@ -370,9 +371,9 @@ def flat_with_needles(n: int) -> Array:
     return np.asarray(f)
 
 
-@pytest.mark.parametrize("periodic", [True, False])
-@pytest.mark.parametrize("tol", [1e-3, 1e-5])
-@pytest.mark.parametrize("load", [1e-4, 2e-5, 1e-5])
+@pytest.mark.parametrize(
+    ("load", "tol", "periodic"), diagonal([1e-4, 2e-5, 1e-5], [1e-3, 1e-5], [True, False])
+)
 def test_on_a_flat_below_needles_ends_move_by_more_than_a_cell_in_a_linear_solve(
     load: float, tol: float, periodic: bool
 ) -> None:

@@ -16,6 +16,7 @@ from contact.studies.grid_judge import judge_line, judge_period
 from contact.testing import SubstrateFault, check_substrate
 from tests.contact.judge import solve, true_error
 from tests.contact.test_own_operator import harmonic
+from tests.tiers import diagonal
 
 WAVE = contact.Sinusoid(0.01, 1.0)
 TIPS = contact.Fourier(1.0, (-0.01, 0.006, 0.002), (0.002, -0.003, 0.001))
@@ -112,8 +113,7 @@ class TestASubstrate:
             )
             assert again.stiffness == pytest.approx(0.5 / body.compression, rel=1e-12)
 
-    @pytest.mark.parametrize("body", BODIES)
-    @pytest.mark.parametrize("share", [1e-3, 0.3])
+    @pytest.mark.parametrize(("body", "share"), diagonal(BODIES, [1e-3, 0.3]))
     def test_is_solved_as_a_half_plane_under_the_profile_that_its_waves_make(self, body, share):
         solution = contact.solve(held(TIPS, body, share), tol=1e-9)
         assert solution.certificate.holds
@@ -129,8 +129,10 @@ class TestASubstrate:
         left = np.abs(body.symbol(2 * np.pi * np.array([97.0])) - 1)[0]
         assert true_error(solution, exact) <= solution.error + exact.error + left
 
-    @pytest.mark.parametrize("control", ["load", "approach", "contact_fraction", "half_width"])
-    @pytest.mark.parametrize("body", BODIES)
+    @pytest.mark.parametrize(
+        ("body", "control"),
+        diagonal(BODIES, ["load", "approach", "contact_fraction", "half_width"]),
+    )
     def test_is_the_same_under_every_control(self, body, control):
         given = contact.solve(held(WAVE, body, 0.4), tol=1e-10)
         value = (

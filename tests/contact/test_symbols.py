@@ -19,6 +19,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.studies.grid_judge import judge_line, judge_period
 from tests.contact.judge import solve, true_error
+from tests.tiers import diagonal
 
 TIPS = contact.Fourier(1.0, (-0.004, 0.0024, 0.0008), (0.0008, -0.0012, 0.0004))
 WAVE = contact.Sinusoid(0.004, 1.0)
@@ -115,9 +116,13 @@ def agrees_with_a_grid(solution, n=1024):
 
 
 class TestFromLightLoadToFullContact:
-    @pytest.mark.parametrize("share", [1e-3, 0.2, 0.6, 0.95, 0.9999])
     @pytest.mark.parametrize(
-        "body", [Body(-0.5, 0.05), Body(2.0, 0.3), Bonded(0.05, 0.3), Bonded(0.05, 0.5)], ids=str
+        ("body", "share"),
+        diagonal(
+            [Body(-0.5, 0.05), Body(2.0, 0.3), Bonded(0.05, 0.3), Bonded(0.05, 0.5)],
+            [1e-3, 0.2, 0.6, 0.95, 0.9999],
+        ),
+        ids=str,
     )
     def test_it_is_the_contact_of_an_independent_grid(self, body, share):
         solution = solve(TIPS, body, tol=1e-8, mean_pressure=share * full_pressure(TIPS, body))
@@ -134,8 +139,9 @@ class TestFromLightLoadToFullContact:
         assert solution.certificate.holds and solution.error <= 1e-8
         agrees_with_a_grid(solution, 2048)
 
-    @pytest.mark.parametrize("share", [0.01, 0.4, 0.98])
-    @pytest.mark.parametrize("body", [Body(0.8, 0.1), Bonded(0.1, 0.3)], ids=str)
+    @pytest.mark.parametrize(
+        ("body", "share"), diagonal([Body(0.8, 0.1), Bonded(0.1, 0.3)], [0.01, 0.4, 0.98]), ids=str
+    )
     def test_every_control_leads_back_to_the_same_contact(self, body, share):
         given = solve(TIPS, body, tol=1e-10, mean_pressure=share * full_pressure(TIPS, body))
         for control in CONTROLS:
@@ -165,9 +171,15 @@ class TestFromLightLoadToFullContact:
 
 
 class TestTheTwoFormulations:
-    @pytest.mark.parametrize("body", [Body(-0.5, 0.05), Body(2.0, 0.1), Body(0.5, 1.0)], ids=str)
-    @pytest.mark.parametrize("profile, share", [(TIPS, 0.8), (TIPS, 0.97), (WAVE, 0.9)])
-    def test_gaps_and_zones_give_the_same_contact(self, profile, share, body):
+    @pytest.mark.parametrize(
+        ("case", "body"),
+        diagonal(
+            [(TIPS, 0.8), (TIPS, 0.97), (WAVE, 0.9)],
+            [Body(-0.5, 0.05), Body(2.0, 0.1), Body(0.5, 1.0)],
+        ),
+    )
+    def test_gaps_and_zones_give_the_same_contact(self, case, body):
+        profile, share = case
         pressure = share * full_pressure(profile, body)
         gaps = solve(profile, body, tol=1e-10, mean_pressure=pressure)
         # Without a symbol there is no inverse operator.

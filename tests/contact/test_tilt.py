@@ -20,7 +20,7 @@ from contact.search.grid.tilt import hull_edge
 from contact.search.grid.tilt_rate import AtTilt, balanced
 from tests.contact.judge import relative, solve, true_error
 from tests.contact.strategies import designed_contacts
-from tests.tiers import quick
+from tests.tiers import diagonal, quick
 
 E, DATUM = 2.0, 7.0
 ISOLATED = contact.Isolated(datum=DATUM)
@@ -59,10 +59,9 @@ def given_by(answer, *names):
 
 
 class TestClosedForms:
-    @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
-    @pytest.mark.parametrize("names", CONTROLS, ids=" and ".join)
+    @pytest.mark.parametrize(("body", "names"), diagonal(BODIES, CONTROLS), ids=str)
     def test_pressure_zone_and_numbers_are_those_of_the_closed_form(self, body, names):
-        profile, answer, t = body
+        profile, answer, t = BODIES[body]
         solution = solve(profile, ISOLATED, E, tol=1e-8, **given_by(answer, *names))
         assert true_error(solution, answer, t) <= solution.error <= 1e-8
         for name in ("load", "moment", "tilt", "approach"):

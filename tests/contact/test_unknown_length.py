@@ -7,6 +7,7 @@ import pytest
 
 import contact
 from contact.model.profiles.derive import detail_of
+from tests.tiers import diagonal, quick
 
 PERIODIC = contact.Periodic()
 
@@ -40,11 +41,14 @@ class Bowl(contact.Profile):
 
 
 @pytest.mark.parametrize(
-    "control", [{"mean_pressure": 1e-3}, {"mean_pressure": 5e-3}, {"contact_fraction": 1.0}]
+    ("ripples", "control"),
+    diagonal(
+        [(128, 8e-6), (300, 6e-6)],
+        [{"mean_pressure": 1e-3}, {"mean_pressure": 5e-3}, {"contact_fraction": 1.0}],
+    ),
 )
-@pytest.mark.parametrize(("count", "height"), [(128, 8e-6), (300, 6e-6)])
-def test_ripples_are_found_as_of_a_shape_that_names_them(count, height, control):
-    own, told = Rippled(count, height), Rippled(count, height).told
+def test_ripples_are_found_as_of_a_shape_that_names_them(ripples, control):
+    own, told = Rippled(*ripples), Rippled(*ripples).told
     found, known = (
         contact.solve(contact.Scene(profile, 1.0, PERIODIC, **control), tol=1e-8)
         for profile in (own, told)
@@ -55,7 +59,7 @@ def test_ripples_are_found_as_of_a_shape_that_names_them(count, height, control)
     )
 
 
-@pytest.mark.parametrize("load", [0.01, 0.9])
+@pytest.mark.parametrize("load", quick([0.01, 0.9], [0.01]))
 def test_an_approach_counts_from_the_lowest_ripple(load):
     loaded = contact.solve(
         contact.Scene(Bowl(), 1.0, contact.Isolated(datum=11.0), load=load), tol=1e-8

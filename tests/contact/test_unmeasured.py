@@ -12,6 +12,7 @@ import pytest
 import contact
 from contact.model.traces.unmeasured import Kind
 from contact.solution.preparation import preparation_warnings, shares
+from tests.tiers import quick
 
 N, PITCH = 401, 1e-6
 LENGTH = (N - 1) * PITCH
@@ -107,7 +108,10 @@ PAIRS = [
 ]
 
 
-@pytest.mark.parametrize(("route", "kind"), PAIRS)
+QUICK = [(route, [*Kind][n % len(Kind)]) for n, route in enumerate(ROUTES)]
+
+
+@pytest.mark.parametrize(("route", "kind"), quick(PAIRS, QUICK))
 def test_the_share_that_is_told_is_the_integral_of_the_pressure_on_every_route(
     route: str, kind: Kind, tmp_path: Path
 ) -> None:

@@ -6,10 +6,12 @@ import pytest
 import sie
 from sie.basis import sums
 from tests.sie import reference
+from tests.tiers import quick
 
 ENDS = np.array([[-0.42, -0.15], [-0.05, 0.03], [0.1, 0.38]])
 KINK = 0.2
-PLACES = [-0.4, -0.14, -0.1, 0.0, 0.035, 0.15, 0.2499, 0.385, 0.45]
+FEW, MORE = [-0.4, -0.14, 0.2499, 0.45], [-0.1, 0.0, 0.035, 0.15, 0.385]
+at_places = pytest.mark.parametrize("places", quick([FEW, MORE], [FEW]), ids=["few", "more"])
 
 
 def value(x):
@@ -42,16 +44,18 @@ def at(density):
     return lambda t, zone: density.at_t(zone, t)
 
 
-def test_the_transform_is_the_principal_value_integral(case):
+@at_places
+def test_the_transform_is_the_principal_value_integral(case, places):
     density, kernel, _ = case
-    for x in PLACES:
+    for x in places:
         expected = reference.transform(at(density), ENDS, x, kernel, [KINK])
         assert density.transform(x) == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
-def test_the_potential_is_the_logarithmic_integral(case):
+@at_places
+def test_the_potential_is_the_logarithmic_integral(case, places):
     density, _, logarithm = case
-    for x in PLACES:
+    for x in places:
         expected = reference.potential(at(density), ENDS, x, logarithm, [KINK])
         assert density.potential(x) == pytest.approx(expected, abs=1e-10)
 
@@ -184,7 +188,7 @@ def test_a_place_that_is_no_number_gives_no_number(case, function):
 @pytest.mark.parametrize("periods", [-3, 1, 7, 1000])
 def test_with_a_period_everything_repeats(periods):
     density = solved(sie.hilbert(1.0))
-    x = np.array(PLACES)
+    x = np.array(FEW + MORE)
     for f in (density, density.transform, density.potential):
         # Distances from an end are known to 1e-16 * 1000 there; next to a singular end that counts
         # by 1 / d.

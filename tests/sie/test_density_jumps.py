@@ -9,7 +9,7 @@ from scipy.integrate import quad
 import sie
 from sie.jumps.density import DensityJumps
 from tests.sie import reference
-from tests.tiers import quick
+from tests.tiers import diagonal, quick
 
 ZONES = sie.Zones.of([[-1.3, 0.4], [0.9, 1.6]])
 NO_COEFFICIENTS = np.zeros((2, 1))
@@ -217,9 +217,9 @@ def test_a_logarithm_just_outside_has_its_own_bounded_density(at):
         assert density.at_t(zone, np.array([-1.0, 1.0])) == pytest.approx(0.0, abs=1e-15)
 
 
-@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(PERIOD)], ids=["cauchy", "hilbert"])
-@pytest.mark.parametrize("at", OUTSIDE)
+@pytest.mark.parametrize(("at", "kernel"), diagonal(OUTSIDE, ["cauchy", "hilbert"]))
 def test_its_transform_potential_and_integral_are_those_of_the_density(at, kernel):
+    kernel = sie.cauchy() if kernel == "cauchy" else sie.hilbert(PERIOD)
     _, density = beside(at, kernel)
     plain = reference.cauchy if kernel.period is None else reference.hilbert(PERIOD)
     log = reference.log_cauchy if kernel.period is None else reference.log_hilbert(PERIOD)

@@ -19,6 +19,7 @@ from sie.trees.far import FarSum
 from sie.trees.hierarchical import Inverse, cross
 from sie.trees.krylov import gmres
 from sie.trees.tree import SEPARATION, TERMS, Tree, interactions
+from tests.tiers import diagonal
 
 KERNELS = {"line": sie.cauchy(), "period": sie.hilbert(1.0), "images": sie.images(1.2, 2)}
 
@@ -58,9 +59,9 @@ def unknowns(layout, rng):
     return layout.flat(table * 10 ** rng.uniform(-3, 0, len(layout.m))[:, None])
 
 
-@pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
-@pytest.mark.parametrize("symmetric", [False, True], ids=["any", "mirrored"])
+@pytest.mark.parametrize(("kernel", "symmetric"), diagonal(KERNELS, [False, True]))
 def test_rows_and_levels_are_those_of_the_matrix(kernel, symmetric):
+    kernel = KERNELS[kernel]
     rng = np.random.default_rng(3)
     zones = scattered(40, rng)
     direct, fast = systems(kernel, mirrored(zones) if symmetric else zones)

@@ -12,6 +12,7 @@ import pytest
 import sie
 from sie.graded import grading as graded
 from sie.graded.grading import Grading
+from tests.tiers import diagonal, quick
 
 GAPS = [10.0**-e for e in range(3, 15)]
 S, B = sie.SINGULAR, sie.BOUNDED
@@ -322,8 +323,7 @@ ROUGH = {
 }
 
 
-@pytest.mark.parametrize("kernel", ["Cauchy", "Hilbert", "smooth"])
-@pytest.mark.parametrize("kind", ROUGH)
+@pytest.mark.parametrize(("kind", "kernel"), diagonal(ROUGH, ["Cauchy", "Hilbert", "smooth"]))
 def test_jumps_and_powers_agree_with_plain_coordinates(kind, kernel, monkeypatch):
     forcing = ROUGH[kind]
     conditions = (sie.ZoneTotals(0.2),)
@@ -386,7 +386,7 @@ def test_equation_and_level_hold_at_all_places_of_the_zones(gap):
     assert plates.residual(1 + t) == pytest.approx(np.zeros(len(t)), abs=1e-11)
 
 
-@pytest.mark.parametrize("gap", [1e-5, 1e-10])
+@pytest.mark.parametrize("gap", quick([1e-5, 1e-10], [1e-10]))
 def test_fields_beside_the_gap_are_those_of_the_closed_form(gap):
     """F = 1 - (z^2 - c) / (sqrt(z^2 - k^2) sqrt(z^2 - 1)) of two cracks, from 1e-3 gaps on."""
     k = 0.5 * gap

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import sie
 from contact.reference import inverse
+from tests.tiers import diagonal
 
 EPS = np.finfo(float).eps
 T = np.linspace(-0.99, 0.99, 41)
@@ -120,8 +121,7 @@ def test_a_design_off_by_a_millionth_does_not_pass(case):
     assert pressure_error(wrong, found.density) > 1e-8
 
 
-@pytest.mark.parametrize("gap", [1e-1, 1e-2, 1e-3])
-@pytest.mark.parametrize("period", [None, 1.0])
+@pytest.mark.parametrize(("gap", "period"), diagonal([1e-1, 1e-2, 1e-3], [None, 1.0]))
 def test_nearly_touching_zones_are_found_from_a_tenth_of_a_width_off(gap, period):
     problem = inverse.design([[-0.2, -0.1 * gap], [0.1 * gap, 0.2]], 2.0, 0.05, period)
     for seed in range(4):

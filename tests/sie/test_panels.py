@@ -5,6 +5,7 @@ of zones, and beside slits.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from sie.states import solve as fixed
 from sie.states.solve import SolveOptions
 from sie.trees.panels import PanelOptions, Spread, panels_of, panels_over
 from sie.trees.skeleton import Skeleton
+from tests.tiers import diagonal
 
 FEW = np.array([[-1.0, -0.5], [-0.2, 0.3], [0.35, 1.0]])
 PERIOD = 2.5
@@ -212,13 +214,12 @@ def test_a_kernel_of_both_places_is_of_low_rank_over_many_zones(of, monkeypatch)
     assert np.abs(by_sums.density.potential(x) - direct.density.potential(x)).max() < 1e-11 * size
 
 
-@pytest.mark.parametrize("symmetric", [False, True])
-@pytest.mark.parametrize("depth", [0.05, 0.5])
-@pytest.mark.parametrize("of_lag", [True, False])
-@pytest.mark.parametrize("period", [None, PERIOD])
-def test_beside_a_slit_the_density_is_that_of_the_zones_by_themselves(
-    period, of_lag, depth, symmetric
-):
+@pytest.mark.parametrize(
+    ("of", "at"),
+    diagonal([*product([None, PERIOD], [True, False])], [*product([0.05, 0.5], [False, True])]),
+)
+def test_beside_a_slit_the_density_is_that_of_the_zones_by_themselves(of, at):
+    (period, of_lag), (depth, symmetric) = of, at
     right = sie.Forcing(lambda x: x, lambda x: 0.5 * x * x)
     equation = sie.Equation(
         kernel(0.8, depth, period, of_lag), right, (sie.Total(1.0), sie.EqualPotential())

@@ -12,6 +12,7 @@ from sie.basis.lerch import lerch
 from sie.basis.power_jump import PowerJump
 from sie.basis.value_mode import ValueMode
 from sie.basis.weighted import Weighted
+from tests.tiers import diagonal
 
 KAPPAS = (0.0, 0.4, -2.0, 25.0, -25.0)
 PLACES = np.array([-0.999, -0.6, 0.0, 0.3, 0.98])
@@ -55,8 +56,7 @@ def test_lerch(a):
     assert lerch(a, 1 - near, near) == pytest.approx(exact, rel=1e-14)
 
 
-@pytest.mark.parametrize("order", [0, 1, 2])
-@pytest.mark.parametrize("kappa", [0.4, -2.0])
+@pytest.mark.parametrize(("kappa", "order"), diagonal([0.4, -2.0], [0, 1, 2]))
 def test_the_transform_of_a_jump_is_its_integral(kappa, order):
     place, weighted = 0.3, Weighted(kappa)
     jump = jumps(kappa, np.array([place]))

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 import sie
 from contact.studies.engine_problems import judged
 from sie.dense import modes
-from tests.tiers import quick
+from tests.tiers import diagonal, quick
 
 KAPPAS = [-25.0, -1.0, -0.2, 1e-9, 0.3, 2.0, 25.0]
 S, B = sie.SINGULAR, sie.BOUNDED
@@ -127,8 +127,7 @@ def test_small_kappa_tends_to_the_equation_of_the_first_kind(name):
     assert near.density.moment(0.3) == pytest.approx(plain.density.moment(0.3), abs=1e-9)
 
 
-@pytest.mark.parametrize("kappa", [-0.7, 0.4, (0.3, -2.0)])
-@pytest.mark.parametrize("name", PROBLEMS)
+@pytest.mark.parametrize(("name", "kappa"), diagonal(PROBLEMS, [-0.7, 0.4, (0.3, -2.0)]))
 def test_the_equation_holds_on_the_zones(name, kappa):
     equation, zones = posed(name, kappa)
     found = sie.solve(equation, zones, tol=1e-9)

@@ -24,6 +24,7 @@ import pytest
 from scipy.special import betainc, betaincinv
 
 import sie
+from tests.tiers import quick
 
 KAPPAS = [-3.0, -0.3, 0.05, 0.7, 12.0]
 S, B = sie.SINGULAR, sie.BOUNDED
@@ -141,11 +142,12 @@ def jacobi(n, powers, x):
     )
 
 
-@pytest.mark.parametrize("powers", JACOBI)
-def test_transforms_of_jacobi_series(powers):
+@pytest.mark.parametrize(
+    ("left", "right"), quick(JACOBI, [(-0.5, 0.5), (-0.123, -0.877), (0.544, 0.456)])
+)
+def test_transforms_of_jacobi_series(left, right):
     """Points of the package; near to the interval, where 1/(z - xi) is steep, its 0.1 + 0.1i."""
-    p, q = powers
-
+    powers = left, right
     with mp.workdps(40):
         x = [mp.mpf(k - 4.5) / 5 for k in range(10)]
         values = [sum(c * jacobi(n, powers, one) for n, c in enumerate(TEN)) for one in x]
@@ -264,7 +266,7 @@ def _piece(f, piece, ends, powers):
     return mp.quad(part, [-far, -16, -6, 0, 6, 16, far])
 
 
-@pytest.mark.parametrize("kappa", KAPPAS)
+@pytest.mark.parametrize("kappa", quick(KAPPAS, [-3.0, 0.7]))
 def test_a_sliding_wedge(kappa):
     """g = sign(x): the apex is the median of a beta distribution, the total that of |x|.
 
@@ -292,7 +294,7 @@ def test_a_sliding_wedge(kappa):
         assert float(found.density(x)) == pytest.approx(exact, abs=1e-8)
 
 
-@pytest.mark.parametrize("kappa", KAPPAS)
+@pytest.mark.parametrize("kappa", quick(KAPPAS, [-3.0, 0.7]))
 def test_a_sliding_profile_of_the_fourth_power(kappa):
     """g = x^3: the mean of x^3 over a beta distribution is 0; total pi times that of x^4."""
     a = alpha_of(kappa)
@@ -330,7 +332,7 @@ def test_a_tilted_sliding_punch_leaves_the_ground(kappa):
     assert found.density.moment(-1.0) == pytest.approx(moment, rel=1e-8)
 
 
-@pytest.mark.parametrize("kappa", [0.0001, 0.1, 0.7, 5.0])
+@pytest.mark.parametrize("kappa", quick([0.0001, 0.1, 0.7, 5.0], [0.0001, 0.7]))
 def test_a_porous_aerofoil_with_a_flap(kappa):
     """Incidence 0.3, camber -0.2 x and a flap turned by 0.1 from x = 0.4 on; Kutta condition at 1.
 
@@ -352,7 +354,7 @@ def test_a_porous_aerofoil_with_a_flap(kappa):
         assert float(found.density(x)) == pytest.approx(exact, abs=1e-9)
 
 
-@pytest.mark.parametrize("kappa", KAPPAS)
+@pytest.mark.parametrize("kappa", quick(KAPPAS, [-3.0, 0.7]))
 def test_two_sliding_punches(kappa):
     """phi = +-s (d + e x) |X|^(-1), X the product of both: d, e from the totals by quadrature."""
     ends, a = [(-1.0, -0.2), (0.3, 1.1)], alpha_of(kappa)

@@ -6,6 +6,7 @@ import pytest
 import sie
 from sie.second_kind import solve as solving
 from sie.second_kind.many_state import ManyState
+from tests.tiers import diagonal
 
 S = sie.SINGULAR
 
@@ -24,8 +25,7 @@ def by_matrix(monkeypatch, equation, zones):
         return sie.solve_zones(equation, zones)
 
 
-@pytest.mark.parametrize("periodic", [False, True])
-@pytest.mark.parametrize("seed", [None, 3])
+@pytest.mark.parametrize(("periodic", "seed"), diagonal([False, True], [None, 3]))
 def test_sums_and_matrix_agree_within_the_stated_error(monkeypatch, periodic, seed):
     zones, length = row(45)
     kappa = 0.3 if seed is None else np.random.default_rng(seed).choice([-1.0, 0.2, 3.0], 45)
