@@ -18,7 +18,15 @@ import numpy as np
 from contact.errors import SceneError
 from contact.extras import require
 from contact.model.scene import Scene
-from contact.model.scene_file import load_scene, read_scene
+from contact.model.scene_file import (
+    load_scene,
+    load_tables,
+    read_scene,
+    read_tables,
+    scene_from_tables,
+    tangential_from_tables,
+)
+from contact.model.tangential import Tangential
 from sie import Array
 
 SCENE = click.argument("scene", type=click.Path(path_type=Path))
@@ -37,8 +45,24 @@ def scene_of(name: Path) -> Scene:
     """
     if str(name) != "-":
         return load_scene(name)
+    return read_scene(_standard_input(), "standard input")
+
+
+def _standard_input() -> bytes:
     # sys.stdin is None if standard input was closed.
-    return read_scene(b"" if sys.stdin is None else sys.stdin.buffer.read(), "standard input")
+    return b"" if sys.stdin is None else sys.stdin.buffer.read()
+
+
+def scene_and_tangential_of(name: Path) -> tuple[Scene, Tangential]:
+    """The scene of a file, or of standard input for "-", with its table [tangential]."""
+    if str(name) == "-":
+        tables, place, folder = read_tables(_standard_input(), "standard input"), "", Path()
+    else:
+        tables, place, folder = load_tables(name), f"{name}: ", name.parent
+    try:
+        return scene_from_tables(tables, folder), tangential_from_tables(tables)
+    except SceneError as error:
+        raise SceneError(f"{place}{error}", error.field, error.value, error.allowed) from error
 
 
 # A function that writes a result to a file; its last argument says whether an existing file may be

@@ -1,7 +1,8 @@
 """Scene files in TOML: reading a scene from one, and writing a scene as the text of one.
 
 A scene has the tables [profile], [material], [interaction] and [control], and where they are not
-the usual ones [counter], [substrate] and [law]. The keys of a table are the arguments of the Python
+the usual ones [counter], [substrate] and [law]. The table [tangential] is that of `contact slip`;
+it is no part of the scene. The keys of a table are the arguments of the Python
 object that it stands for, in the same units: a registered profile, interaction, substrate or law
 can be read at once. File names are relative to the scene file.
 """
@@ -32,6 +33,7 @@ from contact.model.registry import (
     parameters,
 )
 from contact.model.scene import E_star, Scene
+from contact.model.tangential import Tangential
 
 Table = Mapping[str, Any]
 T = TypeVar("T")
@@ -42,6 +44,8 @@ OPTIONAL = {"substrate": SUBSTRATES, "law": LAWS}
 # The table of a rough counter body. It has the keys of [profile], and further keys for the position
 # of the body.
 COUNTER = "counter"
+# The table of a tangential load or a creepage.
+TANGENTIAL = "tangential"
 MODULI = ("E_star", "E1", "nu1", "E2", "nu2")
 
 
@@ -80,6 +84,11 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     >>> scene.profile
     Sinusoid(amplitude=1e-06, period=0.0001)
     """
+    return _under(f"{path}:", scene_from_tables, load_tables(path), Path(path).parent)
+
+
+def load_tables(path: str | PathLike[str]) -> Table:
+    """The tables of a scene file; SceneError if it cannot be read or is no TOML."""
     if not isinstance(path, (str, PathLike)):
         raise SceneError.of("path", path, "the name of a scene file")
     path = Path(path)
@@ -93,25 +102,35 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     of_trace = (
         f" with a scene (of a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
     )
-    return read_scene(
-        written, str(path), path.parent, "" if path.suffix.lower() == ".toml" else of_trace
-    )
+    return read_tables(written, str(path), "" if path.suffix.lower() == ".toml" else of_trace)
 
 
-def read_scene(
-    text: bytes, name: str, directory: str | PathLike[str] = ".", hint: str = ""
-) -> Scene:
+def read_scene(text: bytes, name: str, directory: str | PathLike[str] = ".") -> Scene:
     """The scene that a TOML text describes.
 
     name: the name of the text in messages.
     directory: the folder to which file names are relative.
-    hint: advice for the message that the text is not TOML.
     """
+    return _under(f"{name}:", scene_from_tables, read_tables(text, name), directory)
+
+
+def read_tables(text: bytes, name: str, hint: str = "") -> Table:
+    """The tables of a TOML text. hint: advice for the message that the text is not TOML."""
     try:
-        tables = require("tomllib").loads(text.decode("utf-8"))
+        tables: Table = require("tomllib").loads(text.decode("utf-8"))
     except ValueError as error:
         raise SceneError(f"{name}: is not a TOML file{hint}: {error}") from error
-    return _under(f"{name}:", scene_from_tables, tables, directory)
+    return tables
+
+
+def tangential_from_tables(tables: Table) -> Tangential:
+    """What the table [tangential] describes; SceneError if there is none."""
+    if TANGENTIAL not in tables:
+        raise SceneError(
+            "[tangential] is missing: it has friction, and load or creepage", TANGENTIAL
+        )
+    material = tables.get("material", {})
+    return _under(f"[{TANGENTIAL}]", Tangential.from_table, tables[TANGENTIAL], material)
 
 
 def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Scene:
@@ -119,15 +138,18 @@ def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Sc
     if not isinstance(tables, Mapping):
         raise SceneError.of("tables", tables, f"a mapping with the keys {', '.join(TABLES)}")
     for name in tables:
-        one_of("table", name, (*TABLES, COUNTER, *OPTIONAL))
+        one_of("table", name, (*TABLES, COUNTER, *OPTIONAL, TANGENTIAL))
     missing = [f"[{name}]" for name in TABLES if name not in tables]
     if missing:
         raise SceneError(
             f"{' and '.join(missing)} missing: a scene has the tables {', '.join(TABLES)}"
         )
-    for name in (*TABLES, *(name for name in (COUNTER, *OPTIONAL) if name in tables)):
+    others_given = (name for name in (COUNTER, *OPTIONAL, TANGENTIAL) if name in tables)
+    for name in (*TABLES, *others_given):
         if not isinstance(tables[name], Mapping):
             raise SceneError.of(name, tables[name], f"a table, written [{name}]")
+    if TANGENTIAL in tables:
+        tangential_from_tables(tables)
     profile = _under("[profile]", _read_profile, tables["profile"], Path(directory))
     if COUNTER in tables:
         profile = _under(f"[{COUNTER}]", _read_counter, tables[COUNTER], Path(directory), profile)

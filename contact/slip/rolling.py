@@ -112,8 +112,8 @@ def rolling(
     >>> scene = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), half_width=0.1)
     >>> wheel = contact.solve(scene)
     >>> slip = contact.rolling(wheel, 0.5, tangential_load=0.75 * 0.5 * wheel.load)
-    >>> slip.stick_zones.round(9).tolist(), round(slip.creepage, 9)
-    ([[0.0, 0.1]], 0.025)
+    >>> (slip.stick_zones + 0.1).round(9).tolist(), round(slip.creepage, 9)
+    ([[0.1, 0.2]], 0.025)
     """
     if not isinstance(solution, Solution):
         raise SceneError.of("solution", solution, "a contact.Solution")

@@ -447,3 +447,57 @@ def test_importing_contact_loads_nothing_the_command_line_or_a_figure_needs():
     code = f"import sys, contact; print([name for name in {heavy!r} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def with_friction(path, lines):
+    text = open(path).read()
+    open(path, "w").write(f"{text}[tangential]\n{lines}\n")
+    return path
+
+
+def test_slip_prints_what_python_gives(scene, tmp_path):
+    path = with_friction(scene(), "friction = 0.3\nload = 300.0")
+    printed = json.loads(run("slip", path, "--json").stdout)
+    slip = contact.partial_slip(contact.solve(contact.load_scene(path)), 0.3, 300.0)
+    assert printed["stick_zones"] == slip.stick_zones.tolist()
+    assert printed["tangential_load"] == 300.0 and printed["model"] == "partial slip"
+    shown = run("slip", path, "--csv", tmp_path / "z.csv", "--plot", tmp_path / "q.png")
+    assert shown.exit_code == 0 and "stick" in shown.stdout
+    assert (tmp_path / "z.csv").read_text().startswith("left,right,width,state")
+
+
+def test_slip_rolls_where_it_is_told_to(tmp_path):
+    path = tmp_path / "wheel.toml"
+    path.write_text(
+        'profile = {shape = "parabola", radius = 1.0}\nmaterial = {E_star = 1e9}\n'
+        'interaction = {model = "isolated"}\ncontrol = {load = 1e4}\n'
+    )
+    with_friction(path, 'model = "rolling"\nfriction = 0.3\ncreepage = 1e-4')
+    printed = json.loads(run("slip", path, "--json").stdout)
+    assert printed["creepage"] == pytest.approx(1e-4) and printed["tangential_load"] > 0
+
+
+@pytest.mark.parametrize(
+    ("lines", "named"),
+    [
+        ("friction = 0.3", "load or creepage"),
+        ("load = 1.0", "friction is missing"),
+        ("friction = -0.3\nload = 1.0", "friction"),
+        ("friction = 0.3\nload = 1e9", "at most friction"),
+        ("friction = 0.3\ncreepage = 1e-3", "rolling"),
+        ('friction = 0.3\nload = 1.0\nmodel = "slip"', "model"),
+        ("friction = 0.3\nload = 1.0\nfrict = 1.0", "frict"),
+    ],
+)
+def test_slip_names_what_is_wrong_in_its_table(scene, lines, named):
+    assert named in stopped(2, "slip", with_friction(scene(), lines))
+    if named != "at most friction":  # the table is checked by whatever reads the file
+        assert named in stopped(2, "solve", with_friction(scene(), lines))
+
+
+def test_slip_refuses_bodies_that_are_not_alike(scene):
+    path = scene()
+    text = open(path).read()
+    open(path, "w").write(text.replace("E_star = 1.1e11", "E1 = 2.1e11\nnu1 = 0.3"))
+    assert "beta" in stopped(2, "slip", with_friction(path, "friction = 0.3\nload = 1.0"))
+    assert "[tangential] is missing" in stopped(2, "slip", scene())

@@ -1,0 +1,77 @@
+"""The table [tangential] of a scene file: friction, and a tangential load or a creepage."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Self
+
+from contact.errors import SceneError
+from contact.model.checks import finite, finite_or_none, keep, one_of, positive
+from contact.model.laws.sliding import dundurs_beta
+
+MODELS = ("partial slip", "rolling")
+# A Dundurs constant below this is that of equal bodies: it changes the shear by less than any
+# stated error. Rounded moduli give about 1e-16.
+_EQUAL_BODIES = 1e-9
+
+
+@dataclass(frozen=True)
+class Tangential:
+    """A tangential load or a creepage of a contact with friction, as a scene file gives it.
+
+    Parameters
+    ----------
+    friction : float
+        Coefficient of friction [1], above 0.
+    load : float or None
+        Tangential load [N/m].
+    creepage : float or None
+        Creepage [1], for rolling; exactly one of load and creepage is given.
+    model : str
+        "partial slip" or "rolling".
+    bulk_stress : float
+        Bulk stress [Pa], for partial slip.
+    leading : str
+        "right" or "left", for rolling.
+    """
+
+    friction: float
+    load: float | None = None
+    creepage: float | None = None
+    model: str = "partial slip"
+    bulk_stress: float = 0.0
+    leading: str = "right"
+
+    def __post_init__(self) -> None:
+        keep(self, positive, "friction")
+        keep(self, finite_or_none, "load", "creepage")
+        keep(self, finite, "bulk_stress")
+        one_of("model", self.model, MODELS)
+        one_of("leading", self.leading, ("right", "left"))
+        if (self.load is None) == (self.creepage is None):
+            raise SceneError("load or creepage: exactly one of them is given", "load")
+        rolls = self.model == "rolling"
+        if not rolls and (self.creepage is not None or self.leading != "right"):
+            raise SceneError("creepage and leading belong to model = 'rolling'", "model")
+        if rolls and self.bulk_stress:
+            raise SceneError.of("bulk_stress", self.bulk_stress, "left out with model = 'rolling'")
+
+    @classmethod
+    def from_table(cls, table: Any, material: Any) -> Self:
+        """What a table describes; SceneError for other keys, and for moduli of unlike bodies."""
+        if not isinstance(table, Mapping):
+            raise SceneError.of("tangential", table, "a table, written [tangential]")
+        names = [field.name for field in fields(cls)]
+        for name in table:
+            one_of("key", name, names)
+        if "friction" not in table:
+            raise SceneError("friction is missing: the coefficient of friction", "friction")
+        if isinstance(material, Mapping) and "E1" in material and "nu1" in material:
+            beta = dundurs_beta(**material)
+            if abs(beta) > _EQUAL_BODIES:
+                raise SceneError(
+                    f"the moduli of [material] differ (Dundurs' beta = {beta:.4g}), so that shear "
+                    "changes the pressure, which is solved for full sliding alone ([law] model = "
+                    "'sliding'): give E_star to leave this out",
+                    "material",
+                )
+        return cls(**table)
