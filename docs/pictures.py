@@ -228,6 +228,8 @@ def keep(name: str, file: Path, folder: Path = KEPT) -> None:
     shown = run(file)
     if shown.paths:
         save(shown.paths[-1].plot(), folder / f"{name}.png", dpi=80)
+    elif isinstance(shown.returned, list) and isinstance(shown.returned[-1], contact.Slip):
+        save(shown.returned[-1].plot(), folder / f"{name}.png", dpi=80)
     elif name in DRAWINGS:
         save(DRAWINGS[name](shown.returned), folder / f"{name}.png")
     else:

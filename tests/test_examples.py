@@ -90,6 +90,8 @@ COUNTS = {
     "registration": (900, 150, 1e5, 1e5),
     "rounded_punch": (24, 48, 1e2, 2.5e5),
     "textures": (900, 400, 1e5, 1e6),
+    "fretting": (60, 700, 3e5, 5e5),
+    "wheel": (60, 300, 3e4, 5e5),
     "sliding_roller": (60, 48, 3e3, 6e5),
     "tilted_punch": (120, 48, 1e3, 1e5),
     "two_zones": (50, 120, 3e4, 1e4),
@@ -270,6 +272,22 @@ def test_a_punch_lifts_off_one_corner_when_the_load_is_far_off_its_middle() -> N
     for solution, closed in found:
         assert solution.tilt == pytest.approx(closed.tilt, rel=1e-8, abs=1e-15)
         assert solution.zones == pytest.approx(closed.zones, abs=1e-12)
+
+
+def test_a_rough_line_slips_more_the_more_it_is_pulled() -> None:
+    slips = sorted(module("fretting").main(), key=lambda slip: slip.tangential_load)
+    widths = [float(np.diff(slip.stick_zones).sum()) for slip in slips]
+    assert widths == sorted(widths, reverse=True) and len(slips[0].solution.zones) > 5
+
+
+def test_a_wheel_has_the_creepage_of_carter() -> None:
+    *wheels, worn = module("wheel").main()
+    for slip in wheels:
+        half = 0.5 * slip.solution.zone_widths[0]
+        part = slip.tangential_load / (slip.friction * slip.solution.load)
+        carter = slip.friction * half / 0.46 * (1 - np.sqrt(1 - part))
+        assert slip.creepage == pytest.approx(carter, rel=1e-9)
+    assert len(worn.stick_zones) == 2
 
 
 def test_a_sliding_roller_has_the_closed_form() -> None:

@@ -151,6 +151,26 @@ def test_where_a_contact_sticks_the_shear_causes_no_strain(route, part):
             assert np.abs(np.abs(slip.shear(x)) - limit).max() < 1e-8 * size
 
 
+@pytest.mark.parametrize("part", [0.2, 0.8])
+def test_a_wheel_of_the_fourth_power_has_the_closed_form(part):
+    """(E*/2) f' = g1 x + g3 x^3: its zone that sticks begins at the leading edge of contact."""
+    g1, g3 = 0.3, 2.0
+    solution = solved(contact.Polynomial([0, 0, g1 / E, 0, 0.5 * g3 / E]), load=0.2)
+    half, rest = solution.zones[0, 1], (1 - part) * solution.load
+    slip = contact.rolling(solution, MU, part * MU * solution.load, tol=1e-11)
+    left, right = slip.stick_zones[0]
+    e, w = 0.5 * (right + left), 0.5 * (right - left)
+    n1, n0 = 3 * g3 * e, 3 * g3 * e**2 + g1 + g3 * w**2 / 2
+    assert abs(right - half) < 1e-12
+    assert np.pi * (n0 * w**2 / 2 + g3 * w**4 / 8) == pytest.approx(rest, rel=1e-10)
+    assert slip.creepage == pytest.approx(
+        2 * MU / E * (n1 * w**2 / 2 + g3 * e**3 + g1 * e), rel=1e-10
+    )
+    y = w * np.linspace(-0.99, 0.99, 9)
+    wanted = MU * (solution.pressure(e + y) - np.sqrt(w**2 - y**2) * (n0 + n1 * y + g3 * y**2))
+    assert np.abs(slip.shear(e + y) - wanted).max() < 1e-10 * MU * solution.max_pressure
+
+
 @pytest.mark.parametrize("leading", ["right", "left"])
 @pytest.mark.parametrize("part", [-0.3, 0.9, 0.999])
 def test_all_zones_that_roll_have_one_strain_where_they_stick(leading, part):
