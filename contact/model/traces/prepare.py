@@ -236,8 +236,8 @@ def _at_places(
 ) -> tuple[Array, Array, str]:
     """(positions, heights, note on the choice of the positions).
 
-    Without `count` they are those of the file, which must be distinct. Otherwise they are `count`
-    evenly spaced positions.
+    Without `count` the positions are those of the file, otherwise `count` evenly spaced ones. Equal
+    positions in the file raise an error, unless `count` is given and rounding explains them.
     """
     if count is None or _pitch_behind_rounding(x) is None:
         _refuse_repeated(path, x, lines)
