@@ -43,16 +43,26 @@ from sie.trees.tree import TERMS, Pairs, Tree
 PointsOf = Callable[[int], tuple[Array, Array]]
 
 
-def unfit(equation: Equation, zones: Zones) -> str | None:
-    """The reason, as a message, why fast sums with kappa do not apply; None if they do."""
+def lacks_fast_fields(equation: Equation, zones: Zones) -> str | None:
+    """The reason, as a message, why fields cannot be summed by trees; None if they can."""
     if len(zones) < 2:
         return "one zone is too few"
-    if equation.columns:
-        return "columns of unknown amplitudes are not known with kappa"
     if zones.have_values:
         return "values of the density at ends are not known with kappa"
     if zones.follow_ends:
         return "prescribed intensities of free ends are not known with kappa"
+    if not reaches(equation.kernel, zones) or panels_over(equation.kernel, zones) is not None:
+        return "the kernel is too general"
+    return None
+
+
+def unfit(equation: Equation, zones: Zones) -> str | None:
+    """The reason, as a message, why fast sums with kappa do not apply; None if they do."""
+    lacking = lacks_fast_fields(equation, zones)
+    if lacking is not None:
+        return lacking
+    if equation.columns:
+        return "columns of unknown amplitudes need conditions on levels"
     kinds = [type(condition) for condition in equation.conditions]
     held = sorted(sum(zones.fixed_bounded, []))
     by_totals = kinds == [ZoneTotals] and not held
@@ -61,8 +71,6 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
             "the totals of the zones, and no other conditions, are known with kappa, or one "
             "bounded fixed end of each zone"
         )
-    if not reaches(equation.kernel, zones) or panels_over(equation.kernel, zones) is not None:
-        return "the kernel is too general"
     return None
 
 
@@ -118,7 +126,7 @@ class FieldSums:
         zones, layout, pairs = self.zones, self.layout, self.far.near
         other = ~((pairs.target == pairs.source) & (pairs.shift == 0.0))
         target, source, shift = pairs.target[other], pairs.source[other], pairs.shift[other]
-        sign, gap = _apart(zones, Pairs(target, source, shift))
+        sign, gap = apart(zones, Pairs(target, source, shift))
         # At the point nearest to the source the transforms decay most slowly. Their rate of decay
         # there gives the number of modes above round-off.
         first = np.array([points(int(n))[0].min() for n in range(1, int(layout.m.max()) + 1)])
@@ -157,22 +165,56 @@ class FieldSums:
 
     def _far_series(self, y: Array, rough: bool) -> Array:
         """Chebyshev series (Z, TERMS) of the transform of far zones."""
+        return self._far(y, rough)[0]
+
+    def _far(self, y: Array, rough: bool) -> tuple[Array, Array, Array]:
+        """What `FarSum` gives for the unknowns y."""
         leaves = np.zeros((len(self.zones), TERMS))
         for basis, m, group, unknowns in self.groups:
             leaves[group] = y[unknowns] @ basis.moments(m + 1, TERMS).T
         leaves[:, 1:] *= 0.5
-        return self.far(leaves * self.zones.half[:, None], rough)[0]
+        return self.far(leaves * self.zones.half[:, None], rough)
 
     def __call__(self, y: Array, rough: bool = False) -> Array:
         """Coefficients of the field in D_(k-1), k = 1 ... m, of each zone in turn.
 
         rough: whether an error of 1e-7 of the whole far field is small enough.
         """
-        series, at_nodes = self._far_series(y, rough), self.near @ y
+        return self.projected(self.near @ y, self.far_rows(self._far_series(y, rough)))
+
+    def fields_and_middles(self, y: Array, rough: bool = False) -> tuple[Array, Array]:
+        """(what a call gives, potential of far zones in the middle of each zone)."""
+        series, middle, rest = self._far(y, rough)
+        return self.projected(self.near @ y, self.far_rows(series)), middle + rest
+
+    @staticmethod
+    def far_rows(series: Array) -> Array:
+        """Coefficients in U_(k-1) of Chebyshev series (Z, TERMS)."""
         far = 0.5 * series
         far[:, :-2] -= 0.5 * series[:, 2:]
         far[:, 0] += 0.5 * series[:, 0]
-        return self.projected(at_nodes, far)
+        return np.asarray(far)
+
+    def near_potential(self) -> Any:
+        """Sparse matrix from the unknowns to the potential in the middle, by `far.near` pairs."""
+        zones, layout, pairs = self.zones, self.layout, self.far.near
+        other = ~((pairs.target == pairs.source) & (pairs.shift == 0.0))
+        target, source, shift = pairs.target[other], pairs.source[other], pairs.shift[other]
+        sign, gap = apart(zones, Pairs(target, source, shift))
+        excess = (gap + zones.half[target]) / zones.half[source]
+        data, rows, columns = [], [], []
+        for basis, m, group, _ in self.groups:
+            some = np.flatnonzero(np.isin(source, group))
+            w = zones.half[source[some]]
+            table = basis.potentials(m + 1, Outside(sign[some], excess[some]))
+            table[:, 0] += np.log(w / self.far.kernel.datum)
+            data.append((table * w[:, None]).ravel())
+            rows.append(np.repeat(target[some], m + 1))
+            columns.append((layout.offset[source[some]][:, None] + np.arange(m + 1)).ravel())
+        sparse = lazy.module("scipy.sparse")
+        places = np.concatenate(rows), np.concatenate(columns)
+        shape = (len(zones), layout.size)
+        return sparse.coo_array((np.concatenate(data), places), shape=shape).tocsr()
 
     def projected(self, at_nodes: Array, far: Array | None = None) -> Array:
         """Coefficients in D_(k-1) of values at the nodes, plus U coefficients of a far field."""
@@ -192,7 +234,7 @@ class FieldSums:
         return np.asarray(series @ waves + (self.near_between @ y).reshape(-1, len(THETA)))
 
 
-def _apart(zones: Zones, pairs: Pairs) -> tuple[Array, Array]:
+def apart(zones: Zones, pairs: Pairs) -> tuple[Array, Array]:
     """(side of the source on which each target lies, gap between the two)."""
     t, s, shift = pairs.target, pairs.source, pairs.shift
     right = zones.middle[t] > zones.middle[s] + shift

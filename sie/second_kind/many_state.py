@@ -8,6 +8,7 @@ import numpy as np
 from sie.basis.data import EPS, Array, root_of_squares
 from sie.second_kind.density import SecondKindDensity
 from sie.second_kind.many import ManySolver
+from sie.second_kind.many_levels import LevelRows
 from sie.second_kind.state import AT_ENDS, SecondKindState, density_of
 from sie.states.options import OPTIONS as ERRORS
 
@@ -43,12 +44,18 @@ class ManyState(SecondKindState):
 
     @property
     def levels(self) -> Array:
-        """Raise ValueError, because levels are not computed for so many zones."""
-        raise ValueError(_NO_LEVELS)
+        """Level of each zone; ValueError without a condition on levels."""
+        rows = self.solver.rows
+        if not isinstance(rows, LevelRows):
+            raise ValueError(_NO_LEVELS)
+        return np.asarray(rows.applied(self.unknowns)[1].level + rows.level_constants)
 
     def level_rates(self, values: Array) -> Array:
-        """Raise ValueError, because levels are not computed for so many zones."""
-        raise ValueError(_NO_LEVELS)
+        """Changes of the levels; ValueError without a condition on levels."""
+        rows = self.solver.rows
+        if not isinstance(rows, LevelRows):
+            raise ValueError(_NO_LEVELS)
+        return rows.applied(self.solver(self._right_of(values), 0.0))[1].level
 
     @cached_property
     def _residuals(self) -> Array:

@@ -13,6 +13,7 @@ from sie.dense import modes
 from sie.dense.system import Layout, condition_rows
 from sie.equation.equation import Equation
 from sie.second_kind.jumps import known_parts
+from sie.second_kind import many_levels
 from sie.second_kind.many import ManyRows, ManySolver, unfit
 from sie.second_kind.many_state import ManyState
 from sie.second_kind.state import OPTIONS, SecondKindState, density_of
@@ -76,7 +77,10 @@ def _solve_once(
     layout = Layout(m, len(equation.columns))
     parts = known_parts(equation.forcing, zones, equation.kernel.period)
     system = SecondKindRows(equation, zones, layout, parts)
-    lacking = unfit(equation, zones) if layout.size > SOLVE.min_fast_unknowns else "too few of them"
+    lacking: str | None = "too few of them"
+    if layout.size > SOLVE.min_fast_unknowns:
+        by_levels = any(condition.levels for condition in equation.conditions)
+        lacking = (many_levels.unfit if by_levels else unfit)(equation, zones)
     if lacking is None:
         return _solve_iterated(system, sizes, fewer if isinstance(fewer, ManyState) else None)
     if layout.size > SOLVE.max_matrix_unknowns:
@@ -110,16 +114,22 @@ def _solve_once(
 
 def _solve_iterated(system: SecondKindRows, sizes: Sizes, last: ManyState | None) -> ManyState:
     """The solution by fast sums and GMRES; last: that with fewer modes, if there is one."""
-    rows = ManyRows.of(system, None if last is None else last.solver.rows.sums.far)
-    values, scale = rows.conditions()
+    far, rows, solver = None if last is None else last.solver.rows.sums.far, None, None
+    if any(condition.levels for condition in system.equation.conditions):
+        rows = many_levels.LevelRows.of(system, far)
+        values = rows.condition_values(sizes.value)
+        scale, solver = np.ones(len(values)), many_levels.LevelSolver(rows, sizes.linear)
+    else:
+        rows = ManyRows.of(system, far)
+        values, scale = rows.conditions()
+        solver = ManySolver(rows, sizes.linear)
     right = np.concatenate((rows.right, values))
     if not np.all(np.isfinite(right)):
         raise SingularSystem("the right side or a side condition is not finite on the zones")
-    solver = ManySolver(rows, sizes.linear)
     guess = None
     if last is not None:
         table = widened(last.density.coefficients, system.layout.given.shape[1])
-        guess = table[system.layout.given]
+        guess = np.concatenate((table[system.layout.given], last.density.amplitudes))
     y = solver(right, guess=guess)
     if not np.all(np.isfinite(y)):
         raise SingularSystem("the iteration of many zones gives no finite solution")

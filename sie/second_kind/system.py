@@ -179,8 +179,7 @@ class SecondKindRows(Rows):
 
     def right_side(self, targets: Targets) -> Array:
         """The right side at points on the zones, minus the left side of the jumps' densities."""
-        g = np.asarray(self.equation.forcing.value(targets.x), dtype=float)
-        out = np.broadcast_to(g, targets.x.shape).copy()
+        out = self.forcing_at(targets)
         zones, kernel = self.zones, self.equation.kernel
         if self.beside is not None:
             left = targets.left / zones.half[targets.zone]
@@ -198,6 +197,11 @@ class SecondKindRows(Rows):
                 means = regular_means(kernel, of_zone, targets.x, False)
                 out -= w * (means @ one.moments(means.shape[1]))
         return out
+
+    def forcing_at(self, targets: Targets) -> Array:
+        """The right side at points on the zones, with the jumps."""
+        g = np.asarray(self.equation.forcing.value(targets.x), dtype=float)
+        return np.broadcast_to(g, targets.x.shape).copy()
 
     def left_side(self, targets: Targets | Places) -> Array:
         """Left side of the equation at points, for a unit of each unknown (points, unknowns).

@@ -1,0 +1,404 @@
+"""Equations with kappa on many zones under conditions on levels, by fast sums and GMRES.
+
+The unknowns are the coefficients c_k, k > 0, of all zones, then c_0 of all zones and the amplitudes
+of the columns. The rows of the equation are those of `many`. The rows of the conditions are applied
+to the unknowns too: the tree gives the potential in the middle of each zone. They are multiplied by
+the inverse of a small matrix, that of the conditions for densities c_0 / sqrt(1 - t^2) alone. So
+all rows are close to the identity, and GMRES needs few steps.
+
+The densities of jumps of the right side go through the tree like those of the unknowns.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve, norm
+
+from sie.basis.data import EPS, Array, Index, record
+from sie.basis.interval import Outside
+from sie.basis.sums import OPTIONS as SUMS
+from sie.basis.zones import Zones
+from sie.equation.conditions import Linear, Rows, Trial, asked
+from sie.equation.equation import Equation
+from sie.fast.iteration import OPTIONS as ITERATION
+from sie.second_kind.many import (
+    ManyRows,
+    ManySolver,
+    PointsOf,
+    apart,
+    between_nodes,
+    lacks_fast_fields,
+    nodes_of,
+)
+from sie.second_kind.system import targets_at
+from sie.states.state import THETA
+from sie.trees.krylov import gmres
+from sie.trees.tree import TERMS, Pairs
+
+
+@dataclass(frozen=True)
+class LevelOptions:
+    """Limits of the small matrix of conditions."""
+
+    # Its LU factors take about a second then.
+    max_zones: int = 4000
+
+
+OPTIONS = LevelOptions()
+
+
+def unfit(equation: Equation, zones: Zones) -> str | None:
+    """The reason, as a message, why these sums do not apply to the equation; None if they do."""
+    lacking = lacks_fast_fields(equation, zones)
+    if lacking is not None:
+        return lacking
+    if any(zones.fixed_bounded):
+        return "bounded fixed ends are not known with kappa, but for one of each zone"
+    if len(zones) > OPTIONS.max_zones:
+        return f"more than {OPTIONS.max_zones} zones are too many"
+    if not any(condition.levels for condition in equation.conditions):
+        return "conditions on levels are needed with kappa"
+    primitives = [part.primitive for part in (equation.forcing, *equation.columns)]
+    if any(one is None for one in primitives):
+        return "a condition on levels needs the primitives of the right side and of columns"
+    return None
+
+
+class LevelRows(ManyRows):
+    """The rows of an equation whose conditions contain levels; see the module's docstring."""
+
+    @cached_property
+    def _middles(self) -> Array:
+        """Angles (Z, 1) of the zones' middles."""
+        return np.full((len(self.zones), 1), 0.5 * np.pi)
+
+    # The densities of jumps.
+    @cached_property
+    def _known_far(self) -> tuple[Array, Array]:
+        """(series of the transform, potential in the middle) by jumps in far zones."""
+        leaves = np.zeros((len(self.zones), TERMS))
+        for one in self.dense.jumps:
+            leaves[one.zone] += one.moments(TERMS)
+        leaves[:, 1:] *= 0.5
+        series, middle, rest = self.sums.far(leaves * self.zones.half[:, None])
+        return series, middle + rest
+
+    def _known_near(self, points: PointsOf, potential: bool) -> Array:
+        """Transform, or potential, by jumps in near zones and in the zone itself, at its points.
+
+        To the potential of the zone itself kappa times the integral up to the point is added.
+        """
+        zones, layout = self.zones, self.sums.layout
+        counts = np.array([len(points(int(n))[0]) for n in layout.m])
+        out, first = np.zeros(int(counts.sum())), np.cumsum(counts) - counts
+        pairs = self.sums.far.near
+        sign, gap = apart(zones, pairs)
+        own = (pairs.target == pairs.source) & (pairs.shift == 0.0)
+        order = np.argsort(pairs.source, kind="stable")
+        starts = np.searchsorted(pairs.source[order], np.arange(len(zones) + 1))
+        for one in self.dense.jumps:
+            w, level = zones.half[one.zone], 0.0
+            if potential:
+                level = one.total / np.pi * float(np.log(w / self.dense.equation.kernel.datum))
+            seen = order[starts[one.zone] : starts[one.zone + 1]]
+            excess, signs, rows = [], [], []
+            for k in seen.tolist():
+                target = int(pairs.target[k])
+                left, right = points(int(layout.m[target]))
+                row = first[target] + np.arange(len(left))
+                if own[k]:
+                    value = w * (level + one.own_level(left, right)) if potential else one.own
+                    out[row] += value(left, right) if callable(value) else value
+                    continue
+                inner = zones.half[target] * (left if sign[k] > 0 else right)
+                excess.append((gap[k] + inner) / w)
+                signs.append(np.full(len(left), sign[k]))
+                rows.append(row)
+            if rows:
+                at = Outside(np.concatenate(signs), np.concatenate(excess))
+                values = w * (level + one.potential(at)) if potential else one.transform(at)
+                np.add.at(out, np.concatenate(rows), values)
+        return out
+
+    @cached_property
+    def right(self) -> Array:  # type: ignore[override]
+        g = self.dense.forcing_at(self.dense.points[0])
+        if not self.dense.jumps:
+            return self.sums.projected(g)
+        at_nodes = g - self._known_near(nodes_of, False)
+        return self.sums.projected(at_nodes, -self.sums.far_rows(self._known_far[0]))
+
+    def residuals(self, y: Array) -> Array:
+        zones, out = self.zones, self.sums.between(y)
+        left, right = between_nodes(0)
+        for basis, m, group, unknowns in self.sums.groups:
+            out[group] -= y[unknowns[:, 1:]] @ basis.images.table(m, left, right).T
+        targets = targets_at(zones, np.broadcast_to(THETA, out.shape))
+        g = self.dense.forcing_at(targets).reshape(out.shape)
+        if self.dense.jumps:
+            waves = np.cos(np.arange(TERMS)[:, None] * THETA)
+            near = self._known_near(between_nodes, False).reshape(out.shape)
+            g = g - near - self._known_far[0] @ waves
+        for number, column in enumerate(self.dense.equation.columns):
+            amplitude = y[self.sums.layout.coefficients + number]
+            g = g + amplitude * np.asarray(column.value(targets.x)).reshape(out.shape)
+        return np.asarray((out - g) * np.sin(THETA))
+
+    # The columns.
+    @cached_property
+    def column_rows(self) -> Array:
+        """Coefficients of the columns in D_(k-1), as for `right` (columns, rows)."""
+        x = self.dense.points[0].x
+        columns = [
+            self.sums.projected(np.broadcast_to(np.asarray(one.value(x), dtype=float), x.shape))
+            for one in self.dense.equation.columns
+        ]
+        return np.array(columns).reshape(-1, len(self.others))
+
+    @cached_property
+    def column_heights(self) -> Array:
+        """Primitives of the columns in the middles of zones (columns, Z)."""
+        x, columns = self.zones.middle, self.dense.equation.columns
+        heights = [np.asarray(one.primitive(x), dtype=float) for one in columns if one.primitive]
+        return np.array(heights).reshape(-1, len(x))
+
+    # The levels.
+    @cached_property
+    def near_middles(self) -> Array:
+        """Sparse matrix from the unknowns to the potential in the middle, by `far.near` pairs."""
+        return self.sums.near_potential()
+
+    @cached_property
+    def level_constants(self) -> Array:
+        """The part of each zone's level that does not depend on the unknowns (Z,)."""
+        forcing, zones = self.dense.equation.forcing, self.zones
+        assert forcing.primitive is not None
+        out = -np.asarray(forcing.primitive(zones.middle), dtype=float)
+        if self.dense.jumps:
+            middle = lambda m: (np.ones(1), np.ones(1))  # noqa: E731
+            out = out + self._known_near(middle, True) + self._known_far[1]
+        return np.asarray(out + self._before(self.totals()[1]))
+
+    def _before(self, totals: Array) -> Array:
+        """Sum of kappa times the totals of all zones to the left of each zone."""
+        kappa = self.zones.weight.kappa
+        assert kappa is not None
+        sheared = kappa * totals
+        return np.asarray(np.cumsum(sheared) - sheared)
+
+    @cached_property
+    def _own_levels(self) -> list[tuple[Array, Array]]:
+        """(own level of a unit of each unknown, divided by w, for each group of `sums.groups`)."""
+        out = []
+        for basis, m, _, unknowns in self.sums.groups:
+            row = -basis.singular.mirrored.table(m + 1, np.ones(1), np.ones(1))[0]
+            row[1:] /= np.arange(1, m + 1)
+            row[0] = basis.level
+            out.append((row, unknowns))
+        return out
+
+    def applied(self, y: Array, rough: bool = False) -> tuple[Array, "AppliedRows"]:
+        """(coefficients of the field of others, minus columns; what conditions use), for y."""
+        field, middle = self.sums.fields_and_middles(y, rough)
+        zones, layout = self.zones, self.sums.layout
+        level = middle + self.near_middles @ y
+        for (row, unknowns), (_, _, group, _) in zip(
+            self._own_levels, self.sums.groups, strict=True
+        ):
+            level[group] += zones.half[group] * (y[unknowns] @ row)
+        first = y[layout.offset]
+        level += zones.half * np.log(zones.half / self.dense.equation.kernel.datum) * first
+        level += self._before(np.pi * zones.half * first)
+        amplitudes = y[layout.coefficients :]
+        level -= amplitudes @ self.column_heights
+        return field - amplitudes @ self.column_rows, AppliedRows(self, y, level)
+
+    def condition_values(self, opened: float) -> Array:
+        """Values of all conditions, minus their constants; opened: that of the open condition."""
+        applied, out = self.applied(np.zeros(self.sums.layout.size))[1], []
+        for condition in self.dense.equation.conditions:
+            _, constants, values = asked(condition, applied, 1)
+            out.append(values - constants + (opened if condition.open else 0.0))
+        return np.concatenate(out)
+
+    def condition_rows(self, applied: "AppliedRows") -> Array:
+        """Left sides of all conditions, without constants."""
+        rows = [asked(one, applied, 1)[0][:, 0] for one in self.dense.equation.conditions]
+        return np.concatenate(rows)
+
+    def integral_rows(self, weight: object, degree: int | None) -> tuple[list[Array], Array]:
+        """Rows of the integrals of a weight times the density of each zone, and constants."""
+        key = weight, degree
+        if key not in self._integrals:
+            known, rows = np.zeros(len(self.zones)), []
+            for i, basis in enumerate(bases_of_rows(self)):
+                m = int(self.sums.layout.m[i])
+                count = m + 1 if degree is None else degree + 1
+                means = self.dense._means(weight, i, count)  # type: ignore[arg-type]
+                means = np.pi * self.zones.half[i] * means
+                rows.append(means @ basis.moments(m + 1, len(means)))
+                for one in self.dense.jumps:
+                    if one.zone == i:
+                        known[i] += means @ one.moments(len(means))
+            self._integrals[key] = rows, known
+        return self._integrals[key]
+
+    @cached_property
+    def _integrals(self) -> dict[tuple[object, int | None], tuple[list[Array], Array]]:
+        return {}
+
+    @cached_property
+    def coarse(self) -> tuple[Array, Index]:
+        """LU factors of the conditions' matrix for c_0 and amplitudes alone."""
+        zones, layout = self.zones, self.sums.layout
+        count, columns = len(zones), layout.columns
+        level = np.zeros((count, count + columns))
+        level[:, :count] = self._bare_potentials()
+        level[:, count:] = -self.column_heights.T
+        kappa = zones.weight.kappa
+        assert kappa is not None
+        level[:, :count] += np.tril(np.ones((count, count)), -1) * (kappa * np.pi * zones.half)
+        first = np.eye(count, count + columns)
+        trial = _Coarse(zones, first, level)
+        matrix = np.concatenate(
+            [asked(one, trial, count + columns)[0] for one in self.dense.equation.conditions]
+        )
+        factors: tuple[Array, Index] = lu_factor(matrix)
+        return factors
+
+    def _bare_potentials(self) -> Array:
+        """Potentials in the middles (Z, Z) of c_0 / sqrt(1 - t^2) on each zone."""
+        zones, kernel = self.zones, self.dense.equation.kernel
+        x, half = zones.middle, zones.half
+        out = np.zeros((len(x), len(x)))
+        for shift in kernel.poles:
+            away = np.abs(x[:, None] - x - shift)
+            own = (np.eye(len(x)) > 0) if shift == 0.0 else np.zeros(out.shape, dtype=bool)
+            excess = np.maximum(away / half - 1, np.where(own, 1.0, 0.0))
+            value = Outside(1.0, excess).first(half / kernel.datum)
+            out += np.where(own, np.log(0.5 * half / kernel.datum), value)
+        if kernel.regular_potential is not None:
+            out += kernel.regular_potential(x[:, None], x)
+        return out * half
+
+
+@record
+class _Coarse(Trial):
+    """A `Trial` whose last unknowns are the amplitudes of the columns."""
+
+    def amplitude(self, k: int) -> Linear:
+        row = np.zeros((1, self.first.shape[1]))
+        row[0, len(self.first) + k] = 1.0
+        return row, np.zeros(1)
+
+
+def bases_of_rows(rows: LevelRows) -> list:  # type: ignore[type-arg]
+    """The functions S_n of each zone."""
+    out = [None] * len(rows.zones)
+    for basis, _, group, _ in rows.sums.groups:
+        for i in group.tolist():
+            out[i] = basis
+    return out
+
+
+@record
+class AppliedRows(Rows):
+    """What conditions use, for one array of unknowns y: one column of each matrix."""
+
+    of: LevelRows
+    y: Array
+    level: Array
+
+    @property
+    def zones(self) -> Zones:  # type: ignore[override]
+        return self.of.zones
+
+    def totals(self) -> Linear:
+        first = self.y[self.of.sums.layout.offset]
+        return (np.pi * self.zones.half * first)[:, None], self.of.totals()[1]
+
+    def levels(self) -> Linear:
+        return self.level[:, None], self.of.level_constants
+
+    def integrals(self, weight, degree=None) -> Linear:  # type: ignore[no-untyped-def]
+        rows, known = self.of.integral_rows(weight, degree)
+        starts = self.of.sums.layout.offset
+        values = [row @ self.y[s : s + len(row)] for row, s in zip(rows, starts, strict=True)]
+        return np.array(values)[:, None], known
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        raise ValueError("conditions on intensities with kappa are for few zones")
+
+    def amplitude(self, k: int) -> Linear:
+        return self.y[[self.of.sums.layout.amplitude(k)]][:, None], np.zeros(1)
+
+
+class LevelSolver(ManySolver):
+    """Iterative solver of `LevelRows`; right sides end with the values of all conditions."""
+
+    rows: LevelRows
+
+    def __init__(self, rows: LevelRows, tolerance: float) -> None:
+        super().__init__(rows, tolerance)
+        self.order, self.edge_values = np.arange(len(rows.zones)), None
+
+    def __call__(
+        self, right: Array, tolerance: float | None = None, guess: Array | None = None
+    ) -> Array:
+        rows, layout = self.rows, self.rows.sums.layout
+        others, equations, count = rows.others, len(rows.others), len(layout.m)
+        lasts = np.concatenate((layout.offset, layout.coefficients + np.arange(layout.columns)))
+        rounding = 4 * EPS * np.sqrt(count)
+        wanted = max(self.tolerance if tolerance is None else tolerance, float(rounding))
+        is_rough = wanted > ITERATION.correction
+
+        def unknowns(x: Array) -> Array:
+            y = np.zeros(layout.size)
+            y[others], y[lasts] = x[:equations], x[equations:]
+            return y
+
+        def operator(x: Array, rough: bool) -> Array:
+            field, applied = rows.applied(unknowns(x), rough)
+            values = lu_solve(rows.coarse, rows.condition_rows(applied))
+            return np.concatenate((x[:equations] - field, values))
+
+        given = np.concatenate((-right[:equations], lu_solve(rows.coarse, right[equations:])))
+        scale = self._scale(given[:equations], given[equations : equations + count])
+        starts = np.cumsum(layout.m) - layout.m
+        top = np.full(layout.columns, float(scale.max()))
+        scale = np.concatenate((scale, scale[starts], top))
+        x = np.zeros(len(given))
+        if guess is not None:
+            x = np.concatenate((guess[others], guess[lasts]))
+        left_over = (given if guess is None else given - operator(x, is_rough)) / scale
+        before = float(norm(left_over))
+        while True:
+            part = max(wanted, ITERATION.correction * before)
+            found = gmres(lambda v: operator(v * scale, True) / scale, left_over, part)
+            self.iterations += found.steps
+            x = x + found.x * scale
+            left_over = (given - operator(x, is_rough)) / scale
+            size, before = before, float(norm(left_over))
+            stagnant = not before <= np.sqrt(ITERATION.correction) * size
+            if found.steps == 0 or before <= 4 * wanted or stagnant:
+                break
+        if tolerance is None:
+            rest = np.abs(left_over * scale)
+            self.error = np.maximum.reduceat(rest[:equations], starts)
+            self.error = np.maximum(self.error, rest[equations : equations + count])
+        return unknowns(x)
+
+    def row_errors(self, y: Array, residuals: Array, missing: Array) -> Array:
+        rows, zones = self.rows, self.rows.zones
+        by_zone = super().row_errors(y, residuals, missing)[: len(rows.others)]
+        first = np.abs(zones.half * y[rows.sums.layout.offset])
+        logs = np.abs(np.log(zones.half / rows.dense.equation.kernel.datum))
+        # The level is a sum of the potentials of all zones, of the logarithm's size at most.
+        size = float((first * (1 + logs)).sum() + np.abs(rows.level_constants).max())
+        applied, out = rows.applied(y)[1], []
+        for condition in rows.dense.equation.conditions:
+            matrix, constants, values = asked(condition, applied, 1)
+            terms = np.abs(matrix[:, 0]) + np.abs(constants) + np.abs(values)
+            out.append(np.full(len(terms), 8 * EPS * size) if condition.levels else EPS * terms)
+        return np.concatenate((by_zone, *out))
