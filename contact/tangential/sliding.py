@@ -5,18 +5,26 @@ problem is as monotone as without friction, and its zones are unique. Its contac
 control is the first guess. Nearly full contact is solved by its gaps.
 """
 
-from dataclasses import replace
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
 
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.problem import Problem
 from contact.model.controls import Quantity
 from contact.model.laws import Frictionless
-from contact.search.context import SolveContext
+from contact.search.context import SceneCache, SolveContext
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import scaled_scene, scaled_scene_about
 from contact.search.options import SEARCH
 from contact.search.refine import refined
-from contact.search.strategies.full_contact import full_under, refuse_full_approach, smallest_full
+from contact.search.strategies.full_contact import (
+    Full,
+    full_under,
+    refuse_full_approach,
+    smallest_full,
+)
 from contact.search.strategies.gaps import (
     by_gaps,
     gaps_are_better,
@@ -27,6 +35,17 @@ from contact.search.strategies.guesses import Outcome
 from contact.search.strategies.load_search import approach, contact_fraction, nearer
 from contact.search.topology.failure import Failure
 from contact.solution.solution import Solution
+from sie import Array, record
+
+
+@dataclass(frozen=True)
+class SlidingOptions:
+    """Steps in which kappa is raised where Newton's method does not get there at once."""
+
+    least_step: float = 1 / 64  # a part of kappa; smaller steps have not led on
+
+
+OPTIONS = SlidingOptions()
 
 
 def found(context: SolveContext) -> Outcome:
@@ -34,29 +53,75 @@ def found(context: SolveContext) -> Outcome:
     return refined(context, _found(context), _found)
 
 
+@record
+class Start:
+    """A contact to begin from: its zones [m], tilt [rad] and load [N/m]."""
+
+    zones: Array
+    tilt: float | None
+    load: float
+
+    @classmethod
+    def of(cls, contact: Solution) -> Start:
+        return cls(contact.zones, contact.tilt, contact.load)
+
+    @classmethod
+    def of_outcome(cls, found: Outcome) -> Start | None:
+        """The contact of an outcome; None for full contact."""
+        if isinstance(found, Full):
+            return None
+        fields = found.fields
+        return cls(fields.zone_table, fields.tilt, fields.load)
+
+
 def _found(context: SolveContext) -> Outcome:
     """The contact from that of a similar solution, or else from that without friction."""
-    if context.scene.given_fraction == 1.0:
+    scene, similar = context.scene, context.warm_start
+    if scene.given_fraction == 1.0:
         context.plan.decide("full contact", "full contact", "the contact fraction is 1")
         return smallest_full(context)
-    start = context.warm_start
-    if start is not None and len(start.zones):
-        outcome = _from(context, start)
+    if similar is not None and len(similar.zones):
+        outcome = _from(context, Start.of(similar))
         if not isinstance(outcome, Failure):
             return outcome
         context.record_failure("zones of a similar solution", outcome)
-    bare = replace(context.scene, law=Frictionless())
+    bare = replace(scene, law=Frictionless())
     context.plan.decide("first guess", "the contact without friction", "its zones are near by")
     with context.plan.timed("coarse search"):
         smooth = context.solve_scene(bare, max(context.tol, SEARCH.intermediate))
-    outcome = _from(context, smooth)
-    if isinstance(outcome, Failure) and context.scene.given_load is None:
-        context.record_failure("the control itself", outcome)
+    outcome = _from(context, Start.of(smooth))
+    if isinstance(outcome, Failure):
+        context.record_failure("zones without friction", outcome)
+        outcome = _along_kappa(context, Start.of(smooth), outcome)
+    if isinstance(outcome, Failure) and scene.given_load is None:
+        context.record_failure("kappa in steps", outcome)
         near_by = _under_loads(context, smooth.load)
-        outcome = outcome if near_by is None else _from(context, near_by)
+        outcome = outcome if near_by is None else _from(context, Start.of(near_by))
     if not isinstance(outcome, Failure):
         return outcome
     raise outcome.refusal or NotConverged(f"not converged: {outcome.reason}")
+
+
+def _along_kappa(context: SolveContext, start: Start, failure: Failure) -> Outcome | Failure:
+    """The contact, with kappa raised from zero in steps that Newton's method follows.
+
+    failure: of the first step, that of the whole kappa.
+    """
+    law: Any = context.scene.law
+    reached, step, last = 0.0, 0.5, failure
+    while step >= OPTIONS.least_step:
+        share = min(reached + step, 1.0)
+        scene = replace(context.scene, law=replace(law, beta=share * law.beta))
+        here = replace(context, scene=scene, cache=SceneCache(scene))
+        outcome = _from(context if share == 1.0 else here, start)
+        if isinstance(outcome, Failure):
+            step, last = 0.5 * step, outcome
+            continue
+        if share == 1.0:
+            return outcome
+        start = Start.of_outcome(outcome) or start
+        reached, step = share, 2 * step
+    return last
 
 
 def _under_loads(context: SolveContext, first: float) -> Solution | None:
@@ -81,18 +146,18 @@ def _under_loads(context: SolveContext, first: float) -> Solution | None:
     return found
 
 
-def _from(context: SolveContext, similar: Solution) -> Outcome | Failure:
-    """The contact from the zones of a similar solution; a Failure if these lead to none."""
+def _from(context: SolveContext, start: Start) -> Outcome | Failure:
+    """The contact from the zones of a similar one; a Failure if these lead to none."""
     scene = context.scene
     if scene.turned and scene.moment is not None:
-        scaled = scaled_scene_about(scene, similar.tilt or 0.0, similar.zones)
+        scaled = scaled_scene_about(scene, start.tilt or 0.0, start.zones)
     else:
         scaled = scaled_scene(scene, context.single)
     problem, control = scaled.problem, scaled.control
     if full := full_under(context, control):
         return full
     refuse_full_approach(context, problem, control)
-    table = placed(problem, similar.zones)
+    table = placed(problem, start.zones)
     # Without friction the contact may be full under a load at which it is not yet so in sliding.
     width = float((table[:, 1] - table[:, 0]).sum()) if len(table) else problem.period or 0.0
     by_its_gaps = _gaps_are_known(context, problem) and (
@@ -104,8 +169,8 @@ def _from(context: SolveContext, similar: Solution) -> Outcome | Failure:
             return gaps
         record_failed_gaps(context, "gaps", gaps)
     if len(table) == 0:
-        return Failure("the contact without friction has no zones to begin from")
-    load = similar.load / problem.units.load
+        return Failure("the contact to begin from has no zones")
+    load = start.load / problem.units.load
     found = context.refine_topology(problem, control, table, load_guess=load)
     if not isinstance(found, Failure):
         return found

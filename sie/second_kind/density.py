@@ -12,8 +12,10 @@ from sie.basis import chebyshev, interval
 from sie.basis.data import Array, Complex, Index, Mask, by_rows
 from sie.basis.interval import InPlane, Outside, What, complex_of
 from sie.basis.kernels import Kernel, Regular, regular_size
+from sie.basis.power_jump import FAR_TERMS, rho_of, series, series_potential
+from sie.basis.power_jump import OPTIONS as JUMPS
 from sie.basis.sums import OPTIONS as BLOCKS
-from sie.basis.weighted import Split, Weighted
+from sie.basis.weighted import Split, Weighted, from_ends
 from sie.basis.zones import Zones
 from sie.density.base import DensityBase
 from sie.density.series import OPTIONS, angles_at_kinks, by_quadrature, even_angles
@@ -317,14 +319,42 @@ class SecondKindDensity(DensityBase):
             of_zone = [one for one in self.known if one.zone == i]
             total = c[0] + sum(one.total for one in of_zone) / np.pi
             out += w * total * np.log(w / self.kernel.datum)
-            out[~on] += w * basis.potential_of(c, seen)
-            out[~on] += w * sum(one.potential(seen) for one in of_zone)
+            out[~on] += w * self._off_zone(i, seen, True)
             if on.any():
                 own = basis.own_potential(c, left, right)
                 for one in of_zone:
                     integral = one.integral_to(left, right)
                     own = own + one.own_level(left, right) - basis.kappa * integral
                 out[on] += w * own
+        return out
+
+    def _off_zone(self, i: int, seen: Outside, potential: bool) -> Array:
+        """Transform of the density of zone i off the zone, or its potential over w.
+
+        Far away it is a sum over moments, which takes less time than the closed forms.
+        """
+        basis, of_zone = self.bases[i], [one for one in self.known if one.zone == i]
+        left, less = from_ends(seen)
+        far = np.abs(rho_of(left, less)) < JUMPS.far
+        out, near = np.empty(less.shape), Outside(np.asarray(seen.sign)[~far], seen.excess[~far])
+        if far.any():
+            of = series_potential if potential else series
+            out[far] = of(self._far_moments[i], left[far], less[far])
+        if potential:
+            out[~far] = basis.potential_of(self.coefficients[i], near)
+            out[~far] += sum(one.potential(near) for one in of_zone)
+        else:
+            out[~far] = basis.split_transform(self._split[i], near)
+            out[~far] += sum(one.transform(near) for one in of_zone)
+        return out
+
+    @cached_property
+    def _far_moments(self) -> list[Array]:
+        """For each zone, as many Chebyshev moments as its far field needs."""
+        out = []
+        for i, (basis, c) in enumerate(zip(self.bases, self.coefficients, strict=True)):
+            known = sum(one.moments(FAR_TERMS) for one in self.known if one.zone == i)
+            out.append(basis.moments(len(c), FAR_TERMS) @ c + known)
         return out
 
     def _seen(self, x: Array) -> Iterator[tuple[int, Mask, Array, Array, Outside]]:
@@ -347,8 +377,7 @@ class SecondKindDensity(DensityBase):
         out = np.zeros(len(x))
         for i, on, left, right, seen in self._seen(x):
             basis, of_zone = self.bases[i], [one for one in self.known if one.zone == i]
-            out[~on] += basis.split_transform(self._split[i], seen)
-            out[~on] += sum(one.transform(seen) for one in of_zone)
+            out[~on] += self._off_zone(i, seen, False)
             if on.any():
                 own = basis.own(self.coefficients[i], left, right)
                 own = own + sum(one.own(left, right) for one in of_zone)

@@ -138,7 +138,7 @@ class KnownJumps(Kept):
         out[near] = of(at, away, self.order) @ self.factors
         return out
 
-    @property
+    @cached_property
     def total(self) -> float:
         """Integral of the density over the zone, divided by the half width."""
         return float(self.closed.powers(self.order + 1)[-1] @ self.factors)

@@ -9,15 +9,16 @@ all rows are close to the identity, and GMRES needs few steps.
 The densities of jumps of the right side go through the tree like those of the unknowns.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve, norm
 
 from sie.basis.data import EPS, Array, Index, record
 from sie.basis.interval import Outside
-from sie.basis.sums import OPTIONS as SUMS
 from sie.basis.zones import Zones
 from sie.equation.conditions import Linear, Rows, Trial, asked
 from sie.equation.equation import Equation
@@ -31,10 +32,10 @@ from sie.second_kind.many import (
     lacks_fast_fields,
     nodes_of,
 )
-from sie.second_kind.system import targets_at
+from sie.second_kind.system import bases_of, targets_at
 from sie.states.state import THETA
 from sie.trees.krylov import gmres
-from sie.trees.tree import TERMS, Pairs
+from sie.trees.tree import TERMS
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,12 @@ class LevelOptions:
 
 
 OPTIONS = LevelOptions()
+Weight = Callable[[Array], Array]
+
+
+def _middle(m: int) -> tuple[Array, Array]:
+    """(1 + t, 1 - t) of the middle of a zone, whatever the number of modes."""
+    return np.ones(1), np.ones(1)
 
 
 def unfit(equation: Equation, zones: Zones) -> str | None:
@@ -67,11 +74,6 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
 
 class LevelRows(ManyRows):
     """The rows of an equation whose conditions contain levels; see the module's docstring."""
-
-    @cached_property
-    def _middles(self) -> Array:
-        """Angles (Z, 1) of the zones' middles."""
-        return np.full((len(self.zones), 1), 0.5 * np.pi)
 
     # The densities of jumps.
     @cached_property
@@ -108,8 +110,11 @@ class LevelRows(ManyRows):
                 left, right = points(int(layout.m[target]))
                 row = first[target] + np.arange(len(left))
                 if own[k]:
-                    value = w * (level + one.own_level(left, right)) if potential else one.own
-                    out[row] += value(left, right) if callable(value) else value
+                    out[row] += (
+                        w * (level + one.own_level(left, right))
+                        if potential
+                        else one.own(left, right)
+                    )
                     continue
                 inner = zones.half[target] * (left if sign[k] > 0 else right)
                 excess.append((gap[k] + inner) / w)
@@ -165,7 +170,7 @@ class LevelRows(ManyRows):
 
     # The levels.
     @cached_property
-    def near_middles(self) -> Array:
+    def near_middles(self) -> Any:
         """Sparse matrix from the unknowns to the potential in the middle, by `far.near` pairs."""
         return self.sums.near_potential()
 
@@ -176,9 +181,8 @@ class LevelRows(ManyRows):
         assert forcing.primitive is not None
         out = -np.asarray(forcing.primitive(zones.middle), dtype=float)
         if self.dense.jumps:
-            middle = lambda m: (np.ones(1), np.ones(1))  # noqa: E731
-            out = out + self._known_near(middle, True) + self._known_far[1]
-        return np.asarray(out + self._before(self.totals()[1]))
+            out = out + self._known_near(_middle, True) + self._known_far[1]
+        return np.asarray(out + self._before(self.known_totals))
 
     def _before(self, totals: Array) -> Array:
         """Sum of kappa times the totals of all zones to the left of each zone."""
@@ -188,14 +192,14 @@ class LevelRows(ManyRows):
         return np.asarray(np.cumsum(sheared) - sheared)
 
     @cached_property
-    def _own_levels(self) -> list[tuple[Array, Array]]:
-        """(own level of a unit of each unknown, divided by w, for each group of `sums.groups`)."""
+    def _own_levels(self) -> list[Array]:
+        """Own level of a unit of each unknown, divided by w, for each group of `sums.groups`."""
         out = []
-        for basis, m, _, unknowns in self.sums.groups:
+        for basis, m, _, _ in self.sums.groups:
             row = -basis.singular.mirrored.table(m + 1, np.ones(1), np.ones(1))[0]
             row[1:] /= np.arange(1, m + 1)
             row[0] = basis.level
-            out.append((row, unknowns))
+            out.append(row)
         return out
 
     def applied(self, y: Array, rough: bool = False) -> tuple[Array, "AppliedRows"]:
@@ -203,9 +207,7 @@ class LevelRows(ManyRows):
         field, middle = self.sums.fields_and_middles(y, rough)
         zones, layout = self.zones, self.sums.layout
         level = middle + self.near_middles @ y
-        for (row, unknowns), (_, _, group, _) in zip(
-            self._own_levels, self.sums.groups, strict=True
-        ):
+        for row, (_, _, group, unknowns) in zip(self._own_levels, self.sums.groups, strict=True):
             level[group] += zones.half[group] * (y[unknowns] @ row)
         first = y[layout.offset]
         level += zones.half * np.log(zones.half / self.dense.equation.kernel.datum) * first
@@ -227,25 +229,25 @@ class LevelRows(ManyRows):
         rows = [asked(one, applied, 1)[0][:, 0] for one in self.dense.equation.conditions]
         return np.concatenate(rows)
 
-    def integral_rows(self, weight: object, degree: int | None) -> tuple[list[Array], Array]:
-        """Rows of the integrals of a weight times the density of each zone, and constants."""
-        key = weight, degree
-        if key not in self._integrals:
-            known, rows = np.zeros(len(self.zones)), []
-            for i, basis in enumerate(bases_of_rows(self)):
-                m = int(self.sums.layout.m[i])
-                count = m + 1 if degree is None else degree + 1
-                means = self.dense._means(weight, i, count)  # type: ignore[arg-type]
+    def integral_rows(self, weight: Weight, degree: int | None) -> tuple[list[Array], Array]:
+        """(row of the integral of the weight times the density, for each zone; constants)."""
+        if (weight, degree) not in self._integrals:
+            known, rows, layout = np.zeros(len(self.zones)), [], self.sums.layout
+            for i, basis in enumerate(bases_of(self.zones)):
+                m = int(layout.m[i])
+                means = self.dense.means(weight, i, m + 1 if degree is None else degree + 1)
                 means = np.pi * self.zones.half[i] * means
-                rows.append(means @ basis.moments(m + 1, len(means)))
-                for one in self.dense.jumps:
-                    if one.zone == i:
-                        known[i] += means @ one.moments(len(means))
-            self._integrals[key] = rows, known
-        return self._integrals[key]
+                rows.append(np.asarray(means @ basis.moments(m + 1, len(means))))
+                known[i] = sum(
+                    float(means @ one.moments(len(means)))
+                    for one in self.dense.jumps
+                    if one.zone == i
+                )
+            self._integrals[weight, degree] = rows, known
+        return self._integrals[weight, degree]
 
     @cached_property
-    def _integrals(self) -> dict[tuple[object, int | None], tuple[list[Array], Array]]:
+    def _integrals(self) -> dict[tuple[Weight, int | None], tuple[list[Array], Array]]:
         return {}
 
     @cached_property
@@ -293,15 +295,6 @@ class _Coarse(Trial):
         return row, np.zeros(1)
 
 
-def bases_of_rows(rows: LevelRows) -> list:  # type: ignore[type-arg]
-    """The functions S_n of each zone."""
-    out = [None] * len(rows.zones)
-    for basis, _, group, _ in rows.sums.groups:
-        for i in group.tolist():
-            out[i] = basis
-    return out
-
-
 @record
 class AppliedRows(Rows):
     """What conditions use, for one array of unknowns y: one column of each matrix."""
@@ -316,12 +309,12 @@ class AppliedRows(Rows):
 
     def totals(self) -> Linear:
         first = self.y[self.of.sums.layout.offset]
-        return (np.pi * self.zones.half * first)[:, None], self.of.totals()[1]
+        return (np.pi * self.zones.half * first)[:, None], self.of.known_totals
 
     def levels(self) -> Linear:
         return self.level[:, None], self.of.level_constants
 
-    def integrals(self, weight, degree=None) -> Linear:  # type: ignore[no-untyped-def]
+    def integrals(self, weight: Weight, degree: int | None = None) -> Linear:
         rows, known = self.of.integral_rows(weight, degree)
         starts = self.of.sums.layout.offset
         values = [row @ self.y[s : s + len(row)] for row, s in zip(rows, starts, strict=True)]

@@ -12,8 +12,8 @@ from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.system import Layout, condition_rows
 from sie.equation.equation import Equation
-from sie.second_kind.jumps import known_parts
 from sie.second_kind import many_levels
+from sie.second_kind.jumps import known_parts
 from sie.second_kind.many import ManyRows, ManySolver, unfit
 from sie.second_kind.many_state import ManyState
 from sie.second_kind.state import OPTIONS, SecondKindState, density_of
@@ -114,15 +114,8 @@ def _solve_once(
 
 def _solve_iterated(system: SecondKindRows, sizes: Sizes, last: ManyState | None) -> ManyState:
     """The solution by fast sums and GMRES; last: that with fewer modes, if there is one."""
-    far, rows, solver = None if last is None else last.solver.rows.sums.far, None, None
-    if any(condition.levels for condition in system.equation.conditions):
-        rows = many_levels.LevelRows.of(system, far)
-        values = rows.condition_values(sizes.value)
-        scale, solver = np.ones(len(values)), many_levels.LevelSolver(rows, sizes.linear)
-    else:
-        rows = ManyRows.of(system, far)
-        values, scale = rows.conditions()
-        solver = ManySolver(rows, sizes.linear)
+    solver, values, scale = _iteration(system, sizes, last)
+    rows = solver.rows
     right = np.concatenate((rows.right, values))
     if not np.all(np.isfinite(right)):
         raise SingularSystem("the right side or a side condition is not finite on the zones")
@@ -139,3 +132,16 @@ def _solve_iterated(system: SecondKindRows, sizes: Sizes, last: ManyState | None
     sizes.kernel_evaluations += solver.iterations * rows.sums.size
     solver.tolerance = 0.0
     return ManyState(density_of(system, y), system, solver, y, scale, sizes)
+
+
+def _iteration(
+    system: SecondKindRows, sizes: Sizes, last: ManyState | None
+) -> tuple[ManySolver, Array, Array]:
+    """(solver by fast sums, values of the conditions divided by their scales, the scales)."""
+    far = None if last is None else last.solver.rows.sums.far
+    if any(condition.levels for condition in system.equation.conditions):
+        rows = many_levels.LevelRows.of(system, far)
+        values = rows.condition_values(sizes.value)
+        return many_levels.LevelSolver(rows, sizes.linear), values, np.ones(len(values))
+    plain = ManyRows.of(system, far)
+    return ManySolver(plain, sizes.linear), *plain.conditions()

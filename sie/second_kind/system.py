@@ -232,7 +232,7 @@ class SecondKindRows(Rows):
         known = np.zeros(len(self.zones))
 
         def of_zone(i: int, basis: Weighted, m: int) -> Array:
-            means = self._means(weight, i, m + 1 if degree is None else degree + 1)
+            means = self.means(weight, i, m + 1 if degree is None else degree + 1)
             means = np.pi * self.zones.half[i] * means
             for one in self.jumps:
                 if one.zone == i:
@@ -241,7 +241,7 @@ class SecondKindRows(Rows):
 
         return self._by_zone(of_zone)[0], known
 
-    def _means(self, weight: Callable[[Array], Array], zone: int, count: int) -> Array:
+    def means(self, weight: Callable[[Array], Array], zone: int, count: int) -> Array:
         """Means of `weight` times T_l over the angle theta of a zone.
 
         They are computed up to the l at which they have decayed.

@@ -21,7 +21,8 @@ def row(count, seed=0):
 
 def by_matrix(monkeypatch, equation, zones):
     with monkeypatch.context() as patch:
-        patch.setattr(solving, "unfit", lambda *_: "a matrix is wanted")
+        for module in (solving, solving.many_levels):
+            patch.setattr(module, "unfit", lambda *_: "a matrix is wanted")
         return sie.solve_zones(equation, zones)
 
 
@@ -69,6 +70,46 @@ def test_known_parts_zones_go_through_the_sums(monkeypatch):
     x = zones.middle + 0.3 * zones.half
     assert fast.density(x) == pytest.approx(dense.density(x), abs=1e-12 * dense.size)
     assert np.abs(fast.density.totals).max() < 1e-13
+
+
+MEAN = sie.Forcing(np.ones_like, lambda x: np.asarray(x, float), resolution=sie.Resolution(modes=1))
+LEVELLED = [
+    (sie.cauchy(), (sie.Total(1.0), sie.EqualPotential()), ()),
+    (sie.hilbert(60.0), (sie.Level(0.7), sie.moment(0.2)), (MEAN,)),
+    (
+        sie.hilbert(60.0),
+        (sie.Total(1.0), sie.EqualPotential(), sie.Amplitude(0, 0.0, per_total=0.005)),
+        (MEAN,),
+    ),
+]
+
+
+@pytest.mark.parametrize("kernel, conditions, columns", LEVELLED)
+def test_levels_of_many_zones_with_kinks_go_through_the_sums(
+    monkeypatch, kernel, conditions, columns
+):
+    zones, _ = row(37)
+    places = zones.middle[[3, 40]] + 0.1 * zones.half[[3, 40]]
+    right = sie.Forcing(
+        lambda x: np.cos(x) + np.maximum(x - places[0], 0) - 2 * np.maximum(x - places[1], 0),
+        lambda x: (
+            np.sin(x) + 0.5 * np.maximum(x - places[0], 0) ** 2 - np.maximum(x - places[1], 0) ** 2
+        ),
+        sie.Jumps(places, [1.0, -2.0], [1, 1]),
+    )
+    equation = sie.Equation(kernel, right, conditions, columns, kappa=0.3)
+    fast, dense = sie.solve_zones(equation, zones), by_matrix(monkeypatch, equation, zones)
+    assert isinstance(fast, ManyState) and not isinstance(dense, ManyState)
+    x = zones.middle + 0.3 * zones.half
+    error = np.abs(fast.density(x) - dense.density(x)).max() / dense.size
+    assert error < min(1e-10, fast.density_error + dense.density_error)
+    assert fast.levels == pytest.approx(dense.levels, abs=1e-10 * dense.size)
+    assert fast.density.amplitudes == pytest.approx(
+        dense.density.amplitudes, abs=1e-10 * dense.size
+    )
+    values = fast.values()
+    rates = fast.level_rates(values), dense.level_rates(values)
+    assert rates[0] == pytest.approx(rates[1], rel=1e-9)
 
 
 def test_small_kappa_is_the_first_kind():
@@ -119,7 +160,7 @@ def test_hundreds_of_cracks_satisfy_the_equation_at_other_points():
 def test_other_conditions_on_too_many_zones_are_refused_by_name():
     zones, _ = row(1500)
     still = sie.Forcing(np.zeros_like, np.zeros_like)
-    conditions = sie.Total(1.0), sie.EqualPotential()
-    equation = sie.Equation(sie.cauchy(), still, conditions, kappa=0.3)
-    with pytest.raises(sie.SingularSystem, match="totals of the zones, and no other conditions"):
+    conditions = sie.ZoneTotals(0.0), sie.moment(1.0)
+    equation = sie.Equation(sie.cauchy(), still, conditions, (np.ones_like,), kappa=0.3)
+    with pytest.raises(sie.SingularSystem, match="need conditions on levels"):
         sie.solve_zones(equation, zones)
