@@ -89,7 +89,7 @@ def test_levels_of_many_zones_with_kinks_go_through_the_sums(
     monkeypatch, kernel, conditions, columns
 ):
     zones, _ = row(37)
-    places = zones.middle[[3, 40]] + 0.1 * zones.half[[3, 40]]
+    places = zones.middle[[3, 30]] + 0.1 * zones.half[[3, 30]]
     right = sie.Forcing(
         lambda x: np.cos(x) + np.maximum(x - places[0], 0) - 2 * np.maximum(x - places[1], 0),
         lambda x: (
