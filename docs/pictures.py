@@ -24,6 +24,8 @@ from contact.extras import require
 from contact.model.registry import parameters
 from contact.model.units import prefix, quantity
 from contact.solution.sampling import positions, surfaces, window
+from contact.solution.stress_plot import plot_stress
+from contact.solution.stress_report import stress_report
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
@@ -230,6 +232,9 @@ def keep(name: str, file: Path, folder: Path = KEPT) -> None:
         save(shown.paths[-1].plot(), folder / f"{name}.png", dpi=80)
     elif isinstance(shown.returned, list) and isinstance(shown.returned[-1], contact.Slip):
         save(shown.returned[-1].plot(), folder / f"{name}.png", dpi=80)
+    elif isinstance(shown.returned, contact.Yield):
+        report = stress_report(shown.returned.solution)
+        save(plot_stress(report, "mises"), folder / f"{name}.png", dpi=70)
     elif name in DRAWINGS:
         save(DRAWINGS[name](shown.returned), folder / f"{name}.png")
     else:

@@ -92,6 +92,7 @@ COUNTS = {
     "textures": (900, 400, 1e5, 1e6),
     "fretting": (60, 700, 3e5, 5e5),
     "wheel": (60, 300, 3e4, 5e5),
+    "stylus_yield": (10, 300, 1e4, 2e6),
     "sliding_roller": (60, 48, 3e3, 6e5),
     "tilted_punch": (120, 48, 1e3, 1e5),
     "two_zones": (50, 120, 3e4, 1e4),

@@ -1,8 +1,8 @@
 """The command line.
 
-Commands: `contact solve | slip | plan | compare | path | sweep | explore | trace | figures |
-bench | stability`, and lists of the names that a scene may use: `contact profiles | interactions |
-substrates | laws | controls`.
+Commands: `contact solve | slip | stress | plan | compare | path | sweep | explore | trace | figures
+| bench | stability`, and lists of the names that a scene may use: `contact profiles |
+interactions | substrates | laws | controls`.
 
 Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. Every
 status but 0 prints one line on stderr, after one line for each warning.
@@ -24,6 +24,7 @@ import numpy as np
 from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scene_of
 from contact.commands.path import path_command
 from contact.commands.slip import slip_command
+from contact.commands.stress import stress_command
 from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged
@@ -295,6 +296,7 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
 main.add_command(slip_command)
 main.add_command(path_command)
 main.add_command(sweep_command)
+main.add_command(stress_command)
 main.add_command(trace_command)
 main.add_command(explore_command)
 

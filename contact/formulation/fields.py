@@ -613,7 +613,8 @@ class ZoneFields(sie.Kept):
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
         units = self.problem.units
         z = self._scaled(x) + 1j * (y / units.length)
-        value, slope = self.density.transform_with_slope(z)
+        with np.errstate(divide="ignore", invalid="ignore"):  # at ends, on the surface
+            value, slope = self.density.transform_with_slope(z)
         if self._nominal:
             # Outside the strip (a, b) with its copies acts the nominal pressure P, whose transform
             # is -P (i + (1/pi) ln((z - a)/(z - b))).

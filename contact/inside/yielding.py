@@ -361,11 +361,8 @@ class _Search:
     solves: int = 0
 
     def add(self, value: float, body: Body) -> tuple[float, float, Body, Peak]:
-        peak = (
-            Peak(np.inf, 0.0, *_singular_place(body))
-            if _is_singular(body, self.criterion)
-            else largest(body, self.criterion)
-        )
+        place = infinite_at(body)
+        peak = largest(body, self.criterion) if place is None else Peak(np.inf, 0.0, place, 0.0)
         ratio = peak.stress / self.strength
         point = (float(np.log(value)), float(np.log(max(ratio, 1e-300))), body, peak)
         if point[1] < 0:
@@ -452,20 +449,16 @@ _NOTE = (
 )
 
 
-def _is_singular(body: Body, criterion: Criterion) -> bool:
-    """Whether the equivalent stress is infinite somewhere."""
-    if body.fields.problem.end.intensity:
-        return True
-    if np.isfinite(body.max_pressure):
-        return False
-    return True
+def infinite_at(body: Body) -> float | None:
+    """A place of the surface at which the stress is infinite [m]; None if there is none.
 
-
-def _singular_place(body: Body) -> tuple[float, float]:
-    """A place on the surface at which the stress is infinite."""
+    It is a sharp corner or tip in contact, or an end of a zone with a prescribed intensity.
+    """
+    if not body.fields.problem.end.intensity and np.isfinite(body.max_pressure):
+        return None
     kinks = body.scene.profile.kinks
     with np.errstate(all="ignore"):
         at = np.concatenate((kinks[kinks[:, 1] > 0, 0], body.zones.ravel()))
         pressure = np.abs(body.pressure(at))
     infinite = np.flatnonzero(np.isinf(pressure) | np.isnan(pressure))
-    return (float(at[infinite[0]]) if len(infinite) else float(at[0])), 0.0
+    return float(at[infinite[0]]) if len(infinite) else float(at[0])

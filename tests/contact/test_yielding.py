@@ -50,6 +50,18 @@ def test_a_cylinder_yields_where_hertz_has_it(criterion, nu, control):
 
 
 @pytest.mark.parametrize(
+    ("friction", "part"), quick([(0.1, 0.3048), (0.3, 0.3449), (0.6, 0.6)], [(0.3, 0.3449)])
+)
+def test_friction_raises_the_largest_shear_and_brings_it_to_the_surface(friction, part):
+    law = contact.Sliding(friction)
+    scene = contact.Scene(contact.Parabola(1.0), E, ISOLATED, law=law, load=1e3)
+    solution = contact.solve(scene)
+    peak = largest(solution, Criterion("shear", 0.3, "as loaded"))
+    assert peak.stress / solution.max_pressure == pytest.approx(part, abs=6e-5)
+    assert (peak.y == 0.0) == (friction > 0.4)
+
+
+@pytest.mark.parametrize(
     ("profile", "control"),
     [
         (contact.Fourier(1e-4, [1e-6, 2e-7, -1e-7], [1e-7, 3e-7, 2e-7]), {"mean_pressure": 1e6}),

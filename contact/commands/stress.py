@@ -1,0 +1,107 @@
+"""The command `contact stress`: the stresses below the surface of a scene."""
+
+from pathlib import Path
+
+import click
+
+from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scene_of
+from contact.inside.stress import LATERAL
+from contact.inside.yielding import CRITERIA, Peak
+from contact.model.units import quantity
+from contact.solution.stress_plot import SHOWN, place_of, plot_stress
+from contact.solution.stress_report import StressReport, stress_report, write_json, write_netcdf
+from contact.solution.terminal import Progress, show_table
+from contact.solver import solve
+
+
+@click.command("stress")
+@SCENE
+@click.option("--nu", type=float, default=0.3, show_default=True, help="Poisson's ratio of body 1.")
+@click.option(
+    "--strength",
+    type=float,
+    help="Yield strength [Pa], in tension for mises, in shear for tresca: find first yield.",
+)
+@click.option("--criterion", type=click.Choice(CRITERIA), default="mises", show_default=True)
+@click.option(
+    "--lateral",
+    type=click.Choice(LATERAL),
+    default="as loaded",
+    show_default=True,
+    help="How a periodic body is held along its surface.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+@click.option(
+    "--save",
+    type=click.Path(path_type=Path),
+    metavar="OUT.nc",
+    help="Write the stresses over x and depth as netCDF, or the numbers as OUT.json.",
+)
+@click.option(
+    "--plot",
+    "figure",
+    type=click.Path(path_type=Path),
+    metavar="OUT.png",
+    help="Draw the stresses.",
+)
+@click.option(
+    "--show",
+    type=click.Choice(SHOWN),
+    default="shear",
+    show_default=True,
+    help="What is drawn: contours of the largest shear or von Mises stress, or fringes.",
+)
+@OVERWRITE
+@QUIET
+@TOL
+def stress_command(
+    scene: Path,
+    nu: float,
+    strength: float | None,
+    criterion: str,
+    lateral: str,
+    as_json: bool,
+    save: Path | None,
+    figure: Path | None,
+    show: str,
+    overwrite: bool,
+    quiet: bool,
+    tol: float,
+) -> None:
+    """Solve a SCENE and print the largest stresses in body 1, and where it first yields."""
+    problem = scene_of(scene)
+    outputs = Outputs(overwrite)
+    outputs.add("--save", save, {".nc": write_netcdf, ".json": write_json})
+    outputs.add_figure(figure, lambda report: plot_stress(report, show))
+    with Progress(wanted=not quiet) as progress:
+        solution = solve(problem, tol=tol, progress=progress)
+    report = stress_report(solution, nu, lateral, strength, criterion)
+    outputs.finish(report, as_json, quiet, lambda: _show(report))
+
+
+def _show(report: StressReport) -> None:
+    rows = [
+        ("load", quantity(report.solution.load, "N/m", 10)),
+        ("max pressure", quantity(report.solution.max_pressure, "Pa", 10)),
+        *_rows("largest shear stress", report.shear),
+        *_rows("largest von Mises stress", report.mises),
+    ]
+    found = report.yields
+    if found is not None:
+        rows += [
+            ("first yield at the load", quantity(found.load, "N/m", 10)),
+            ("  at x", quantity(place_of(found.x, found.y), "m", 7)),
+            ("  in the depth", quantity(found.y, "m", 7)),
+            *([("  since there is", found.note)] if found.note else []),
+        ]
+    show_table("stresses in body 1", ("quantity", "value"), rows)
+
+
+def _rows(name: str, peak: Peak | None) -> list[tuple[str, str]]:
+    if peak is None:
+        return [(name, "infinite")]
+    return [
+        (name, quantity(peak.stress, "Pa", 8)),
+        ("  at x", quantity(place_of(peak.x, peak.y), "m", 7)),
+        ("  in the depth", quantity(peak.y, "m", 7)),
+    ]

@@ -1,0 +1,240 @@
+"""Figure of the stresses below a contact: pressure above, contours or fringes below.
+
+Depth points downwards, with the scale of x. If the surroundings of the largest stress are small
+beside the whole, they have a column of their own, and the depth of the whole is logarithmic.
+Fringes are those of photoelasticity in a dark field: bright where the largest shear stress in the
+plane is (n + 1/2) times a constant.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contact.model.units import prefix, quantity
+from contact.solution.plotting import new_figure, summary
+from contact.solution.sampling import on_zones, positions, top_pressure, window, zones_within
+from contact.solution.solution import Solution
+from contact.solution.stress_report import StressReport, depth_of, grid
+from sie import Array, record
+
+SHOWN = ("shear", "mises", "fringes")
+
+
+@dataclass(frozen=True)
+class StressFigureOptions:
+    """Options of the figures of stresses."""
+
+    levels: int = 12  # contours up to the largest stress
+    fringes: int = 10  # orders up to the largest shear stress
+    close_up: float = 0.12  # of the width: smaller surroundings have a column of their own
+    reach: float = 1.6  # of a column, in widths of the zone, to both sides and down
+    zones: int = 400  # of which a column of the whole has its own points
+    screen_points: int = 2000
+    singular_part: float = 0.995  # of the points are below the highest contour, at sharp corners
+    round_place: float = 1e-6  # places closer to 0 than this part of the depth are 0
+
+
+OPTIONS = StressFigureOptions()
+_NAMES = {"shear": r"$\tau_\mathrm{max}$", "mises": r"von Mises stress", "fringes": "fringes"}
+_RED, _BLUE, _GREEN = "#b3261e", "#1f5a92", "#3d7a4a"
+
+
+@record
+class _Column:
+    """A column of panels from lo to hi [m], down to the depth `below` [m].
+
+    origin: the place that x counts from. log: whether the depth is logarithmic, from `above` on.
+    """
+
+    lo: float
+    hi: float
+    below: float
+    origin: float = 0.0
+    above: float = 0.0
+
+    @property
+    def unit(self) -> tuple[float, str]:
+        """Factor and SI prefix of x."""
+        return prefix(max(abs(self.lo - self.origin), abs(self.hi - self.origin)))
+
+    @property
+    def depth_unit(self) -> tuple[float, str]:
+        return prefix(np.sqrt(self.above * self.below)) if self.above else self.unit
+
+    def field(self, report: StressReport) -> tuple[Array, Array, Any]:
+        """Places, depths and the stresses there."""
+        if not self.above:
+            return grid(report, self.lo, self.hi, self.below)
+        zones = zones_within(report.solution, self.lo, self.hi)
+        some = zones[np.argsort(zones[:, 0] - zones[:, 1])[: OPTIONS.zones]]
+        wide = np.diff(some, axis=1)
+        near = some.mean(axis=1)[:, None] + wide * np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+        x = np.union1d(np.linspace(self.lo, self.hi, OPTIONS.zones), near.ravel())
+        x = x[(x >= self.lo) & (x <= self.hi)]
+        y = np.geomspace(self.above, self.below, 80)
+        return x, y, report.stress(x, y[:, None])
+
+
+def plot_stress(report: StressReport, show: str = "shear") -> Any:
+    """A matplotlib Figure of the pressure and of the stresses below the surface.
+
+    show: "shear" for the largest shear stress in the plane, "mises", or "fringes".
+    """
+    columns = _columns(report, show)
+    ratio = 0.45 if len(columns) > 1 else columns[0].below / (columns[0].hi - columns[0].lo)
+    wide = 6.4 if len(columns) == 1 else 10.6
+    figure = new_figure(wide, 1.9 + 5.2 * ratio)
+    axes = figure.subplots(
+        2, len(columns), squeeze=False, sharex="col", height_ratios=[1.2, 5.2 * ratio]
+    )
+    drawn = [column.field(report) for column in columns]
+    values = [_value(report, stress, show) for *_, stress in drawn]
+    top, shading = _top(report, show, values), None
+    for pair, column, (x, y, _), value in zip(axes.T, columns, drawn, values, strict=True):
+        _draw_pressure(pair[0], report, column)
+        shading = _draw_stress(pair[1], report, show, (x, y, value), (column, top))
+    if shading is not None:
+        bar = figure.colorbar(shading, ax=list(axes.ravel()), pad=0.01, aspect=30, format="%.3g")
+        bar.set_label(f"{_NAMES[show]} [{prefix(top)[1]}Pa]")
+    if len(columns) > 1:
+        axes[0, 1].set_title("around the largest stress", fontsize=9, color=_GREEN)
+        factor, (close, whole) = columns[0].unit[0], (columns[1], axes[0, 0])
+        whole.axvspan(close.lo * factor, close.hi * factor, color=_GREEN, alpha=0.3, lw=1)
+    figure.suptitle(_title(report, show), fontsize=9)
+    return figure
+
+
+def _columns(report: StressReport, show: str) -> list[_Column]:
+    solution = report.solution
+    lo, hi = window(solution)
+    below = depth_of(solution, lo, hi)
+    peak, zones = _peak(report, show), zones_within(solution, lo, hi)
+    if peak is None or len(solution.zones) == 0:
+        return [_Column(lo, hi, below)]
+    at = _image(peak.x, lo, hi, solution)
+    away = np.maximum(np.maximum(zones[:, 0] - at, at - zones[:, 1]), 0.0)
+    width = float(np.diff(zones, axis=1)[np.argmin(away), 0])
+    # The largest stress below a smooth peak of pressure is at a third of its width.
+    size = min(width, 3.0 * peak.y) if peak.y > 0 else width
+    if size > OPTIONS.close_up * (hi - lo):
+        return [_Column(lo, hi, below)]
+    reach = OPTIONS.reach * size
+    close = _Column(at - reach, at + reach, 0.9 * reach, at)
+    return [_Column(lo, hi, 0.5 * (hi - lo), above=0.1 * size), close]
+
+
+def _image(place: float, lo: float, hi: float, solution: Solution) -> float:
+    """The image of a place that lies nearest to the middle of an interval."""
+    period = solution.scene.period
+    if period is None:
+        return place
+    return float(place - period * np.round((place - 0.5 * (lo + hi)) / period))
+
+
+def _value(report: StressReport, stress: Any, show: str) -> Array:
+    value = stress.mises(report.nu) if show == "mises" else stress.shear
+    return np.asarray(np.where(np.isfinite(value), value, np.nan))
+
+
+def _peak(report: StressReport, show: str) -> Any:
+    return report.mises if show == "mises" else report.shear
+
+
+def _top(report: StressReport, show: str, values: list[Array]) -> float:
+    """The stress of the highest contour [Pa]."""
+    peak = _peak(report, show)
+    if peak is not None and peak.stress > 0:
+        return float(peak.stress)
+    return max(float(np.nanquantile(value, OPTIONS.singular_part)) for value in values) or 1.0
+
+
+def _draw_pressure(axes: Any, report: StressReport, column: _Column) -> None:
+    solution, (lo, hi) = report.solution, (column.lo, column.hi)
+    x = positions(solution, lo, hi, OPTIONS.screen_points)
+    pressure, top = solution.pressure(x), top_pressure(solution)
+    along = (x - column.origin) * column.unit[0]
+    scale, letter = prefix(top)
+    shown = np.clip(pressure, -2 * top, 2 * top) * scale
+    touching = on_zones(x, zones_within(solution, lo, hi))
+    axes.fill_between(along, 0.0, shown, where=touching, color=_RED, alpha=0.22, lw=0)
+    axes.plot(along, shown, color=_RED, linewidth=1.1)
+    lowest = max(float(pressure.min(initial=0.0)), -top)
+    axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"$p$ [{letter}Pa]")
+    axes.tick_params(direction="in", top=True, right=True)
+
+
+def _draw_stress(
+    axes: Any,
+    report: StressReport,
+    show: str,
+    field: tuple[Array, Array, Array],
+    frame: tuple[_Column, float],
+) -> Any:
+    """Draw the stresses; returns the filled contours, None for fringes."""
+    (x, y, value), (column, top) = field, frame
+    (along, letter), (down, deep), (scale, _) = column.unit, column.depth_unit, prefix(top)
+    places, depths, shading = (x - column.origin) * along, y * down, None
+    if show == "fringes":
+        fringes = np.sin(np.pi * OPTIONS.fringes * value / top) ** 2
+        axes.pcolormesh(places, depths, fringes, cmap="gray", shading="gouraud")
+    else:
+        levels = np.linspace(0.0, top * scale * (1 + 1e-9), OPTIONS.levels + 1)
+        capped = np.minimum(value, top) * scale  # at sharp corners stresses are infinite
+        shading = axes.contourf(places, depths, capped, levels, cmap="magma_r")
+        if not column.above:
+            axes.contour(
+                places, depths, value * scale, levels[1:-1], colors="black", linewidths=0.3
+            )
+        if report.strength is not None and show == report.criterion:
+            wide = 0.8 if column.above else 1.6
+            axes.contour(places, depths, value, [report.strength], colors=_BLUE, linewidths=wide)
+    if column.above:
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter("{x:g}")
+    zones = zones_within(report.solution, float(x[0]), float(x[-1]))
+    left, right = (zones.T - column.origin) * along
+    axes.hlines(np.full(len(zones), depths[0]), left, right, _RED, lw=3.0, clip_on=False, zorder=5)
+    shift = f" - {quantity(column.origin, 'm', 5)}" if column.origin else ""
+    axes.set(
+        xlim=(places[0], places[-1]),
+        ylim=(depths[-1], depths[0]),
+        xlabel=f"$x${shift} [{letter}m]",
+        ylabel=f"depth $y$ [{deep}m]",
+    )
+    axes.locator_params(axis="x", nbins=6)
+    axes.tick_params(direction="in", top=True, right=True)
+    peak = _peak(report, show)
+    if peak is not None:
+        at = _image(peak.x, float(x[0]), float(x[-1]), report.solution)
+        if x[0] <= at <= x[-1] and peak.y <= y[-1]:
+            style = {"markersize": 8, "markeredgewidth": 1.8, "clip_on": False, "zorder": 6}
+            colour = _RED if show == "fringes" else _BLUE if column.above else "white"
+            place = (at - column.origin) * along, max(peak.y * down, depths[0])
+            axes.plot(*place, marker="x", color=colour, **style)
+    return shading
+
+
+def place_of(x: float, y: float) -> float:
+    """The place x, or 0 if x is round-off beside the depth y."""
+    return 0.0 if abs(x) < OPTIONS.round_place * y else x
+
+
+def _title(report: StressReport, show: str) -> str:
+    lines = [summary(report.solution)]
+    peak, name = _peak(report, show), _NAMES["mises" if show == "mises" else "shear"]
+    if peak is None:
+        lines.append(f"{name} is infinite at a sharp corner, a sharp tip or an adhesive end")
+    else:
+        x = quantity(place_of(peak.x, peak.y), "m")
+        place = f"$x$ = {x}, depth {quantity(peak.y, 'm')}"
+        lines.append(rf"largest {name} {quantity(peak.stress, 'Pa')} (cross) at {place}")
+    if show == "fringes":
+        lines[-1] += f"; {OPTIONS.fringes} fringes up to it"
+    if report.yields is not None and report.strength is not None:
+        words = "von Mises" if report.criterion == "mises" else "Tresca"
+        lines.append(
+            f"first yield ({words}, {quantity(report.strength, 'Pa')}) at "
+            f"$P$ = {quantity(report.yields.load, 'N/m')}"
+        )
+    return "\n".join(lines)
