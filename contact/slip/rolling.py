@@ -15,6 +15,7 @@ checked. A zone in which they fail would stick in several places, which is refus
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,17 +32,22 @@ from contact.slip.result import Slip, Term, stated_error
 from contact.slip.zones import parted
 from contact.solution.solution import Solution
 from contact.solver import tolerance
-from sie import Array, record
+from sie import Array, Mask, record
 
 
 @dataclass(frozen=True)
 class RollingOptions:
     """Numbers of the search for the zones that stick, and of its checks."""
 
-    # First width of a zone that sticks, divided by that of the zone of contact. Newton's method
-    # narrows and widens it; 0.3 to 0.99 give the same answers.
-    first_width: float = 0.9
-    new_width: float = 0.1  # the same for a zone in which a slip of the wrong sign was found
+    # Width of a zone that sticks in which a slip of the wrong sign was found, divided by that of the
+    # zone of contact. Newton's method narrows and widens it.
+    new_width: float = 0.1
+    # A zone narrower than this, by that of its zone of contact, vanishes. The sign of the slip then
+    # decides whether it does: 1e-9 to 1e-3 give the same answers.
+    vanished_width: float = 1e-6
+    # The load on what sticks, or the creepage, is approached from full stick. If Newton's method
+    # fails, half of the way is gone first, this often in all.
+    max_attempts: int = 60
     samples: int = 48  # in each interval, at which the signs are checked
     # Signs are wrong beyond this part of the largest value: errors of the equation's solution.
     sign_tolerance: float = 1e-6
@@ -199,10 +205,9 @@ class Rolling:
             return self._whole(0.0, self.solution.zones, 0.0)
         if rest <= 8 * np.finfo(float).eps * load:
             return self._whole(shear, np.zeros((0, 2)), None)
-        found = self._stick(sie.Total(rest / self.problem.units.load))
-        assert found is not None
-        sign = float(np.sign(shear))
-        return self._slip(found, sign, shear)
+        units = self.problem.units
+        found = self._stick(lambda part: sie.Total((load + part * (rest - load)) / units.load))
+        return self._slip(found, float(np.sign(shear)), shear)
 
     def under_creepage(self, creepage: float) -> Slip:
         """The slip under a given creepage."""
@@ -210,45 +215,69 @@ class Rolling:
             return self._whole(0.0, self.solution.zones, 0.0)
         sign = float(np.sign(creepage))
         theta = abs(creepage) / self._creepage_unit
-        found = self._stick(sie.Amplitude(0, theta))
-        if found is None:
+        if not self._slips_wrongly(None, theta, np.zeros(len(self.zones))).any():
             return self._whole(
                 sign * self.friction * self.solution.load, np.zeros((0, 2)), creepage
             )
+        found = self._stick(lambda part: sie.Amplitude(0, part * theta))
         rest = found.density.total * self.problem.units.load
         return self._slip(found, sign, sign * self.friction * (self.solution.load - rest))
 
-    def _stick(self, condition: sie.Condition) -> sie.Solution | None:
-        """The part q' of the shear on zones that stick; None if nothing sticks.
+    def _stick(self, condition: Callable[[float], sie.Condition]) -> sie.Solution:
+        """The part q' of the shear on zones that stick.
 
-        Zones in which nothing sticks vanish in the search, and those in which the slip would have
-        the wrong sign are added again.
+        condition: the load on these zones, or theta, at a part of the way from full stick.
+        """
+        widths = np.diff(self.zones)[:, 0]
+        done, part = 0.0, 1.0
+        for _ in range(OPTIONS.max_attempts):
+            equation = self._equation(condition(part))
+            near = self._near(equation, widths)
+            if near is None:
+                part = 0.5 * (done + part)
+                continue
+            free, widths = near
+            if part == 1.0:
+                return self._finished(equation, free, widths)
+            done, part = part, 1.0
+        raise NotConverged("not converged: the zones that stick were not found", (), self.solution)
+
+    def _equation(self, condition: sie.Condition) -> sie.Equation:
+        """The scaled equation of q'/mu, with theta as the amplitude of a column."""
+        column = sie.Forcing(np.ones_like, _place, resolution=sie.Resolution(modes=1))
+        return sie.Equation(self.problem.kernel, self.problem.forcing, (condition,), (column,))
+
+    def _near(self, equation: sie.Equation, widths: Array) -> tuple[sie.Free, Array] | None:
+        """Zones that stick, near some of these widths, and their own; None if not converged.
+
+        Zones in which nothing sticks vanish in the search and get the width 0; those in which the
+        slip would then have the wrong sign are added again.
         """
         contact, width = self.zones, np.diff(self.zones)[:, 0]
-        equation = sie.Equation(
-            self.problem.kernel,
-            self.problem.forcing,
-            (condition,),
-            (sie.Forcing(np.ones_like, _place, resolution=sie.Resolution(modes=1)),),
-        )
-        widths = OPTIONS.first_width * width
-        for _ in range(2 * len(contact) + 2):
-            active = widths > 0.0
-            if not active.any():
+        side = 1 if self.to_right else 0
+        options = sie.NewtonOptions(allow_loss=True)
+        for _ in range(2 * len(contact) + 1):
+            try:
+                with np.errstate(all="ignore"):
+                    free = sie.find_ends(equation, self._stuck(widths), self.tol, options)
+            except sie.SingularSystem:
                 return None
-            found = self._solved(equation, self._stuck(widths))
-            if found is None:
+            table = free.density.zones.table
+            own = np.abs(table[:, side, None] - contact[:, side]).argmin(axis=1)
+            found = np.zeros(len(contact))
+            found[own] = np.diff(table)[:, 0]
+            if free.converged:
+                theta = float(free.density.amplitudes[0])
+                wrong = self._slips_wrongly(free.density, theta, found) & (found == 0.0)
+                if not wrong.any():
+                    return free, found
+                widths = np.where(wrong, OPTIONS.new_width * width, found)
+                continue
+            vanished = (widths > 0.0) & (found < OPTIONS.vanished_width * width)
+            widths = np.where(vanished, 0.0, widths)
+            if not vanished.any() or not widths.any():
                 return None
-            widths = np.zeros(len(contact))
-            table = found.zones.table
-            leading = table[:, 1] if self.to_right else table[:, 0]
-            own = contact[:, 1] if self.to_right else contact[:, 0]
-            widths[np.argmin(np.abs(leading[:, None] - own), axis=1)] = np.diff(table)[:, 0]
-            wrong = self._wrong_zones(found, widths)
-            if not wrong.any():
-                return found
-            widths[wrong] = OPTIONS.new_width * width[wrong]
-        raise NotConverged("not converged: the zones that stick were not found", (), self.solution)
+        return None
 
     def _stuck(self, widths: Array) -> sie.Zones:
         """Scaled zones of these widths at the leading ends of the zones of contact."""
@@ -260,62 +289,51 @@ class Rolling:
         table = np.column_stack((contact[:, 0], contact[:, 0] + widths))
         return sie.Zones.of(table, sie.BOUNDED, sie.FREE)
 
-    def _solved(self, equation: sie.Equation, zones: sie.Zones) -> sie.Solution | None:
-        """The solution near some zones, without those that vanish; None if all of them do."""
-        options = sie.NewtonOptions(allow_loss=True, max_steps=200)
-        with np.errstate(all="ignore"):
-            free = sie.find_ends(equation, zones, self.tol, options)
-        if not free.converged:
-            if len(free.lost) >= len(free.density.zones):
-                return None
-            raise NotConverged(
-                f"not converged: the zones that stick: {free.reason}", free.trace, self.solution
-            )
+    def _finished(self, equation: sie.Equation, free: sie.Free, widths: Array) -> sie.Solution:
+        """The solution with its stated error; SceneError if its signs are wrong."""
         try:
-            return sie.solve(equation, free.density.zones, self.tol)
+            found = sie.solve(equation, free.density.zones, self.tol)
         except sie.NotConverged as error:
             # A small part of the shear needs fewer digits of its own: `_slip` decides.
             if error.best is None:
                 raise NotConverged(
                     f"not converged: the zones that stick: {error.reason}", (), self.solution
                 ) from error
-            return error.best
-
-    def _wrong_zones(self, found: sie.Solution, widths: Array) -> Array:
-        """Mask of zones without stick whose slip has the wrong sign; SceneError if others have it.
-
-        found: the part q' on the zones that stick, which have the widths `widths`.
-        """
-        contact = self.zones
-        nodes = chebyshev_nodes(OPTIONS.samples)
-        density, theta = found.density, found.amplitudes[0]
-        slip = contact.copy()
-        if self.to_right:
-            slip[:, 1] -= widths
-        else:
-            slip[:, 0] += widths
-        middle, half = slip.mean(axis=1, keepdims=True), 0.5 * np.diff(slip)
-        x = middle + half * nodes
-        slope = self.problem.slope(x)
-        rate = density.transform(x.ravel()).reshape(x.shape) - slope - theta
-        rate = rate if self.to_right else -rate
-        size = max(float(np.abs(slope).max()), abs(theta))
-        is_wrong = (rate < -OPTIONS.sign_tolerance * size).any(axis=1)
-        free = is_wrong & (widths == 0.0)
+            found = error.best
         sticks = found.zones.table
-        at = sticks.mean(axis=1, keepdims=True) + 0.5 * np.diff(sticks) * nodes
-        part = density(at.ravel())
-        pressure = self.solution.fields.pressure(self.problem.units.x(at.ravel()))
-        pressure = pressure / self.problem.units.pressure
+        nodes = chebyshev_nodes(OPTIONS.samples)
+        at = (sticks.mean(axis=1, keepdims=True) + 0.5 * np.diff(sticks) * nodes).ravel()
+        part, units = found.density(at), self.problem.units
+        pressure = self.solution.fields.pressure(units.x(at)) / units.pressure
         margin = OPTIONS.sign_tolerance * float(pressure.max())
-        bad = (part < -margin).any() or (part > 2 * pressure + margin).any()
-        if bad or (is_wrong & ~free).any():
+        wrong = self._slips_wrongly(found.density, float(found.amplitudes[0]), widths)
+        if (part < -margin).any() or (part > 2 * pressure + margin).any() or wrong.any():
             raise SceneError(
                 "profile: a zone of contact would stick in several places, or not at its leading "
                 "edge alone, which is not solved: take a smoother profile, or another load",
                 "profile",
             )
-        return np.asarray(free)
+        return found
+
+    def _slips_wrongly(self, density: sie.AnyDensity | None, theta: float, widths: Array) -> Mask:
+        """Mask of zones of contact with a slip that the shear would not oppose.
+
+        density: the scaled q'/mu on zones that stick, of the given widths; None if nothing sticks.
+        """
+        slip = self.zones.copy()
+        if self.to_right:
+            slip[:, 1] -= widths
+        else:
+            slip[:, 0] += widths
+        nodes = chebyshev_nodes(OPTIONS.samples)
+        x = slip.mean(axis=1, keepdims=True) + 0.5 * np.diff(slip) * np.append(nodes, [-1.0, 1.0])
+        slope = self.problem.slope(x)
+        rate = -slope - theta
+        if density is not None:
+            rate = rate + density.transform(x.ravel()).reshape(x.shape)
+        rate = rate if self.to_right else -rate
+        size = max(float(np.abs(slope).max()), abs(theta))
+        return np.asarray((rate < -OPTIONS.sign_tolerance * size).any(axis=1))
 
     def _slip(self, found: sie.Solution, sign: float, shear: float) -> Slip:
         """The slip with zones that stick; NotConverged if its error is above the tolerance."""
