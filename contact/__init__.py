@@ -18,7 +18,7 @@ with uncollected():
     )
     from contact.model.controls import Control
     from contact.model.interactions import Interaction, Isolated, Localized, Periodic
-    from contact.model.laws import JKR, Dugdale, Frictionless, Law, Sliding, dundurs_beta
+    from contact.model.laws import JKR, Dugdale, Frictionless, Law, Plastic, Sliding, dundurs_beta
     from contact.model.profiles import (
         Biquadratic,
         Combined,
@@ -150,6 +150,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Sinusoid",
+    "Plastic",
     "Sliding",
     "Slip",
     "Solution",

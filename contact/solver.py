@@ -12,11 +12,11 @@ The steps and their rooms are, in this order:
 
 import time
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 
 from contact.closed.solve import solve_closed
-from contact.errors import SceneError, warn
+from contact.errors import NotConverged, OutOfRange, SceneError, warn
 from contact.extras import require
 from contact.formulation import claims
 from contact.model.checks import one_of
@@ -205,10 +205,29 @@ def _solved(
     direct = solve_closed(scene, tol)
     if direct is not None:
         return direct
+    first = _of_first_law(scene, tol, progress, near)
+    if first is not None:
+        if first.max_pressure <= scene.law.pressure_range.highest:
+            return replace(first, scene=scene)
+        near = near or first
     context = SolveContext.of(
         scene, tol, _solved, cache, progress=progress, warm_start=near, branch=branch
     )
     return _run(context)
+
+
+def _of_first_law(
+    scene: Scene, tol: float, progress: Progress | None, near: Solution | None
+) -> Solution | None:
+    """The solution under the law that is tried first, see `Routes.first`; None if there is none."""
+    law = scene.law.routes.first
+    if law is None:
+        return None
+    bare = replace(scene, law=law)
+    try:
+        return _solved(bare, tol, progress, None, SceneCache(bare))
+    except (NotConverged, OutOfRange):
+        return None
 
 
 def _run(context: SolveContext) -> Solution:

@@ -95,6 +95,7 @@ COUNTS = {
     "stylus_yield": (10, 300, 1e4, 2e6),
     "sliding_roller": (60, 48, 3e3, 6e5),
     "tilted_punch": (120, 48, 1e3, 1e5),
+    "yielding": (300, 600, 3e6, 6e6),
     "two_zones": (50, 120, 3e4, 1e4),
     "adhesive": (300, 300, 1e6, 1e6),
     "hertz": (6, 48, 1e2, 3e4),

@@ -37,7 +37,16 @@ class FieldOptions:
 OPTIONS = FieldOptions()
 
 
-class NoZones(sie.Kept):
+class NoPlateaus:
+    """Members of `Fields` of contacts whose pressure has reached no limit anywhere."""
+
+    plateaus = np.zeros((0, 2))
+
+    def overlap(self, x: ArrayLike) -> Array:
+        return np.zeros(np.shape(x))
+
+
+class NoZones(NoPlateaus, sie.Kept):
     """Members of `Fields` that have the same values for all contacts without zones."""
 
     loads = levels = np.zeros(0)
@@ -103,7 +112,7 @@ def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) ->
 
 
 @record
-class ZoneFields(sie.Kept):
+class ZoneFields(NoPlateaus, sie.Kept):
     """Fields of a contact whose unknown is the pressure on its zones.
 
     Arrays of places are scaled inside and in metres in the members of `Fields`. Pickles and copies

@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike
 import sie
 from contact.extras import require
 from contact.formulation import zone_loads
-from contact.formulation.fields import OPTIONS, mean_shape, moved_ends
+from contact.formulation.fields import OPTIONS, NoPlateaus, mean_shape, moved_ends
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
 from contact.formulation.roots import maximum
@@ -41,7 +41,7 @@ from sie import Array, Complex, Index, record
 
 
 @record
-class GapFields(sie.Kept):
+class GapFields(NoPlateaus, sie.Kept):
     """Fields of a periodic contact whose unknown is the slope of the gap on the gaps.
 
     mean: scaled mean pressure. relief: R divided by the unit of slope, as a function of scaled x.

@@ -9,6 +9,7 @@ The unknown of the method, the pressure or the slope of the gap, is not part of 
     GapFields             the slope of the gap on gaps           contact.formulation.gaps
     FullFields            full contact                           contact.formulation.full_contact
     ApartFields           surfaces that do not touch             contact.formulation.full_contact
+    PlasticFields         zones with plateaus at a limit         contact.plastic.fields
     CohesiveFields        zones with tension around them         contact.adhesion.cohesive_fields
     CohesiveGapFields     gaps, with tension everywhere          contact.adhesion.cohesive_fields
     SeparatedFields       tension without contact                contact.adhesion.separated_fields
@@ -85,6 +86,13 @@ class Fields(Protocol):
     @property
     def cohesive(self) -> Array:
         """Intervals [m], (m, 2), in which a tension acts, including the contact inside them."""
+
+    @property
+    def plateaus(self) -> Array:
+        """Intervals [m], (m, 2), in zones, on which the pressure is at its limit."""
+
+    def overlap(self, x: ArrayLike) -> Array:
+        """Overlap of the elastic surfaces [m] at x [m]; 0 off the plateaus."""
 
     # The next members are numbers of the whole contact.
 

@@ -47,7 +47,7 @@ def zone_solution(
 
     branch, find_pull_off: see `Solution`.
     """
-    density, problem = found.fields.density, found.fields.problem
+    density = found.fields.density
     zones = density.zones
     plan["symmetry"].used = zones.symmetric
     if not zones.symmetric and scene.profile.symmetric and not scene.law.kappa:
@@ -68,7 +68,7 @@ def zone_solution(
     else:
         plan["slits"].reason = "no narrow gaps between zones"
     _record_sizes(plan, len(zones), found.free.state)
-    table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
+    table = in_cell(scene, found.fields.zone_table)
     claimed = claims.of(scene.profile, table)
     error = found.error_with(claimed.error)
     solution = Solution(

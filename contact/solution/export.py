@@ -53,6 +53,7 @@ _FIELDS = {
     "gap": ("m", "gap between the deformed surfaces"),
     "pressure": ("Pa", "contact pressure"),
     "shear": ("Pa", "shear traction on body 1 along +x"),
+    "overlap": ("m", "depth by which the body has yielded"),
 }
 
 
@@ -70,7 +71,14 @@ def to_dict(solution: Solution) -> dict[str, Any]:
         "units": UNITS,
         "version": version(),
     }
+    if _has_limit(solution):
+        values |= {"plateaus": solution.plateaus, "units": {**UNITS, "plateaus": "m"}}
     return {key: plain(value) for key, value in values.items()}
+
+
+def _has_limit(solution: Solution) -> bool:
+    """Whether the law limits the pressure, so that there may be plateaus."""
+    return math.isfinite(solution.scene.law.pressure_range.highest)
 
 
 def to_json(solution: Solution) -> str:
@@ -126,10 +134,11 @@ def to_csv(solution: Solution) -> str:
 def fields_to_csv(solution: Solution) -> str:
     """The fields as CSV text with a header line: FIELD_COLUMNS [m, Pa, m, m, m].
 
-    With friction the shear [Pa] is the last column. The spacing of the positions is smaller near the ends of zones.
+    With friction the shear [Pa] is the last column, with a limit of the pressure the overlap [m].
+    The spacing of the positions is smaller near the ends of zones.
     """
     fields = _fields(solution)
-    columns = [name for name in (*FIELD_COLUMNS, "shear") if name in fields]
+    columns = [name for name in (*FIELD_COLUMNS, "shear", "overlap") if name in fields]
     return csv_of(columns, np.column_stack([fields[name] for name in columns]).tolist())
 
 
@@ -192,6 +201,8 @@ def _fields(solution: Solution) -> dict[str, Any]:
     }
     if solution.scene.law.shear_ratio:
         fields["shear"] = solution.shear(x)
+    if _has_limit(solution):
+        fields["overlap"] = solution.overlap(x)
     return fields
 
 
@@ -224,6 +235,12 @@ def to_xarray(solution: Solution) -> Any:
         np.asarray(solution.zone_peaks),
         {"units": "Pa", "long_name": "highest pressure of a zone"},
     )
+    if _has_limit(solution):
+        data["plateaus"] = (
+            ("plateau", "end"),
+            np.asarray(solution.plateaus),
+            {"units": "m", "long_name": "ends of the intervals at the hardness"},
+        )
     coordinates = {
         "x": ("x", fields["x"], {"units": "m", "long_name": "position"}),
         "end": ["left", "right"],

@@ -118,12 +118,13 @@ def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
 
 
 def _parts_between_kinks(solution: Solution, zones: Array) -> Array:
-    """The zones, (m, 2), cut into parts at the kinks of the profile inside them.
+    """The zones, (m, 2), cut into parts at the kinks of the profile inside them, and at plateaus.
 
-    Next to a kink the pressure is logarithmic, so that each part has close positions at its ends.
+    Next to a kink the pressure is logarithmic, and next to a plateau it changes as the root of the
+    distance, so that each part has close positions at its ends.
     """
     profile, period = solution.scene.profile, solution.scene.period
-    kinks = profile.kinks[:, 0]
+    kinks = np.concatenate((profile.kinks[:, 0], solution.plateaus.ravel()))
     if period is not None:
         kinks = np.concatenate([kinks - period, kinks, kinks + period])
     inside = kinks[np.any((zones[:, :1] < kinks) & (kinks < zones[:, 1:]), axis=0)]

@@ -170,7 +170,10 @@ class Solution(sie.Kept):
         return self.fields.gap(real("x", x))
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement into the body [m]; without a datum, it is relative to the approach."""
+        """Displacement into the body [m]; without a datum, it is relative to the approach.
+
+        On plateaus it includes the depth by which the body has yielded, `overlap`.
+        """
         return self.fields.displacement(real("x", x))
 
     @cached_property
@@ -231,7 +234,8 @@ class Solution(sie.Kept):
 
         It is inf at a sharp corner or a convex kink.
         """
-        return peaks(self.scene, self.zones, self.pressure_at)
+        found = peaks(self.scene, self.zones, self.pressure_at)
+        return np.minimum(found, self.scene.law.pressure_range.highest)
 
     @property
     def max_pressure(self) -> float:
@@ -266,9 +270,9 @@ class Solution(sie.Kept):
         """Elastic and surface energy [J/m], per period if the scene is periodic.
 
         None without an approach, for localized contact, whose strip is not the whole body, and with
-        friction, as the energy of the shear is not computed.
+        friction or plateaus, as the energies of shear and yield are not computed.
         """
-        if self.scene.law.shear_ratio:
+        if self.scene.law.shear_ratio or len(self.fields.plateaus):
             return None
         elastic, period = elastic_energy(self.fields), self.scene.period
         if elastic is None:
@@ -423,6 +427,21 @@ class Solution(sie.Kept):
             if period is None or len(table) == 0
             else in_cell(table, self.scene.profile.x0, period)
         )
+
+    @property
+    def plateaus(self) -> Array:
+        """Intervals [m], (m, 2), on which the pressure is the hardness, within the zones.
+
+        The table is empty under laws without a limit of the pressure, and where it is not reached.
+        """
+        return in_cell(self.fields.plateaus, self.scene.profile.x0, self.scene.period)
+
+    def overlap(self, x: ArrayLike) -> Array:
+        """Depth [m] by which the body has yielded at x [m], any shape; 0 off the plateaus.
+
+        It is approach - profile - displacement, by which elastic surfaces would overlap.
+        """
+        return self.fields.overlap(real("x", x))
 
     @property
     def tilt(self) -> float | None:

@@ -45,6 +45,8 @@ class Certificate:
     error of the moment, relative to the load times the farthest end of a zone; None if no moment is
     given.
 
+    smallest_overlap: least overlap of the surfaces on plateaus [m]; None without plateaus.
+
     intensity: largest relative error of the intensity at an end. stability: least eigenvalue of the
     second variation of the energy by motions of the ends under the given control. It is divided by
     twice the work of adhesion and scaled by the square roots of the zones' widths. It is positive
@@ -68,6 +70,7 @@ class Certificate:
     moment_balance: float | None = None
     intensity: float | None = None
     stability: float | None = None
+    smallest_overlap: float | None = None
     negative: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
     overlaps: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
     lowest: Array = field(default_factory=lambda: np.zeros((0, 3)), repr=False)
@@ -86,7 +89,8 @@ class Certificate:
         )
         found = {name: getattr(self, name) for name in names}
         further = {
-            name: getattr(self, name) for name in ("moment_balance", "intensity", "stability")
+            name: getattr(self, name)
+            for name in ("moment_balance", "intensity", "stability", "smallest_overlap")
         }
         return {**found, **{name: value for name, value in further.items() if value is not None}}
 
@@ -155,7 +159,7 @@ def certify(
     load. At a given half width it need not be stable. unresolved_fraction: see `openings`.
     """
     law, units = fields.problem.law, fields.problem.units
-    signs, (valleys, left_out) = _pressures(fields), _valleys(fields)
+    signs, (valleys, left_out) = pressure_signs(fields), _valleys(fields)
     negative, dip = list(signs.negative), signs.dip
     if law.pressure_range.has_tension:
         negative, valleys, left_out, dip = [], [], 0, np.inf
@@ -286,14 +290,19 @@ def _moment_balance(fields: ZoneFields) -> float | None:
     return float(abs(fields.scaled_moment - given) / (fields.density.total * reach))
 
 
-def _pressures(fields: ZoneFields) -> Signs:
-    """Signs of the scaled pressure divided by sqrt(1 - t^2), on all zones."""
+def pressure_signs(fields: ZoneFields, limit: float | None = None) -> Signs:
+    """Signs of the scaled pressure divided by sqrt(1 - t^2), on all zones.
+
+    limit: None, or the scaled limit of the pressure; then the signs are those of the limit less the
+    pressure.
+    """
     density, noise = fields.density, fields.state.noise
 
     def over_root(zone: Index, angle: Array) -> Array:
         left, right = sides(angle)
         bearing = fields.problem.bearing(density, zone, left, right)
-        return np.asarray(bearing / bounded_weight(density.zones, left, right))
+        value = bearing if limit is None else limit - bearing
+        return np.asarray(value / bounded_weight(density.zones, left, right))
 
     def sampled(group: Index, theta: Array) -> tuple[Array, Array, Array]:
         value = over_root(group[:, None], theta)

@@ -379,6 +379,15 @@ class Zones(Kept):
             end.value != 0.0 for end in {id(e): e for e in (*self.left, *self.right)}.values()
         )
 
+    @cached_property
+    def rims(self) -> Mask:
+        """Whether each zone has two free ends with different values (n,), as beside a plateau.
+
+        Such a zone never vanishes: the density passes from one value to the other.
+        """
+        values = self.values
+        return np.asarray((values[0] != values[1]) & self.moves.all(axis=0))
+
     @property
     def bounded(self) -> Mask:
         """Whether the prescribed intensity of each left and right end is zero (2, n)."""

@@ -206,14 +206,15 @@ class Progress:
             # A single zone keeps a given total, however narrow it is. So it counts as vanished only
             # at a much smaller width.
             part **= 4
-        gone = width < np.maximum(part * self.first_width, 8 * np.spacing(np.abs(zones.a)))
+        least = np.where(zones.rims, 0.0, part * self.first_width)
+        gone = width < np.maximum(least, 8 * np.spacing(np.abs(zones.a)))
         # A damped step leaves most of a zone. So a zone also counts as vanished if several undamped
         # steps in a row would have removed it.
         insists = np.zeros(len(gone), dtype=bool)
-        if len(zones) > 1 and (self.leaving >= options.insistent_steps).any():
+        if len(zones) > 1 and (~zones.rims & (self.leaving >= options.insistent_steps)).any():
             # If one zone counts as vanished, all zones are removed that each of the last two
             # undamped steps would have removed.
-            insists = self.leaving >= 2
+            insists = (self.leaving >= 2) & ~zones.rims
         narrowest = np.minimum(width, self.first_width)
         closed = self.closing >= 2
         if not options.allow_loss:

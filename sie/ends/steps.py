@@ -270,7 +270,17 @@ def damped(zones: Zones, equation: Equation, delta: Array, options: NewtonOption
     gaps = np.array(modes.gaps(zones, equation.kernel))
     room = options.max_shrink * np.minimum(gaps, border_distances(zones, equation))
     outward = np.minimum(options.max_growth * width, room)
-    return np.clip(delta, -options.max_shrink * width, outward)
+    plain = np.clip(delta, -options.max_shrink * width, outward)
+    far = zones.rims & (np.abs(delta[1] - delta[0]) > 2 * options.max_growth * width)
+    if not far.any():
+        return plain
+    # A rim may move by many of its widths at once, as the load beside it asks for.
+    shift = np.clip(0.5 * (delta[1] - delta[0]), -room[0], room[1])
+    widens = np.clip(
+        0.5 * delta.sum(axis=0), -options.max_shrink * width, 0.5 * outward.min(axis=0)
+    )
+    moved = np.array([widens - shift, widens + shift])
+    return np.where(far, moved, plain)
 
 
 def _coupled_step(

@@ -4,4 +4,5 @@ from contact.model.laws.base import Law
 from contact.model.laws.dugdale import Dugdale
 from contact.model.laws.frictionless import Frictionless
 from contact.model.laws.jkr import JKR
+from contact.model.laws.plastic import Plastic
 from contact.model.laws.sliding import Sliding, dundurs_beta

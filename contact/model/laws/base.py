@@ -65,7 +65,8 @@ class Routes:
     gaps: whether nothing acts where the bodies do not touch, so that the gaps may be the unknowns.
     full_contact: whether full contact begins when its lowest pressure is zero. module: dotted name
     of a module whose function `found(context)` solves every scene under this law; None for the
-    general search.
+    general search. first: a law whose contact is solved for first, on its own routes. It is the
+    answer if its pressure lies within `pressure_range`; else it is the module's warm start.
 
     `found` takes a `contact.search.context.SolveContext` and returns an outcome, such as a
     `contact.verify.error.SolvedZones`. Its outcome is final: the solver does not refine it, as the
@@ -76,6 +77,7 @@ class Routes:
     gaps: bool
     full_contact: bool
     module: str | None = None
+    first: "Law | None" = None
 
 
 class Law(Named, sie.Kept):

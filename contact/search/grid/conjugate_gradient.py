@@ -102,6 +102,7 @@ class Influence:
     # Displacement per unit of load that comes from the datum in the logarithm. It is added
     # separately, so that the displacement keeps its digits.
     _offset: float = 0.0
+    cap: float = math.inf  # highest pressure that the surface bears
 
     @classmethod
     def periodic(
@@ -153,7 +154,7 @@ class Response:
 
     periodic: the response is given by the `symbol` and the `compression` of the body. If not
     periodic, the body is alone on the line, with the length `datum` in the logarithm. rest: the
-    kernel minus that of the half-plane.
+    kernel minus that of the half-plane. cap: highest pressure that the surface bears.
     """
 
     E: float
@@ -162,12 +163,15 @@ class Response:
     rest: Rest | None = None
     symbol: Symbol | None = None
     compression: float = 0.0
+    cap: float = math.inf
 
     def on(self, n: int, h: float) -> Influence:
         """The operator on a grid of n cells of width h."""
         if self.periodic:
-            return Influence.periodic(n, h, self.E, self.symbol, self.compression)
-        return Influence.isolated(n, h, self.E, self.datum, self.rest)
+            made = Influence.periodic(n, h, self.E, self.symbol, self.compression)
+        else:
+            made = Influence.isolated(n, h, self.E, self.datum, self.rest)
+        return made if self.cap == math.inf else replace(made, cap=self.cap)
 
 
 def _dot(a: Array, b: Array) -> float:
@@ -264,6 +268,11 @@ class GridState:
     def contact(self) -> Mask:
         """Mask of the grid points in contact."""
         return np.asarray(self.pressure > 0.0)
+
+    @property
+    def capped(self) -> Mask:
+        """Mask of the grid points at the highest pressure that the surface bears."""
+        return np.asarray(self.pressure >= self.influence.cap)
 
     @property
     def full(self) -> bool:
@@ -422,13 +431,21 @@ class _Run:
         # the points where the pressure of the guess is positive.
         mask = self.allowed.copy() if guess is None else guess > 0.0
         p, tol = guess, max(self.tol, OPTIONS.first_tolerance)
-        converged = False
+        converged, cap = False, self.influence.cap
+        capped = np.zeros(len(mask), dtype=bool)
+        if guess is not None and np.isfinite(cap):
+            capped = guess >= cap
+            mask &= ~capped
         fewest = self.influence.n
         # Each solve reduces the error of a zone end by a fixed factor. For n points, about log2(n)
         # solves therefore suffice.
         for _ in range(OPTIONS.max_stalled + int(4 * np.log2(self.influence.n))):
             before = self.iterations
-            p, u, level, error, solved = self.conjugate_gradient(load, mask, p, tol)
+            if not mask.any():
+                # One point at least is elastic, as it takes the rest of the load.
+                last = np.flatnonzero(capped)[np.argmax(self.shape[capped])]
+                mask[last], capped[last] = True, False
+            p, u, level, error, solved = self._on_sets(load, mask, capped, p, tol)
             finer = max(self.tol, OPTIONS.first_tolerance * tol)
             if self.iterations == before and tol > self.tol:
                 # The guess already meets this tolerance. The guess comes from another grid, so the
@@ -440,11 +457,21 @@ class _Run:
             # `error` is the largest error, which occurs at the steepest peaks. If only pressures
             # below -error were dropped, an end in a flat region would move by one cell in a solve.
             drop = mask & (p < 0.0)
-            add = self.allowed & ~mask & (gap < -error * self.influence.h / self.influence.E)
+            error_of_gap = error * self.influence.h / self.influence.E
+            add = self.allowed & ~mask & ~capped & (gap < -error_of_gap)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))
+            if np.isfinite(cap):
+                # Points above the cap are held at it, and those that open there are set free.
+                above, freed = mask & (p > cap), capped & (gap > error_of_gap)
+                rest = load - cap * self.influence.h * np.count_nonzero((capped | above) & ~freed)
+                above &= rest > 0.0
+                changes += int(np.count_nonzero(above) + np.count_nonzero(freed))
+                capped = (capped | above) & ~freed
+                add, drop = add | freed, drop | above
             # The contact set is right if no pressure or gap has the wrong sign by more than its
             # error.
-            if tol == self.tol and not np.any(add) and np.all(p >= -error):
+            within = np.all(p >= -error) and np.all(p <= cap + error)
+            if tol == self.tol and not np.any(add) and within:
                 converged = solved
                 break
             # The next solve is more precise if few points change, as the contact set is then almost
@@ -454,24 +481,43 @@ class _Run:
                 tol = finer
             fewest = min(fewest, changes)
             mask = (mask & ~drop) | add
-            p = np.maximum(p, 0.0)
+            p = np.clip(p, 0.0, cap)
         assert p is not None
-        p = np.maximum(p, 0.0)
+        p = np.clip(p, 0.0, cap)
         gap = np.where(self.allowed, gap, np.inf)
         return GridState(
             p, gap, level + self.lowest, load, self.iterations, converged, self.f, self.influence
         )
+
+    def _on_sets(
+        self, load: float, mask: Mask, capped: Mask, guess: Array | None, tol: float
+    ) -> tuple[Array, Array, float, float, bool]:
+        """As `conjugate_gradient`, with the cap as the pressure on the points `capped`."""
+        if not capped.any():
+            return self.conjugate_gradient(load, mask, guess, tol)
+        fixed = np.where(capped, self.influence.cap, 0.0)
+        moved = self.influence.apply(fixed)
+        rest = load - float(fixed.sum()) * self.influence.h
+        guess = None if guess is None else np.where(mask, guess, 0.0)
+        p, u, level, error, solved = self.conjugate_gradient(
+            rest, mask, guess, tol, self.shape + moved
+        )
+        return p + fixed, u + moved, level, error, solved
 
     def compliance(self, state: GridState) -> float:
         """The rate d level / d load, where the level is displacement plus height in the contact.
 
         The motion of the ends has no effect at first order, as the pressure is zero there.
         """
-        mask = state.contact
-        if state.full:
+        mask = state.contact & ~state.capped
+        if state.full and mask.all():
             return self.influence.yields / (self.influence.n * self.influence.h)
         _, _, level, _, _ = self.conjugate_gradient(
-            1.0, mask, state.pressure, OPTIONS.rate_tolerance, np.zeros(len(mask))
+            1.0,
+            mask,
+            np.where(mask, state.pressure, 0.0),
+            OPTIONS.rate_tolerance,
+            np.zeros(len(mask)),
         )
         return level
 
@@ -490,12 +536,14 @@ class _Run:
         if (
             inf.is_periodic
             and not inf.yields
+            and not np.isfinite(inf.cap)
             and np.all(self.allowed)
             and depth >= float(np.mean(self.shape))
         ):
             raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
         load = 0.5 * E * depth if guess is None else float(guess.sum()) * h
-        low, high = 0.0, np.inf
+        low, high = 0.0, inf.cap * h * float(np.count_nonzero(self.allowed))
+        load = load if load < high else 0.5 * high
         while True:
             state = self.at_load(load, guess)
             slope = self.compliance(state)

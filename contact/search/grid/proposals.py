@@ -27,11 +27,12 @@ def proposed(
     points: int | None,
     tol: float = SEARCH.intermediate,
     start: Proposal | None = None,
+    cap: float = math.inf,
 ) -> Proposal:
     """Zones of the contact on a grid, as a start for Newton's method.
 
     points: number of points; None: as many as the profile's resolution needs. start: a contact
-    under another load, to begin with.
+    under another load, to begin with. cap: highest pressure that the surface bears [Pa].
     """
     problem = scaled.problem
     units, profile, by_load = problem.units, problem.profile, control.load is not None
@@ -44,7 +45,7 @@ def proposed(
     return propose(
         partial(grid_height, profile) if by_load else profile.height,
         scaled.cell,
-        whole_response(problem),
+        replace(whole_response(problem), cap=cap),
         resolution=detail,
         points=points,
         load=control.value * units.load if by_load else None,

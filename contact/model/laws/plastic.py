@@ -1,0 +1,84 @@
+"""A limit of the pressure: 0 <= p <= hardness, the law of a body that yields at its surface.
+
+Where the pressure reaches the hardness H, the surfaces overlap: there the body has yielded by
+
+    w = approach - f - u >= 0,
+
+f the profile and u the elastic displacement. The pressure is the one with the least complementary
+energy under 0 <= p <= H, which is unique. It is a law of first loading, without memory: unloading
+begins from the worn profile. B. N. J. Persson's theory and most codes for rough contact use the
+same limit.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from contact.model.checks import keep, positive
+from contact.model.laws.base import Law, PressureRange, Routes
+from contact.model.laws.frictionless import Frictionless
+from contact.model.registry import register_law
+from contact.model.substrates.half_plane import HalfPlane
+
+
+@register_law("plastic")
+@dataclass(frozen=True)
+class Plastic(Law):
+    """Contact without friction or adhesion in which the pressure is at most the hardness.
+
+    Parameters
+    ----------
+    hardness : float
+        The largest pressure that the softer body bears [Pa], about three times its yield strength.
+
+    Examples
+    --------
+    A wave under a load at which half of the pressure's peak is cut off.
+
+    >>> import contact
+    >>> wave, law = contact.Sinusoid(amplitude=1e-6, period=1e-4), contact.Plastic(hardness=2.4e7)
+    >>> scene = contact.Scene(wave, 1e9, contact.Periodic(), law=law, mean_pressure=1e7)
+    >>> solution = contact.solve(scene)
+    >>> solution.plateaus.shape, float(solution.pressure(0.0)), bool(solution.overlap(0.0) > 0.0)
+    ((1, 2), 24000000.0, True)
+    """
+
+    hardness: float
+    units = {"hardness": "Pa"}
+
+    allows = ("load", "mean_pressure", "approach")
+    convex = True
+
+    def __post_init__(self) -> None:
+        keep(self, positive, "hardness")
+
+    @cached_property
+    def pressure_range(self) -> PressureRange:
+        return PressureRange(0.0, self.hardness)
+
+    @cached_property
+    def routes(self) -> Routes:
+        return Routes(False, False, "contact.plastic.search", first=Frictionless())
+
+    def refuses(self, scene: Any) -> str | None:
+        if scene.interaction.strip or scene.interaction.follows_isolated:
+            return f"goes with isolated and periodic bodies, not with {scene.interaction.name}"
+        if not isinstance(scene.substrate, HalfPlane) or scene.operator.is_own:
+            return "goes with half-planes: a layer that yields at its surface is not solved"
+        if scene.turned:
+            return "goes with upright bodies: leave out tilt and moment"
+        if len(scene.profile.algebraic_points):
+            return (
+                "goes with profiles whose slope has jumps at most, and that of "
+                f"{scene.profile.name} is a power of the distance from a point"
+            )
+        support, width = scene.profile.support, scene.period
+        if support is not None:
+            width = support[1] - support[0]
+        load = scene.given_load
+        if load is not None and width is not None and not load < self.hardness * width:
+            return (
+                f"bears less than its hardness of {self.hardness:.6g} Pa on the width of "
+                f"{width:.6g} m, and the scene gives {load / width:.6g} Pa"
+            )
+        return None

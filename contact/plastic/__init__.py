@@ -1,0 +1,9 @@
+"""Contact under a limit of the pressure: in a scene with its elastic contact, out solved zones.
+
+spots    contacts and plateaus as tables, and as zones of `sie` with the values at their ends
+grid     the first spots, from a grid with 0 <= p <= H
+fields   the fields, whose zones contain their plateaus
+check    the certificate: signs on elastic intervals, plateaus and gaps
+loop     Newton on the ends, check, correction of the spots
+search   all of it in order
+"""

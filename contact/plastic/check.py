@@ -1,0 +1,108 @@
+"""The certificate of a contact with plateaus: signs on the whole line.
+
+    elastic   0 < p < H
+    plateau   overlap >= 0
+    gap       gap >= 0
+
+The first two limits and the load are what `contact.verify.certificate` checks without plateaus.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from contact.formulation.tolerances import TOLERANCES
+from contact.plastic.fields import PlasticFields
+from contact.verify.certificate import Certificate, certify, openings, pressure_signs
+from contact.verify.minima import SAMPLING
+from sie import Array, record
+
+
+@record
+class Checked:
+    """A certificate, with the scaled intervals (n, 2) at which the states are wrong.
+
+    above: the pressure is above the limit; opened: the surfaces would part on a plateau. Negative
+    pressures and overlaps in gaps are in the certificate.
+    """
+
+    certificate: Certificate
+    above: Array
+    opened: Array
+
+
+@record
+class _Plateaus(PlasticFields):
+    """The same fields with the plateaus in place of the gaps, and the overlap as the gap."""
+
+    def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
+        zones = self.density.zones
+        ends = {*zones.a.tolist(), *zones.b.tolist()}
+        period = self.problem.period
+        if period is not None:
+            ends.add(float(zones.a[0]) + period)
+        for lo, hi in self.density.plateaus.tolist():
+            yield lo, hi, lo in ends, hi in ends
+
+    def far_stretches(self) -> Iterator[Array]:
+        return iter(())
+
+    def formal_gap(self, x: Array) -> Array:
+        return -super().formal_gap(x)
+
+
+def checked(fields: PlasticFields, load: float | None) -> Checked:
+    """The check of all signs, of the load, and of one approach of all elastic intervals."""
+    certificate = certify(fields, load)
+    below = pressure_signs(fields, fields.limit)
+    above = np.array([*below.negative, *_tips(fields)]).reshape(-1, 2)
+    above = above[np.argsort(above[:, 0])]
+    opened, least, rounding, points = np.zeros((0, 2)), np.inf, 0.0, 0
+    if len(fields.density.plateaus):
+        part = openings(_Plateaus(fields.problem, fields.state, limit=fields.limit))
+        opened, rounding, points = part.overlaps, part.rounding, part.points
+        least = np.inf if part.least is None else part.least
+    holds = certificate.holds and below.least > 0.0 and len(above) == len(opened) == 0
+    undecided = -rounding <= least <= 0.0
+    height = fields.problem.units.height
+    note = certificate.note
+    if holds and not note:
+        note = "one contact: pressures from 0 to the limit, overlap on plateaus, no overlap in gaps"
+    return Checked(
+        replace(
+            certificate,
+            holds=bool(holds),
+            undecided=bool(certificate.undecided or undecided),
+            points=certificate.points + below.points + points,
+            note=note,
+            smallest_overlap=None if np.isinf(least) else least * height,
+        ),
+        above,
+        opened,
+    )
+
+
+def _tips(fields: PlasticFields) -> list[tuple[float, float]]:
+    """Intervals about convex kinks in elastic parts, in which the pressure is above the limit.
+
+    There the pressure is infinite, like the logarithm of the distance.
+    """
+    density, (kinks, heights) = fields.density, fields.problem.forcing.kinks
+    at, zone, inside = density.locate(kinks[heights > 0])
+    distances = np.geomspace(TOLERANCES.narrowest_gap, 1.0, SAMPLING.min_points)
+    found = []
+    for x, i in zip(at[inside].tolist(), zone[inside].tolist(), strict=True):
+        half = float(density.zones.half[i])
+        left, right = (x - density.zones.a[i]) / half, (density.zones.b[i] - x) / half
+        room = distances[distances < min(left, right)]
+        # The distance up to which the pressure is above the limit on both sides.
+        pressure = np.minimum(
+            *(density.at(np.full(len(room), i), left + s * room, right - s * room) for s in (-1, 1))
+        )
+        reach = room[pressure > fields.limit]
+        width = half * (float(reach.max()) if len(reach) else TOLERANCES.narrowest_gap)
+        found.append((x - width, x + width))
+    return found

@@ -1,0 +1,146 @@
+"""Fields of a contact with plateaus, in SI units: the density of `sie` contains the plateaus."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.formulation.fields import ZoneFields, moved_ends
+from contact.formulation.quadrature import cuts_between, panels
+from contact.model.profiles.derive import DETAIL
+from contact.plastic.spots import Spots, index_of
+from sie import Array, Mask, record, wrapped
+
+
+@record
+class PlasticFields(ZoneFields):
+    """The fields of a contact whose pressure is the limit H on plateaus.
+
+    A zone is a contact with the plateaus in it. The unknown is the pressure on its elastic parts
+    (`solved_zones`). limit: H, scaled.
+    """
+
+    limit: float = np.inf
+
+    @cached_property
+    def spots(self) -> Spots:
+        """Contacts and plateaus, scaled."""
+        density = self.density
+        return Spots.of(density.zones, density.plateaus, self.problem.period)
+
+    @property
+    def zones(self) -> Array:
+        return self.spots.contacts if not self.spots.full else np.zeros((0, 2))
+
+    @property
+    def zone_table(self) -> Array:
+        return np.asarray(self.problem.units.x(self.zones))
+
+    @property
+    def plateaus(self) -> Array:  # type: ignore[override]
+        """Intervals [m] (m, 2) at which the pressure is the limit."""
+        return np.asarray(self.problem.units.x(self.density.plateaus))
+
+    def overlap(self, x: ArrayLike) -> Array:
+        """Overlap of the surfaces [m] at x [m]: by what they have yielded; 0 off the plateaus."""
+        scaled = self._scaled(x)
+        return np.asarray(
+            np.where(self._on_plateaus(scaled), -self.formal_gap(scaled), 0.0)
+            * self.problem.units.height
+        )
+
+    def _on_plateaus(self, x: Array) -> Mask:
+        return _within(self.density.plateaus, x, self.problem.period)
+
+    def inside(self, x: Array) -> Mask:
+        if self.spots.full:
+            return np.ones(np.shape(x), dtype=bool)
+        return _within(self.spots.contacts, x, self.problem.period)
+
+    @cached_property
+    def loads(self) -> Array:
+        density = self.density
+        parts = np.concatenate((density.zones.table, density.plateaus))
+        on_plateaus = self.limit * np.diff(density.plateaus, axis=1)[:, 0]
+        load = np.concatenate((density.totals, on_plateaus))
+        if self.spots.full:
+            return np.zeros(0)
+        contacts = self.spots.contacts
+        which = index_of(contacts, parts.mean(axis=1))
+        summed = np.bincount(which, load, minlength=len(contacts))
+        return np.asarray(summed * self.problem.units.load, dtype=float)
+
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
+        a, b = self.spots.contacts[zone]
+        t = np.asarray(t, dtype=float)
+        x = np.where(t < 0, a + 0.5 * (b - a) * (1 + t), b - 0.5 * (b - a) * (1 - t))
+        return np.asarray(self.density(x) * self.problem.units.pressure)
+
+    @property
+    def max_pressure(self) -> float:  # type: ignore[override]
+        return self.limit * self.problem.units.pressure
+
+    @property
+    def pressure_bound(self) -> float:
+        return self.max_pressure
+
+    @property
+    def contact_fraction(self) -> float:
+        if self.spots.full:
+            return 1.0
+        return float(np.diff(self.spots.contacts, axis=1).sum()) / self.problem.repeat_length
+
+    @cached_property
+    def widening_rate(self) -> float:
+        moves = np.where(self.density.zones.values == 0.0, moved_ends(self.state), 0.0)
+        return float(moves.sum()) / self.problem.repeat_length / self.problem.units.load
+
+    @cached_property
+    def spreading(self) -> Array:
+        zones, moves = self.density.zones, moved_ends(self.state)
+        free = zones.values == 0.0
+        left, right = moves[0][free[0]], moves[1][free[1]]
+        return np.column_stack((left, right)) * self.problem.units.length * self.density.total
+
+    @cached_property
+    def mean_gap(self) -> float:
+        # The gap less the overlap has the mean of the profile and the approach.
+        units, problem = self.problem.units, self.problem
+        return super().mean_gap + self.mean_overlap * problem.repeat_length**-1 * units.height
+
+    @cached_property
+    def mean_overlap(self) -> float:
+        """Scaled integral of the overlap over all plateaus."""
+        total, breaks = 0.0, self.problem.forcing.jumps.broken_at
+        for lo, hi in self.density.plateaus.tolist():
+            x, weights = panels(
+                cuts_between(lo, hi, max(0.5 * self.spacing, (hi - lo) / DETAIL.samples), breaks)
+            )
+            total -= float(self.formal_gap(x) @ weights)
+        return total
+
+    def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
+        if self.spots.full:
+            return
+        contacts, own = self.spots.contacts, tuple(super().open_intervals())
+        between = {
+            (float(b), float(a)) for b, a in zip(contacts[:-1, 1], contacts[1:, 0], strict=True)
+        }
+        ends = float(contacts[0, 0]), float(contacts[-1, 1])
+        for lo, hi, left, right in own:
+            if left and right:
+                if (lo, hi) in between or lo == ends[1]:
+                    yield lo, hi, left, right
+            elif left and lo == ends[1] or right and hi == ends[0]:
+                yield lo, hi, left, right
+
+
+def _within(table: Array, x: Array, period: float | None) -> Mask:
+    if len(table) == 0:
+        return np.zeros(np.shape(x), dtype=bool)
+    place = wrapped(x, float(table[0, 0]), period)
+    i = index_of(table, place)
+    return np.asarray((place >= table[i, 0]) & (place <= table[i, 1]))

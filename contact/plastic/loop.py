@@ -1,0 +1,170 @@
+"""Newton on the ends, check of the states, correction of the spots, until all states are right.
+
+The problem is a minimum of a strictly convex energy, so that spots whose states are right are the
+only ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import sie
+from contact.errors import ContactError, SceneError
+from contact.formulation import tables
+from contact.formulation.controls import Control
+from contact.formulation.problem import Problem
+from contact.model.profiles.noise import EPS
+from contact.plastic.check import Checked, checked
+from contact.plastic.fields import PlasticFields
+from contact.plastic.spots import Spots, changed, tidied
+from contact.search.topology.failure import Failure, same
+from contact.search.topology.intervals import NEW_ZONE
+from contact.verify.error import SolvedZones
+from sie import Array, nearest_image, record
+
+
+@dataclass(frozen=True)
+class LoopOptions:
+    """Limits of the loop."""
+
+    # Newton's method ends at once where a zone vanishes. Then one interval goes in each round.
+    max_rounds: int = 40
+    max_newton_steps: int = 40  # as `sie.NewtonOptions`
+    # Width of a new plateau over that of the interval in which the pressure is too high. That of a
+    # crack under the excess is 1; a plateau that is too narrow grows faster than one that is too
+    # wide shrinks.
+    new_plateau: float = 0.7
+
+
+OPTIONS = LoopOptions()
+
+# The width falls as exp(-pi E* s / 2 H) with the slope s of the profile at the end of contact.
+NARROW_RIM = (
+    "between a plateau and a gap the pressure falls from its limit to zero over less than numbers "
+    "tell: the profile is too steep there for so small a hardness"
+)
+
+
+@record
+class PlasticLoop:
+    """One search: a scaled problem under a control, the limit of its pressure, a tolerance."""
+
+    problem: Problem
+    control: Control
+    limit: float
+    tolerance: float
+
+    def solved(self, spots: Spots) -> SolvedZones | Failure:
+        """The contact found from first spots, or a Failure."""
+        free: sie.Free | None = None
+        tried: list[tuple[Array, Array]] = []
+        start = sie.WarmStart()
+        for number in range(1, OPTIONS.max_rounds + 1):
+            if len(spots.contacts) == 0:
+                return Failure("all zones vanished", free)
+            if spots.full and len(spots.plateaus) == 0:
+                return Failure("full contact without plateaus", free)
+            try:
+                free = self._moved(spots, start)
+            except sie.SingularSystem as failure:
+                return Failure(f"the equation has no solution on such zones ({failure})", free)
+            spots = Spots.of(free.density.zones, free.density.plateaus, self.problem.period)
+            if len(free.lost) or len(free.met):
+                left = self._without_lost(free, spots)
+                if isinstance(left, Failure):
+                    return left
+                spots = left
+                continue
+            if not free.converged:
+                return Failure(f"the zone ends did not settle: {free.reason}", free)
+            fields = PlasticFields(self.problem, free.state, limit=self.limit)
+            found = checked(fields, self.control.load)
+            if found.certificate.holds:
+                return SolvedZones(
+                    free, fields, found.certificate, number, self.control, self.tolerance
+                )
+            table = spots.contacts, spots.plateaus
+            if any(all(map(same, table, before)) for before in tried):
+                return Failure(found.certificate.note or "the states did not settle", free)
+            tried.append(table)
+            following = self._corrected(spots, found)
+            if following is None:
+                return Failure(found.certificate.note or "the balance of load fails", free)
+            spots = following
+        return Failure("the number of zones and plateaus did not settle", free)
+
+    def _moved(self, spots: Spots, start: sie.WarmStart) -> sie.Free:
+        problem = self.problem
+        try:
+            zones = spots.zones(problem, self.limit)
+            options = sie.NewtonOptions(
+                max_steps=OPTIONS.max_newton_steps, limits=problem.corners, released_end=problem.end
+            )
+            return sie.find_ends(
+                problem.equation(self.control), zones, self.tolerance, options, start
+            )
+        except ValueError as fault:
+            if isinstance(fault, ContactError):
+                raise
+            raise SceneError(
+                f"what the scene gives the equation does not go together: {fault}"
+            ) from fault
+
+    def _without_lost(self, free: sie.Free, spots: Spots) -> Spots | Failure:
+        """The spots without intervals that vanished; those between two of one kind are united."""
+        zones, problem = free.density.zones, self.problem
+        table, values = zones.table, zones.values
+        contacts, plateaus = spots.contacts, spots.plateaus
+        for i in np.asarray(free.met).tolist():
+            if values[1, i] == 0.0:  # a gap has closed
+                if i + 1 < len(table):
+                    bridge = [[table[i, 0], table[i + 1, 1]]]
+                    contacts = tables.united(np.concatenate((contacts, bridge)))
+                else:
+                    contacts = _joined_across(contacts, problem.repeat_length)
+            else:  # a plateau has vanished
+                lag = nearest_image(plateaus[:, 0] - table[i, 1], 0.0, problem.period)
+                plateaus = plateaus[np.abs(lag) > 8 * EPS * max(1.0, abs(table[i, 1]))]
+        for i in np.asarray(free.lost).tolist():
+            if (values[:, i] == 0.0).all():
+                contacts = contacts[contacts[:, 0] != table[i, 0]]
+            elif (values[:, i] != 0.0).all():
+                plateaus = tables.united(np.concatenate((plateaus, table[[i]])))
+            else:
+                return Failure(NARROW_RIM, free)
+        period = problem.period
+        full = period is not None and bool(np.diff(contacts, axis=1).max(initial=0.0) >= period)
+        return tidied(Spots(contacts, plateaus, full), problem, rims=False)
+
+    def _corrected(self, spots: Spots, found: Checked) -> Spots | None:
+        """The spots after all corrections; None if no sign is wrong."""
+        certificate = found.certificate
+        parts = certificate.negative, found.above, found.opened, certificate.overlaps
+        if not any(len(part) for part in parts):
+            return None
+        negative, above, opened, overlaps = parts
+        return changed(
+            spots,
+            self.problem,
+            negative,
+            _shrunk(above, OPTIONS.new_plateau, spots.contacts, self.problem.corners),
+            opened,
+            _shrunk(overlaps, NEW_ZONE, np.zeros((0, 2)), self.problem.corners),
+        )
+
+
+def _joined_across(contacts: Array, period: float) -> Array:
+    """The contacts, the last one joined with the first one of the next period."""
+    across = [[contacts[-1, 0], contacts[0, 1] + period]]
+    return np.concatenate((contacts[1:-1], across))
+
+
+def _shrunk(table: Array, part: float, contacts: Array, corners: tuple[float, float]) -> Array:
+    """The intervals, shrunk about their middles; ends at sharp corners stay."""
+    if len(table) == 0:
+        return table
+    middle, half = table.mean(axis=1), 0.5 * part * np.diff(table, axis=1)[:, 0]
+    out = np.column_stack((middle - half, middle + half))
+    return np.where(np.isin(table, corners), table, out)

@@ -1,0 +1,76 @@
+"""Contact under a limit of the pressure: grid, loop, and the tolerance; see `Routes.module`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from contact.errors import NotConverged
+from contact.plastic.fields import PlasticFields
+from contact.plastic.grid import proposed_spots
+from contact.plastic.loop import NARROW_RIM, PlasticLoop
+from contact.plastic.spots import Spots
+from contact.search.context import SolveContext
+from contact.search.grid.proposals import placed
+from contact.search.grid.scaling import ScaledScene, scaled_scene
+from contact.search.options import LEAST, SEARCH
+from contact.search.topology.failure import Failure
+from contact.solution.solution import Solution
+from contact.verify.error import SolvedZones
+
+
+def found(context: SolveContext) -> SolvedZones:
+    """The contact of the context's scene, in which the pressure has reached its limit somewhere."""
+    scaled = scaled_scene(context.scene, context.single)
+    failure = Failure("no grid was tried")
+    start = context.warm_start
+    if start is not None and isinstance(start.fields, PlasticFields):
+        context.plan.decide("first guess", "the warm start", "a similar solution is at hand")
+        outcome = _solved(context, scaled, _placed(scaled, start))
+        if isinstance(outcome, SolvedZones):
+            return outcome
+        context.record_failure("contacts and plateaus of a similar solution", outcome)
+    part = context.plan["coarse search"]
+    part.used, part.reason = True, "the pressure reaches its limit"
+    context.plan.decide("first guess", "a grid", part.reason)
+    points: int | None = None
+    for _ in range(SEARCH.max_attempts):
+        with context.plan.timed("coarse search"):
+            spots, count = proposed_spots(scaled, context.scene.law.pressure_range.highest, points)
+        part.detail = f"{count} points, {len(spots.plateaus)} plateaus proposed"
+        outcome = _solved(context, scaled, spots)
+        if isinstance(outcome, SolvedZones):
+            return outcome
+        failure = outcome
+        context.record_failure(f"contacts and plateaus of a grid of {count} points", failure)
+        if failure.reason == NARROW_RIM:
+            break
+        points = 4 * count
+    raise NotConverged(f"not converged: {failure.reason}")
+
+
+def _placed(scaled: ScaledScene, similar: Solution) -> Spots:
+    """Contacts and plateaus of a similar solution, in the units of the scene."""
+    fields, problem = similar.fields, scaled.problem
+    assert isinstance(fields, PlasticFields)
+    units = fields.problem.units
+    contacts = placed(problem, units.x(fields.spots.contacts))
+    return Spots(contacts, placed(problem, fields.plateaus), fields.spots.full)
+
+
+def _solved(context: SolveContext, scaled: ScaledScene, spots: Spots) -> SolvedZones | Failure:
+    """The contact from first spots, to a smaller tolerance if the stated error asks for it."""
+    problem, control = scaled.problem, scaled.control
+    limit = context.scene.law.pressure_range.highest / problem.units.pressure
+    loop = PlasticLoop(problem, control, limit, context.tolerance)
+    with context.plan.timed("zone ends"):
+        outcome = loop.solved(spots)
+        while isinstance(outcome, SolvedZones) and outcome.error > context.tol:
+            if loop.tolerance <= LEAST:
+                break
+            loop = replace(loop, tolerance=max(LEAST, SEARCH.tight_factor * loop.tolerance))
+            assert isinstance(outcome.fields, PlasticFields)
+            better = loop.solved(outcome.fields.spots)
+            if not isinstance(better, SolvedZones) or better.error >= outcome.error:
+                break
+            outcome = better
+    return outcome

@@ -1,0 +1,156 @@
+"""`Spots`: the contacts of a surface and the plateaus in them, as tables of intervals.
+
+On a plateau the pressure is the limit H. The rest of a contact is elastic: these intervals are the
+zones of the integral equation, with the value H at the ends beside plateaus.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+import sie
+from contact.formulation import tables
+from contact.formulation.problem import Problem
+from contact.search.topology.intervals import without
+from sie import Array, Index, record
+
+
+@record
+class Spots:
+    """Contacts (k, 2) and plateaus (m, 2), scaled and ascending; plateaus lie within contacts.
+
+    full: whether all of the period is in contact; then `contacts` has one row of that width.
+    """
+
+    contacts: Array
+    plateaus: Array
+    full: bool = False
+
+    @classmethod
+    def of(cls, zones: sie.Zones, plateaus: Array, period: float | None) -> Spots:
+        """The spots of elastic zones with the plateaus beside them."""
+        every = np.concatenate((zones.table, plateaus))
+        every = every[np.argsort(every[:, 0])]
+        meets = every[1:, 0] <= every[:-1, 1]
+        contacts = tables.joined_where(every, meets)
+        if period is None or len(contacts) > 1 or contacts[0, 1] < contacts[0, 0] + period:
+            return cls(contacts, plateaus)
+        return _about_plateaus(plateaus, period)
+
+    def zones(self, problem: Problem, limit: float) -> sie.Zones:
+        """The elastic intervals as zones; limit: the scaled limit of the pressure."""
+        lo, hi = problem.corners
+        free, value = problem.end, sie.free_with_value(limit)
+        rows: list[tuple[float, float]] = []
+        left: list[sie.End] = []
+        right: list[sie.End] = []
+        for (a, b), inside in zip(self.contacts.tolist(), self._by_contact(), strict=True):
+            begin, kind = a, sie.SINGULAR if a == lo else free
+            for first, last in inside:
+                if first > begin:
+                    rows.append((begin, first))
+                    left.append(kind)
+                    right.append(value)
+                begin = last
+                kind = value if first > a else sie.free_with_value(limit, until=a)
+            if begin < b:
+                rows.append((begin, b))
+                left.append(kind)
+                right.append(sie.SINGULAR if b == hi else free)
+            else:
+                right[-1] = sie.free_with_value(limit, until=b)
+        if self.full:
+            rows, left, right = self._around(problem.repeat_length, rows, left, right)
+        return sie.Zones.of(np.array(rows), left, right)
+
+    def _by_contact(self) -> list[list[list[float]]]:
+        """The plateaus of each contact."""
+        which = np.searchsorted(self.contacts[:, 0], self.plateaus[:, 0], side="right") - 1
+        return [self.plateaus[which == k].tolist() for k in range(len(self.contacts))]
+
+    @staticmethod
+    def _around(
+        period: float, rows: list[tuple[float, float]], left: list[sie.End], right: list[sie.End]
+    ) -> tuple[list[tuple[float, float]], list[sie.End], list[sie.End]]:
+        """Full contact: the first and the last elastic interval are one across the border."""
+        (_, b), (a, _) = rows[0], rows[-1]
+        return [*rows[1:-1], (a, b + period)], [*left[1:-1], left[-1]], [*right[1:-1], right[0]]
+
+
+def _about_plateaus(plateaus: Array, period: float) -> Spots:
+    """Full contact with these plateaus: it is cut in the widest elastic interval between them."""
+    between = tables.gaps_between(plateaus, period)
+    begin = float(between[np.argmax(np.diff(between, axis=1)[:, 0])].mean())
+    table = tables.in_cell(plateaus, begin, period)
+    return Spots(np.array([[begin, begin + period]]), table, True)
+
+
+def changed(
+    spots: Spots, problem: Problem, negative: Array, above: Array, opened: Array, overlaps: Array
+) -> Spots:
+    """The spots after corrections, each a table of scaled intervals.
+
+    negative: no contact there; above: new plateaus; opened: elastic instead of plateau; overlaps:
+    new contacts.
+    """
+    period = problem.period
+    contacts = spots.contacts
+    if len(negative):
+        contacts = _cut(contacts, negative, period, spots.full)
+    if len(overlaps):
+        contacts = tables.united(np.concatenate((contacts, overlaps)))
+    plateaus = spots.plateaus
+    if len(opened):
+        plateaus = without(plateaus, opened)
+    if len(above):
+        plateaus = tables.united(np.concatenate((plateaus, above)))
+    full = spots.full and not len(negative)
+    return tidied(Spots(contacts, plateaus, full), problem)
+
+
+def _cut(contacts: Array, negative: Array, period: float | None, full: bool) -> Array:
+    out = without(contacts, negative)
+    if full and period is not None and len(out) > 1:
+        (first, last), begin = out[[0, -1]], contacts[0, 0]
+        if first[0] == begin and last[1] == begin + period:
+            out = np.concatenate((out[1:-1], [[last[0], first[1] + period]]))
+    return out
+
+
+def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
+    """The spots, with every plateau inside its contact, and elastic rims beside the gaps.
+
+    rims: whether rims have a least width.
+    """
+    period = problem.period
+    if spots.full:
+        return _about_plateaus(spots.plateaus, period) if period and len(spots.plateaus) else spots
+    contacts, (lo, hi) = spots.contacts, problem.corners
+    contacts = np.clip(contacts, lo, hi)
+    contacts = contacts[contacts[:, 1] > contacts[:, 0]]
+    plateaus = spots.plateaus
+    if period is not None and len(contacts):
+        contacts = tables.parted_at_wide(contacts, period)
+        plateaus = tables.in_cell(plateaus, contacts[0, 0], period)
+    out: list[tuple[float, float]] = []
+    for a, b in contacts.tolist():
+        rim = RIM * (b - a) if rims else 0.0
+        begin = a if a == lo else a + rim
+        end = b if b == hi else b - rim
+        inside = plateaus[(plateaus[:, 1] > a) & (plateaus[:, 0] < b)]
+        part = np.clip(inside, begin, end)
+        kept = part[part[:, 1] > part[:, 0]].tolist()
+        out += [(p, q) for p, q in kept if not (p == begin == a and q == end == b)]
+    return replace(spots, contacts=contacts, plateaus=np.array(out).reshape(-1, 2))
+
+
+# Width of the elastic rim that is put between a plateau and a gap if there is none yet, over the
+# width of the contact. Newton's method finds the true one, which may be far narrower.
+RIM = 0.02
+
+
+def index_of(table: Array, x: Array) -> Index:
+    """Row of the interval that contains each place, or the last one that begins before it."""
+    return np.maximum(np.searchsorted(table[:, 0], x, side="right") - 1, 0)

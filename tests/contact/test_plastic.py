@@ -1,0 +1,210 @@
+"""A limit of the pressure: closed forms, a grid with bounds, balance, and what is refused."""
+
+import pickle
+
+import numpy as np
+import pytest
+from scipy import special
+
+import contact
+from contact.model import scene_file
+from contact.solution import export
+
+pytestmark = pytest.mark.filterwarnings("ignore::contact.ModelWarning")
+
+FOUR = contact.Fourier(1.0, [0.1, 0.05, 0.02], [0.03, -0.04, 0.05])
+
+
+def solved(profile, hardness, E_star=1.0, interaction=None, tol=1e-10, **control):
+    law = contact.Plastic(hardness)
+    interaction = interaction or contact.Periodic()
+    return contact.solve(contact.Scene(profile, E_star, interaction, law=law, **control), tol=tol)
+
+
+ALONE = contact.Isolated(datum=1.0)
+
+
+def test_a_cylinder_that_yields_has_the_closed_form():
+    k = 0.6  # plateau over contact, half width 1, E*/R = 2
+    hardness = np.pi / (2 * special.ellipk(k * k))
+    load = hardness * (2 * special.ellipe(k * k) - (1 - k * k) * special.ellipk(k * k))
+    found = solved(contact.Parabola(1.0), hardness, 2.0, ALONE, load=load)
+    np.testing.assert_allclose(found.zones, [[-1, 1]], rtol=1e-10)
+    np.testing.assert_allclose(found.plateaus, [[-k, k]], rtol=1e-10)
+    assert found.pressure(0.8) == pytest.approx(0.6138418256, rel=2e-10)
+    assert found.load == pytest.approx(load, rel=1e-13)
+    assert found.max_pressure == found.pressure(0.0) == pytest.approx(hardness, rel=1e-14)
+    assert found.certificate.holds and found.certificate.smallest_overlap > 0
+    again = solved(contact.Parabola(1.0), hardness, 2.0, ALONE, approach=found.approach)
+    assert again.load == pytest.approx(load, rel=1e-10)
+
+
+def test_a_wave_that_yields_has_the_closed_form():
+    A, C, peak = 0.9, 0.5, np.pi  # E* = amplitude = period = 1
+    k = np.tan(C) / np.tan(A)
+    hardness = peak * np.pi * np.sin(A) * np.cos(C) / special.ellipk(k * k)
+    found = solved(contact.Sinusoid(1.0, 1.0), hardness, mean_pressure=0.59267767061 * peak)
+    np.testing.assert_allclose(found.zones * np.pi, [[-A, A]], rtol=1e-10)
+    np.testing.assert_allclose(found.plateaus * np.pi, [[-C, C]], rtol=1e-10)
+
+
+def test_a_flat_punch_yields_up_to_its_corners():
+    found = solved(contact.Flat(4.0), 1.0, 1.0, contact.Isolated(), load=2 * np.sqrt(3))
+    x = np.linspace(-0.99, 0.99, 9)
+    exact = 2 / np.pi * np.arctan(np.sqrt(3) / np.sqrt(1 - x * x))
+    np.testing.assert_allclose(found.pressure(x), exact, rtol=1e-10)
+    np.testing.assert_allclose(found.plateaus, [[-2, -1], [1, 2]], rtol=1e-10)
+    np.testing.assert_array_equal(found.zones, [[-2, 2]])
+    assert np.any(np.abs(found.pressure(0.99 * x) - exact) > 1e-4)
+
+
+def test_a_row_of_flat_punches_yields_up_to_the_corners():
+    A, C = 0.9, 0.5
+    mean = 2 / np.pi * np.arccos(np.cos(A) / np.cos(C))
+    found = solved(contact.Flat(2 * A, period=np.pi), 1.0, mean_pressure=mean)
+    np.testing.assert_allclose(found.plateaus, [[-A, -C], [C, A]], rtol=1e-10)
+    u = np.array([-0.4, 0.1])
+    tangent = np.tan(np.arcsin(np.cos(A) / np.cos(C)))
+    root = np.sqrt(np.sin(C) ** 2 - np.sin(u) ** 2)
+    exact = 1 - 2 / np.pi * np.arctan(root * tangent / np.cos(u))
+    np.testing.assert_allclose(found.pressure(u), exact, rtol=1e-10)
+
+
+@pytest.mark.parametrize("amplitude", [0.9, 0.999])
+def test_full_contact_that_yields_mirrors_contact_of_the_troughs(amplitude):
+    """The hardness less the pressure is Westergaard's pressure of the mirrored wave."""
+    hardness, mean = 2 * np.pi, np.pi * (2 - amplitude * np.sin(1.2) ** 2)
+    found = solved(contact.Sinusoid(amplitude, 1.0), hardness, mean_pressure=mean)
+    assert found.zones.shape == (0, 2) and found.contact_fraction == 1
+    mirrored = contact.Scene(
+        contact.Sinusoid(amplitude, 1.0), 1.0, contact.Periodic(), mean_pressure=hardness - mean
+    )
+    half = contact.solve(mirrored).zones[0, 1]
+    np.testing.assert_allclose(found.plateaus, [[half - 0.5, 0.5 - half]], atol=1e-10)
+
+
+def bounded_grid(profile, hardness, mean, count):
+    """Pressures with 0 <= p <= H on a grid, by projected conjugate directions of the energy."""
+    x = (np.arange(count) + 0.5) / count
+    wave = np.fft.rfftfreq(count, 1 / count) * 2 * np.pi
+    with np.errstate(divide="ignore"):
+        compliance = np.where(wave > 0, 2 / wave, 0.0)
+    height = profile.height(x)
+
+    def slope(p):
+        return np.fft.irfft(compliance * np.fft.rfft(p), count) + height
+
+    def projected(p):
+        low, high = -p.max() - hardness, hardness - p.min() + hardness
+        for _ in range(40):
+            shift = 0.5 * (low + high)
+            low, high = (
+                (shift, high) if np.clip(p + shift, 0, hardness).mean() < mean else (low, shift)
+            )
+        return np.clip(p + shift, 0, hardness)
+
+    p = projected(np.full(count, mean))
+    ahead, momentum = p, 1.0
+    for _ in range(600):
+        following = projected(ahead - slope(ahead) * np.pi)
+        after = 0.5 * (1 + np.sqrt(1 + 4 * momentum**2))
+        restart = np.dot(ahead - following, following - p) > 0
+        after = 1.0 if restart else after
+        ahead = following + (0.0 if restart else (momentum - 1) / after) * (following - p)
+        p, momentum = following, after
+    return x, p
+
+
+@pytest.mark.parametrize("hardness, part", [(0.5, 0.4), (0.5, 0.9), (0.3, 0.3)])
+def test_two_zones_agree_with_a_grid_with_bounds(hardness, part):
+    mean = part * hardness
+    found = solved(FOUR, hardness, mean_pressure=mean)
+    x, p = bounded_grid(FOUR, hardness, mean, 128)
+    away = np.abs(found.pressure(x) - p)
+    assert np.sqrt(np.mean(away**2)) < 0.04 * hardness
+    assert np.median(away) < 2e-3 * hardness
+    plateaus = found.plateaus[:, 1] - found.plateaus[:, 0]
+    assert plateaus.sum() == pytest.approx(np.mean(p >= hardness * (1 - 1e-9)), abs=4 / 128)
+
+
+@pytest.fixture(scope="module")
+def two():
+    return solved(FOUR, 0.5, mean_pressure=0.2)
+
+
+def test_fields_agree_with_each_other(two):
+    x = np.linspace(0, 1, 40001)[:-1]
+    pressure, gap, overlap = two.pressure(x), two.gap(x), two.overlap(x)
+    assert pressure.mean() == pytest.approx(0.2, rel=1e-5)
+    assert two.zone_loads.sum() == pytest.approx(two.load, rel=1e-14)
+    assert two.mean_gap == pytest.approx(gap.mean(), rel=1e-5)
+    profile = FOUR.height(x) - FOUR.height(x).min()
+    np.testing.assert_allclose(two.approach - profile - two.displacement(x), -gap, atol=1e-8)
+    assert np.all(overlap >= 0) and np.all((overlap > 0) <= (pressure == 0.5))
+    stress = two.stress(x[:50], np.zeros(50))
+    np.testing.assert_allclose(stress.yy, -pressure[:50], atol=1e-14)
+
+
+def test_stiffness_and_widening_are_derivatives_by_the_load(two):
+    step = 1e-4
+    more, less = (solved(FOUR, 0.5, mean_pressure=0.2 + sign * step) for sign in (1, -1))
+    stiffness = (more.load - less.load) / (more.approach - less.approach)
+    assert two.stiffness == pytest.approx(stiffness, rel=1e-5)
+    again = solved(FOUR, 0.5, approach=two.approach)
+    assert again.mean_pressure == pytest.approx(0.2, rel=1e-9)
+
+
+def test_below_the_limit_the_contact_is_the_elastic_one():
+    plain = contact.solve(contact.Scene(FOUR, 1.0, contact.Periodic(), mean_pressure=0.2))
+    capped = solved(FOUR, 10.0, mean_pressure=0.2, tol=1e-8)
+    np.testing.assert_array_equal(capped.zones, plain.zones)
+    assert capped.plateaus.shape == (0, 2) and capped.overlap([0.1, 0.2]).tolist() == [0, 0]
+    assert capped.scene.law == contact.Plastic(10.0)
+
+
+def test_a_tip_always_yields():
+    found = solved(contact.Wedge(0.1), 0.3, 1.0, contact.Isolated(), load=1.0, tol=1e-8)
+    (left, right) = found.plateaus[0]
+    assert left == pytest.approx(-right, rel=1e-7) and found.max_pressure == 0.3
+    assert found.zone_peaks.tolist() == [0.3]
+
+
+def test_solutions_are_pickled_and_exported(two, tmp_path):
+    copy, x = pickle.loads(pickle.dumps(two)), np.linspace(0, 1, 9)
+    np.testing.assert_array_equal(copy.pressure(x), two.pressure(x))
+    np.testing.assert_array_equal(copy.overlap(x), two.overlap(x))
+    assert export.to_dict(two)["plateaus"] == two.plateaus.tolist()
+    assert "overlap" in export.fields_to_csv(two).splitlines()[0]
+    assert export.to_xarray(two)["plateaus"].shape == (2, 2)
+
+
+def test_a_scene_file_names_the_law(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        '[profile]\nshape = "sinusoid"\namplitude = 1e-6\nperiod = 1e-4\n'
+        '[material]\nE_star = 1e9\n[interaction]\nmodel = "periodic"\n'
+        '[law]\nmodel = "plastic"\nhardness = 2e7\n[control]\nmean_pressure = 1e7\n'
+    )
+    assert scene_file.load_scene(path).law == contact.Plastic(2e7)
+
+
+REFUSED = [
+    (lambda: contact.Plastic(0.0), "hardness"),
+    (lambda: solved(FOUR, 0.5, mean_pressure=0.5), "bears less than its hardness"),
+    (lambda: solved(contact.Flat(2.0), 1.0, 1.0, ALONE, load=2.0), "bears less than its hardness"),
+    (lambda: solved(FOUR, 0.5, contact_fraction=0.5), "contact_fraction"),
+    (lambda: solved(FOUR, 0.5, interaction=contact.Localized(), load=0.2), "isolated and periodic"),
+    (lambda: solved(contact.Parabola(1.0), 1.0, 1.0, ALONE, load=1.0, tilt=0.1), "plastic"),
+]
+
+
+@pytest.mark.parametrize("made, message", REFUSED)
+def test_what_it_does_not_solve_is_refused_by_name(made, message):
+    with pytest.raises(contact.SceneError, match=message):
+        made()
+
+
+def test_a_profile_that_is_too_steep_is_refused_with_the_reason():
+    steep = contact.Polynomial([0.0, 0.0, 0.5, 0.0, 0.3])
+    with pytest.raises(contact.NotConverged, match="too steep there for so small a hardness"):
+        solved(steep, 0.1, 1.0, ALONE, load=0.5, tol=1e-8)
