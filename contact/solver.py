@@ -158,7 +158,7 @@ def solved_along(
     cache: results shared with the other scenes. previous: the last solutions on the curve.
     """
     near = previous[-1].solution if previous else None
-    if scene.control_object.held(scene) is None:
+    if scene.control_object.held(scene) is None or scene.law.routes.first is not None:
         return _solved(scene, tol, progress, near, cache)
     claims.of(scene.profile)
     direct = solve_closed(scene, tol)

@@ -124,7 +124,9 @@ def _parts_between_kinks(solution: Solution, zones: Array) -> Array:
     distance, so that each part has close positions at its ends.
     """
     profile, period = solution.scene.profile, solution.scene.period
-    kinks = np.concatenate((profile.kinks[:, 0], solution.plateaus.ravel()))
+    kinks = profile.kinks[:, 0]
+    if np.isfinite(solution.scene.law.pressure_range.highest):
+        kinks = np.concatenate((kinks, solution.plateaus.ravel()))
     if period is not None:
         kinks = np.concatenate([kinks - period, kinks, kinks + period])
     inside = kinks[np.any((zones[:, :1] < kinks) & (kinks < zones[:, 1:]), axis=0)]

@@ -95,6 +95,13 @@ def path(
             scene.law.name,
             "one under which contact only grows with the load: a path under others is not followed",
         )
+    if scene.law.routes.first is not None:
+        raise SceneError.of(
+            "law",
+            scene.law.name,
+            "one without a limit of the pressure: events of plateaus are not followed; contact.solve "
+            "with `near`, or contact.sweep, solve one load after the other",
+        )
     if name == "approach":
         what, given = ("control", control) if stiffness is None else ("stiffness", stiffness)
         raise SceneError.of(
