@@ -75,6 +75,10 @@ def stress_of(
     needs_half_plane(fields.problem.operator)
     along = tension_along(lateral, fields.deep_pressure, nu)
     normal = fields.pressure_transform(x, y)
+    unknown = np.isnan(normal[0]) & (y == 0)
+    if unknown.any():
+        # At the tip of a power law the transform has no digits, but on the surface Im F = -p.
+        normal[0][unknown] = -1j * fields.pressure(x[unknown])
     bound, ratio = error_at(fields, x, y, normal, error), fields.problem.law.shear_ratio
     if not ratio:
         return stress_from(y, normal, None, bound).with_tension(along)

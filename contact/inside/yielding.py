@@ -125,7 +125,8 @@ class Criterion:
         return stress.mises(self.nu) if self.name == "mises" else stress.tresca(self.nu)
 
     def at(self, body: Body, x: Array, y: Array) -> Array:
-        return self.of(body.stress(x, y, self.lateral, self.nu))
+        """The equivalent stress at points; 0 where it is not known."""
+        return np.nan_to_num(self.of(body.stress(x, y, self.lateral, self.nu)), posinf=0.0)
 
     def bound(self, highest: Array, anywhere: float, deep: float) -> Array:
         """Bound of the equivalent stress from the pressures near a point, and anywhere.
@@ -213,6 +214,10 @@ class _Samples:
             # With friction, the tension behind a zone may be the largest stress.
             parts.append(np.array([a, b]))
             scales.append(np.full(2, half))
+        # The pressure has a cusp at the tip of a power law.
+        tips = np.asarray(scene.profile.algebraic_points, dtype=float)[:, 0]
+        parts.append(tips)
+        scales.append(np.full(len(tips), min(detail, float(np.diff(zones, axis=1).min()))))
         gaps = zones[1:, 0] - zones[:-1, 1]
         parts.append(0.5 * (zones[1:, 0] + zones[:-1, 1]))
         scales.append(gaps)
@@ -461,4 +466,7 @@ def infinite_at(body: Body) -> float | None:
         at = np.concatenate((kinks[kinks[:, 1] > 0, 0], body.zones.ravel()))
         pressure = np.abs(body.pressure(at))
     infinite = np.flatnonzero(np.isinf(pressure) | np.isnan(pressure))
-    return float(at[infinite[0]]) if len(infinite) else float(at[0])
+    if len(infinite):
+        return float(at[infinite[0]])
+    # The pressure may be negative without bound at a concave kink whose gap is too narrow to tell.
+    return float(at[0]) if body.fields.problem.end.intensity and len(at) else None

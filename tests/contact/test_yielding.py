@@ -125,6 +125,14 @@ def test_full_contact_does_not_yield_in_the_plane_whatever_the_load():
         solution.first_yield(5e7, 0.5)
 
 
+def test_the_cusp_of_a_power_law_is_the_place_of_the_largest_stress():
+    profile = contact.Power(0.45, 1.3, period=4e-4)
+    solution = contact.solve(contact.Scene(profile, E, PERIODIC, load=4.0))
+    peak = largest(solution, Criterion("mises", 0.3, "as loaded"))
+    assert (peak.x, peak.y) == (0.0, 0.0)
+    assert peak.stress == pytest.approx(0.4 * solution.max_pressure, rel=1e-12)
+
+
 def test_wrong_numbers_are_refused_by_name():
     solution = contact.solve(contact.Scene(WAVE, E, PERIODIC, mean_pressure=1e6))
     for arguments, name in (
