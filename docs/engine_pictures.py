@@ -49,6 +49,24 @@ def sliding_punch(rows: Any) -> Any:
     return figure
 
 
+def interface_crack(rows: Any) -> Any:
+    """Opening of one crack, and opening and slip in the last hundredth before its tip."""
+    figure, (left, right) = panels(2)
+    distance = np.geomspace(1e-12, 1.0, 400)
+    x = np.r_[-1 + distance, (1 - distance)[::-1]]
+    for (beta, one, *_), colour in zip(rows, COLOURS, strict=False):
+        opening = one.density.integral(x)
+        left.plot(x, opening.real, color=colour, lw=1.3, label=f"$\\beta$ = {beta:g}")
+        left.plot(x, opening.imag, color=colour, lw=1.1, ls="--")
+        near = opening[: len(distance)] / np.sqrt(distance)
+        right.semilogx(distance, near.real, color=colour, lw=1.3)
+        right.semilogx(distance, near.imag, color=colour, lw=1.1, ls="--")
+    left.set(title="opening, and slip (dashed)", xlabel="x / a")
+    right.set(title=r"both over $\sqrt{d}$", xlabel="distance d / a from the tip")
+    left.legend(fontsize=8, frameon=False, loc="center")
+    return figure
+
+
 def porous_aerofoil(rows: Any) -> Any:
     """Difference of the pressures along the chord."""
     figure, axes = panels(1)
@@ -116,6 +134,7 @@ def birth_of_a_cut(returned: Any) -> Any:
 
 DRAWINGS: dict[str, Callable[[Any], Any]] = {
     "sliding_punch": sliding_punch,
+    "interface_crack": interface_crack,
     "porous_aerofoil": porous_aerofoil,
     "thin_ligament": thin_ligament,
     "splitting_cut": splitting_cut,

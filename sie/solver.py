@@ -117,7 +117,7 @@ class Solution:
         (True, True)
         """
         place, zone, inside = self.density.locate(x)
-        out, at = np.full(place.shape, np.nan), place[inside]
+        out, at = np.full(place.shape, np.nan, dtype=self.zones.weight.numbers), place[inside]
         of_jumps = self.density.jumps.left_out(at)
         out[inside] = self.density.transform(at) - self.state.right_side(at) - of_jumps
         kappa = self.zones.weight.kappa

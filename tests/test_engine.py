@@ -99,6 +99,17 @@ def test_sliding_punches_have_the_intensities_and_ends_of_their_closed_forms() -
         assert (behind < before) == (mu > 0.0) and (ends[0] + ends[1] < -1e-9) == (mu > 0.0)
 
 
+def test_interface_cracks_have_the_exponents_and_intensities_of_the_closed_form() -> None:
+    for beta, one, k, exact, two, of_two in run("interface_crack").main():
+        assert k == pytest.approx(exact, rel=10 * one.error + 1e-14)
+        eps = np.arctanh(beta) / np.pi
+        assert one.density.exponents[1, 0] == pytest.approx(-0.5 + 1j * eps, abs=1e-14)
+        assert abs(of_two[0]) > abs(of_two[1]) > abs(k)  # the inner tip is loaded most
+        # By symmetry the tips on the left have the conjugate intensities.
+        left, right = two.density.intensities
+        assert left[0] == pytest.approx(-np.conj(right[1]), rel=1e-10)
+
+
 def test_a_punch_that_slides_back_is_the_mirrored_one() -> None:
     module = run("sliding_punch")
     edges = sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)

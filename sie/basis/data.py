@@ -151,8 +151,8 @@ def sum_error(x: Array, by: Array) -> Array:
 
 def root_of_squares(matrix: Array, x: Array | float = 1.0) -> Array:
     """sqrt(sum_j (matrix_ij x_j)^2) for each row i, without overflow or underflow of squares."""
-    terms = matrix * x
-    largest = float(np.abs(terms).max(initial=0.0))
+    terms = np.abs(matrix * x)
+    largest = float(terms.max(initial=0.0))
     if not 0.0 < largest < np.inf:
         return np.full(len(matrix), largest)
     terms /= largest

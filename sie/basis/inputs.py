@@ -15,6 +15,29 @@ def number(name: str, value: Any) -> float:
     raise ValueError(f"{name} must be a finite number, got {shown(value)}")
 
 
+def scalar(name: str, value: Any) -> complex:
+    """The value as a finite number, real or complex."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if not isinstance(value, complex | np.complexfloating):
+        return number(name, value)
+    if np.isfinite(value):
+        return complex(value)
+    raise ValueError(f"{name} must be a finite number, got {shown(value)}")
+
+
+def scalars(name: str, values: Any) -> Array:
+    """The values as finite numbers (k,), all real or all complex."""
+    try:
+        table = np.asarray(values)
+    except (ValueError, TypeError):
+        return numbers(name, values)
+    if table.dtype.kind != "c":
+        return numbers(name, values)
+    parts = numbers(name, table.real), numbers(name, table.imag)
+    return np.asarray(parts[0] + 1j * parts[1])
+
+
 def is_number(value: Any) -> bool:
     """Whether a value is one real number; booleans are not."""
     if isinstance(value, np.ndarray) and value.ndim == 0:

@@ -62,12 +62,17 @@ OPTIONS = SweepOptions()
 class Family:
     """One of the two families of the module's docstring.
 
-    alpha, rest: alpha and 1 - alpha, each without cancellation. bounded: whether it is q_n.
+    alpha, rest: alpha and 1 - alpha, each without cancellation, real or complex. bounded: whether
+    it is q_n.
     """
 
-    alpha: float
-    rest: float
+    alpha: Any
+    rest: Any
     bounded: bool = False
+
+    def numbers(self, *others: Number) -> Any:
+        """The type of numbers, real or complex, of the polynomials times the given arrays."""
+        return np.result_type(np.asarray(self.alpha), *others)
 
     @property
     def mirrored(self) -> "Family":
@@ -93,7 +98,7 @@ class Family:
     def sums(self, c: Array, left: Any, right: Any) -> Array:
         """Series sum_n c_n p_n(t) at points given by left = 1 + t and right = 1 - t."""
         left, right = np.broadcast_arrays(np.asarray(left, float), np.asarray(right, float))
-        out = np.zeros(right.shape)
+        out = np.zeros(right.shape, dtype=self.numbers(c))
         for family, sign, distance, here in self._halves(left, right):
             signed = c * sign ** np.arange(len(c))
             out[here] = _sum_from_end(family, signed * family.at_one(len(c)), distance)
@@ -102,7 +107,7 @@ class Family:
     def table(self, count: int, left: Any, right: Any) -> Array:
         """Values of the members n = 0 ... count - 1 at the given points, along a new last axis."""
         left, right = np.broadcast_arrays(np.asarray(left, float), np.asarray(right, float))
-        out = np.zeros((*right.shape, count))
+        out = np.zeros((*right.shape, count), dtype=self.numbers())
         for family, sign, distance, here in self._halves(left, right):
             scale = family.at_one(count) * sign ** np.arange(count)
             out[here] = _table_from_end(family, count, distance) * scale
@@ -132,7 +137,7 @@ def _cached(count: int, *tables: Array) -> tuple[Array, ...]:
 def _recurrence(family: Family, count: int) -> tuple[Array, Array]:
     n = np.arange(count, dtype=float) + (1.0 if family.bounded else 0.0)
     a: Array = np.asarray((family.alpha - family.rest) / (4 * n * n - 1))
-    products = np.abs((n - 1 + family.alpha) * (n - 1 + family.rest))
+    products = (n - 1 + family.alpha) * (n - 1 + family.rest)
     b: Array = np.asarray(np.sqrt(products) / (2 * n - 1))
     if family.bounded:
         a = np.negative(a)
@@ -144,12 +149,12 @@ def _recurrence(family: Family, count: int) -> tuple[Array, Array]:
 def _at_one(family: Family, count: int) -> Array:
     # The rounding of a thousand factors would add up; where there is a longer float it does not.
     k = np.arange(count + 1, dtype=np.longdouble)
-    factors = np.ones(count + 2, dtype=np.longdouble)
+    factors = np.ones(count + 2, dtype=family.numbers(k))
     factors[1:] = np.sqrt((k + family.alpha) / (k + family.rest))
     values = np.cumprod(factors)
     if family.bounded:
         values = values[1:] * (k + 1) / (2 * family.alpha)
-    return _cached(count, np.asarray(values, dtype=np.float64))[0]
+    return _cached(count, np.asarray(values, dtype=family.numbers()))[0]
 
 
 @lru_cache(maxsize=256)
@@ -169,7 +174,7 @@ def _steps(family: Family, count: int) -> tuple[Array, Array]:
 def _sum_from_end(family: Family, c: Array, distance: Array) -> Array:
     """Series sum_n c_n f_n, f_n = p_n / p_n(1), at the given distances 1 - t."""
     up, down = family.steps(len(c))
-    value, change = np.zeros_like(distance), np.zeros_like(distance)
+    value, change = np.zeros((2, *distance.shape), dtype=family.numbers(c))
     for n in range(len(c) - 1, -1, -1):
         both = value + change
         value += c[n] - both * distance / up[n]
@@ -180,8 +185,8 @@ def _sum_from_end(family: Family, c: Array, distance: Array) -> Array:
 def _table_from_end(family: Family, count: int, distance: Array) -> Array:
     """Values f_n = p_n / p_n(1), n = 0 ... count - 1, at the distances 1 - t; new last axis."""
     up, down = family.steps(count)
-    rows = np.ones((count, *distance.shape))
-    change = np.zeros_like(distance)
+    rows = np.ones((count, *distance.shape), dtype=family.numbers())
+    change = np.zeros_like(rows[0])
     for n in range(count - 1):
         change = (change * down[n] - distance * rows[n]) / up[n]
         rows[n + 1] = rows[n] + change
@@ -204,13 +209,13 @@ def log_ratio(less: Number, left: Number) -> Number:
 
 def transform_table(family: Family, count: int, less: Number, left: Number) -> Number:
     """The transforms F_n of the members n = 0 ... count - 1 at points (P,), as (P, count)."""
-    out = np.empty((count, len(less)), dtype=less.dtype)
+    out = np.empty((count, len(less)), dtype=family.numbers(less))
     for here, last in _directions(count, less, left, all_terms=True):
         if last == 0:
             for n, value in enumerate(_upward(family, count, less[here], left[here])):
                 out[n, here] = value
             continue
-        change = np.zeros_like(less[here])
+        change = np.zeros(0)
         for n, change in _downward(family, last, less[here], left[here]):
             if n < count:
                 out[n, here] = 1 + change
@@ -221,12 +226,12 @@ def transform_table(family: Family, count: int, less: Number, left: Number) -> N
 
 def transform_sum(family: Family, c: Array, less: Number, left: Number) -> Number:
     """The sum of c_n F_n at points (P,)."""
-    out = np.zeros(len(less), dtype=less.dtype)
+    out = np.zeros(len(less), dtype=family.numbers(less, c))
     if len(c) == 0:
         return out
     scaled = c * family.at_one(len(c))
     for here, last in _directions(len(c), less, left, all_terms=False):
-        total = np.zeros(len(less[here]), dtype=less.dtype)
+        total = np.zeros(len(less[here]), dtype=out.dtype)
         if last == 0:
             for n, value in enumerate(_upward(family, len(c), less[here], left[here])):
                 total += scaled[n] * value
@@ -286,7 +291,7 @@ def _downward(
 ) -> Iterator[tuple[int, Number]]:
     """Yield (n, f_n / f_(n-1) - 1) for n = last ... 1.
 
-    For points on the line all terms have one sign, so that nothing cancels.
+    For points on the line and real alpha all terms have one sign, so that nothing cancels.
     """
     up, down = family.steps(last + 1)
     rho = 2 / (np.sqrt(less) + np.sqrt(left)) ** 2

@@ -14,6 +14,7 @@ from scipy import special
 
 from sie.basis.data import Array
 from sie.basis.jacobi import log_ratio
+from sie.basis.weight import power
 
 Number = NDArray[Any]
 
@@ -33,12 +34,12 @@ class LerchOptions:
 OPTIONS = LerchOptions()
 
 
-def lerch(a: float, x: Number, from_one: Number) -> Number:
-    """The sum of x^n / (n + a), n = 0, 1, 2, ..., for a > 0 and |x| <= 1.
+def lerch(a: complex, x: Number, from_one: Number) -> Number:
+    """The sum of x^n / (n + a), n = 0, 1, 2, ..., for Re a > 0 and |x| <= 1.
 
     Parameters
     ----------
-    a : float
+    a : float or complex
         The parameter.
     x : ndarray
         Real or complex arguments.
@@ -58,7 +59,7 @@ def lerch(a: float, x: Number, from_one: Number) -> Number:
     >>> (lerch(0.5, x, 1 - x) * np.sqrt(x) - 2 * np.arctanh(np.sqrt(x))).round(14).tolist()
     [0.0, 0.0]
     """
-    out = np.empty_like(x)
+    out = np.empty(x.shape, dtype=np.result_type(x, np.asarray(a)))
     small, near = np.abs(x) <= 0.5, np.abs(from_one) <= 0.5
     between = ~(small | near)
     out[small] = _polynomial(_powers(a), x[small])
@@ -71,20 +72,35 @@ def lerch(a: float, x: Number, from_one: Number) -> Number:
     return out
 
 
-def beta_share(a: float, b: float, x: Any, rest: Any) -> Array:
-    """The regularised incomplete beta function I_x(a, b), with rest = 1 - x.
+def beta_share(a: complex, b: complex, x: Any, rest: Any) -> Number:
+    """The regularised incomplete beta function I_x(a, b), with rest = 1 - x, for a + b = 1.
 
     It is evaluated at the smaller one of x and 1 - x, because the larger one does not show all
     digits of the smaller one.
     """
     x, rest = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(rest, dtype=float))
-    out, small = np.empty(x.shape), x <= rest
-    out[small] = special.betainc(a, b, x[small])
-    out[~small] = special.betaincc(b, a, rest[~small])
-    return out
+    small = x <= rest
+    if not isinstance(a, complex):
+        out = np.empty(x.shape)
+        out[small] = special.betainc(a, b, x[small])
+        out[~small] = special.betaincc(b, a, rest[~small])
+        return out
+    shares = np.empty(x.shape, dtype=complex)
+    shares[small] = _complex_share(a, x[small], rest[small])
+    shares[~small] = 1 - _complex_share(b, rest[~small], x[~small])
+    return shares
 
 
-def near_one(a: float, from_one: Number) -> Number:
+def _complex_share(a: complex, x: Array, rest: Array) -> Number:
+    """I_x(a, 1 - a) for x <= 1/2.
+
+    It is sin(pi a) / pi times the integral of s^(a - 1) / (1 + s) from 0 to x / (1 - x).
+    """
+    ratio = x / rest
+    return np.asarray(np.sin(np.pi * a) / np.pi * power(ratio, a) * lerch(a, -ratio, 1 / rest))
+
+
+def near_one(a: complex, from_one: Number) -> Number:
     """The sum of (1 - a)_k / (k! k) (1 - x)^(k - 1), k = 1, 2, ..., for |1 - x| <= 1/2.
 
     It is the regular part of `lerch` near x = 1: x^a times `lerch` is a constant, minus log(1 - x),
@@ -93,7 +109,7 @@ def near_one(a: float, from_one: Number) -> Number:
     return _polynomial(_beside(a), from_one)
 
 
-def _by_ray(a: float, x: Number) -> Number:
+def _by_ray(a: complex, x: Number) -> Number:
     """The sum `lerch`, from its value at x / (2 |x|) and the integral along the ray to x."""
     nodes, weights = _legendre(OPTIONS.nodes)
     length = np.log(2 * np.abs(x))
@@ -105,18 +121,23 @@ def _by_ray(a: float, x: Number) -> Number:
 
 
 @lru_cache(maxsize=256)
-def _powers(a: float) -> Array:
+def _powers(a: complex) -> Number:
     """Coefficients 1 / (k + a) of the powers x^k, k = 0, 1, ..."""
     return np.asarray(1 / (np.arange(OPTIONS.terms) + a))
 
 
-def _constant(a: float) -> float:
+def _constant(a: complex) -> complex:
     """The limit of `lerch` plus log(1 - x) at x = 1."""
-    return -float(special.digamma(a)) - float(np.euler_gamma)
+    return -complex_or_real(special.digamma(a)) - float(np.euler_gamma)
+
+
+def complex_or_real(value: Any) -> Any:
+    """A number of NumPy as Python's float or complex number."""
+    return np.asarray(value).item()
 
 
 @lru_cache(maxsize=256)
-def _beside(a: float) -> Array:
+def _beside(a: complex) -> Number:
     """Coefficients (1 - a)_k / (k! k) of the powers (1 - x)^(k - 1), k = 1, 2, ..."""
     k = np.arange(1.0, OPTIONS.terms)
     return np.asarray(np.cumprod((k - a) / k) / k)
@@ -128,21 +149,22 @@ def _legendre(nodes: int) -> tuple[Array, Array]:
     return np.asarray(0.5 * (1 + t)), np.asarray(0.5 * weights)
 
 
-def _polynomial(c: Array, x: Number) -> Number:
+def _polynomial(c: Number, x: Number) -> Number:
     """The sum of c_n x^n, by Horner's rule."""
-    out = np.full_like(x, c[-1])
+    out = np.full(x.shape, c[-1], dtype=np.result_type(c, x))
     for coefficient in c[-2::-1]:
         out = out * x + coefficient
     return out
 
 
-def value_transform(alpha: float, rest: float, left: Number, less: Number) -> Number:
+def value_transform(alpha: complex, rest: complex, left: Number, less: Number) -> Number:
     """-1/pi int_u^1 (1 - v^(alpha - 1)) / (1 - v) dv, u = (zeta - 1) / (zeta + 1).
 
     It is a transform (see `sie.basis.value_mode`). rest: 1 - alpha; left, less: zeta + 1 and
     zeta - 1, real or in the closed upper half plane.
     """
-    out, logarithm = np.empty_like(less), log_ratio(less, left)
+    out = np.empty(less.shape, dtype=np.result_type(less, np.asarray(alpha)))
+    logarithm = log_ratio(less, left)
     from_one = 2 / left
     far, inside = np.abs(from_one) <= 0.5, np.abs(less) <= np.abs(left)
     out[far] = -from_one[far] * near_one(alpha, from_one[far])
@@ -156,6 +178,6 @@ def value_transform(alpha: float, rest: float, left: Number, less: Number) -> Nu
         distance = np.log(to_end) if np.iscomplexobj(less) else np.log(np.abs(to_end))
         if sign < 0 and np.iscomplexobj(less):
             distance = distance - np.pi * 1j
-        constant = float(special.digamma(1 + a)) + float(np.euler_gamma) + np.log(2.0)
+        constant = complex_or_real(special.digamma(1 + a)) + float(np.euler_gamma) + np.log(2.0)
         out[here] = constant - distance + np.expm1(a * power) / a + series
     return np.asarray(-out / np.pi)

@@ -6,27 +6,56 @@ first kind p is 1/2 at all ends. For kappa phi + T phi = g, with the transform T
 
     p = alpha at left ends,    p = 1 - alpha at right ends,    cot(pi alpha) = kappa
 
-(N. I. Muskhelishvili, Singular Integral Equations, 1953, ch. 14). Formulas that hold for p = 1/2
-only call `needs_half`. `sie.second_kind` solves equations with other exponents.
+(N. I. Muskhelishvili, Singular Integral Equations, 1953, ch. 14). For a complex kappa the exponents
+are complex: for i beta, alpha is 1/2 - i eps with eps = artanh(beta) / pi. Formulas that hold for
+p = 1/2 only call `needs_half`. `sie.second_kind` solves equations with other exponents.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sie.basis.data import Array, Index
+
+
+def alphas(kappa: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """(alpha, 1 - alpha) for factors kappa: cot(pi alpha) = kappa, the real part in (0, 1).
+
+    Both have all digits for large kappa too.
+    """
+    if not np.iscomplexobj(kappa):
+        return np.arctan2(1.0, kappa) / np.pi, np.arctan2(1.0, -kappa) / np.pi
+    # arctan(kappa) is a right angle minus the small arctan(1 / kappa) if the real part is large.
+    large = np.abs(kappa.real) > 1
+    small = np.arctan(np.where(large, 1 / np.where(large, kappa, 1.0), kappa)) / np.pi
+    out = (
+        np.where(large, np.where(kappa.real > 0, small, 1 + small), 0.5 - small),
+        np.where(large, np.where(kappa.real > 0, 1 - small, -small), 0.5 + small),
+    )
+    return out
+
+
+def power(base: Array, exponent: complex) -> NDArray[Any]:
+    """base^exponent for base >= 0.
+
+    At base = 0 it is zero if the real part of the exponent is positive, else infinite, or for a
+    complex exponent not a number.
+    """
+    out = np.asarray(base**exponent)
+    return np.where(base == 0.0, 0.0, out) if np.iscomplexobj(out) and exponent.real > 0 else out
 
 
 @dataclass(frozen=True, eq=False)
 class Weight:
     """The exponents of a density at the ends of zones.
 
-    kappa: the factor of the density in the equation, one for each zone; None for an equation of the
-    first kind.
+    kappa: the factor of the density in the equation, one for each zone, all real or all complex;
+    None for an equation of the first kind.
     """
 
-    kappa: Array | None = None
+    kappa: NDArray[Any] | None = None
 
     @property
     def is_half(self) -> bool:
@@ -34,19 +63,29 @@ class Weight:
         return self.kappa is None
 
     @property
+    def is_complex(self) -> bool:
+        """Whether densities are complex."""
+        return self.kappa is not None and np.iscomplexobj(self.kappa)
+
+    @property
+    def numbers(self) -> Any:
+        """The type of the values of densities, float or complex."""
+        return complex if self.is_complex else float
+
+    @property
     def exponent(self) -> Any:
         """The exponent p at left and right ends (2, n); 1/2 for an equation of the first kind."""
         if self.kappa is None:
             return 0.5
-        alpha = np.arctan2(1.0, self.kappa) / np.pi
-        return np.array([alpha, np.arctan2(1.0, -self.kappa) / np.pi])
+        return np.array(alphas(self.kappa))
 
     @property
     def _factor(self) -> Any:
         """sin(pi alpha) 2^(2p - 1), which is 1 for p = 1/2."""
         if self.kappa is None:
             return 1.0
-        return 4**self.exponent / (2 * np.hypot(1.0, self.kappa))
+        root = np.sqrt(1 + self.kappa**2) if self.is_complex else np.hypot(1.0, self.kappa)
+        return 4**self.exponent / (2 * root)
 
     def edge_scale(self, w: Any) -> Any:
         """The intensity K of sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha).

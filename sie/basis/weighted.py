@@ -7,7 +7,8 @@ the right end and 1 - alpha at the left end. A density is a sum of
     S_n(t) = w(t) p_n(t),    w = sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha).
 
 The polynomials p_n and q_n are those of `sie.basis.jacobi`; D_n(t) is (-1)^n q_n(-t). For kappa = 0
-they are T_n, U_n and U_n, and all of the below is that of `sie.basis.interval`. F is the transform
+they are T_n, U_n and U_n, and all of the below is that of `sie.basis.interval`. kappa may be
+complex, except for i times beta with |beta| >= 1: alpha then is complex. F is the transform
 at a point zeta off the interval, F(zeta) = (1/pi) int S(t) / (zeta - t) dt.
 
     on the interval  (kappa + T) S_n = -D_(n-1),    (kappa + T) S_0 = 0
@@ -23,6 +24,7 @@ N. I. Muskhelishvili, Singular Integral Equations, 1953, ch. 14; G. Szegő, Orth
 classes of `sie.basis.interval`.
 """
 
+import cmath
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -36,25 +38,26 @@ from scipy import special
 from sie.basis.data import Array, Kept
 from sie.basis.interval import InPlane, OnLine, Outside
 from sie.basis.jacobi import Family, log_ratio, transform_sum, transform_table
-from sie.basis.lerch import beta_share, value_transform
+from sie.basis.lerch import beta_share, complex_or_real, value_transform
+from sie.basis.weight import alphas, power
 
 Number = NDArray[Any]
 Points = InPlane | OnLine | Outside
 
 
-def exponent_of(kappa: float) -> float:
-    """The exponent alpha in (0, 1) with cot(pi alpha) = kappa.
+def exponent_of(kappa: complex) -> complex:
+    """The exponent alpha, with a real part in (0, 1), with cot(pi alpha) = kappa.
 
     It has all digits for large kappa too. 1 - alpha is the exponent of -kappa.
 
     Parameters
     ----------
-    kappa : float
+    kappa : float or complex
         The factor of the density in kappa phi + T phi = g.
 
     Returns
     -------
-    float
+    float or complex
 
     Examples
     --------
@@ -62,7 +65,7 @@ def exponent_of(kappa: float) -> float:
     >>> exponent_of(0.0), exponent_of(1.0)
     (0.5, 0.25)
     """
-    return math.atan2(1.0, kappa) / math.pi
+    return complex_or_real(alphas(np.asarray(kappa))[0])
 
 
 class Split(NamedTuple):
@@ -71,9 +74,9 @@ class Split(NamedTuple):
     It is w (k_left (1 - t) / 2 + k_right (1 + t) / 2) + (1 - t^2) w sum_n q_n(t) q[n].
     """
 
-    k_left: float
-    k_right: float
-    q: Array
+    k_left: complex
+    k_right: complex
+    q: Number
 
 
 @dataclass(frozen=True)
@@ -82,8 +85,8 @@ class Weighted(Kept):
 
     Parameters
     ----------
-    kappa : float
-        The factor of the density, real.
+    kappa : float or complex
+        The factor of the density.
 
     Examples
     --------
@@ -97,21 +100,23 @@ class Weighted(Kept):
     [1.0, 1.0, 1.0]
     """
 
-    kappa: float
+    kappa: complex
 
     @cached_property
-    def alpha(self) -> float:
+    def alpha(self) -> Any:
         """The exponent alpha: cot(pi alpha) = kappa."""
         return exponent_of(self.kappa)
 
     @cached_property
-    def rest(self) -> float:
+    def rest(self) -> Any:
         """1 - alpha, without cancellation."""
         return exponent_of(-self.kappa)
 
     @cached_property
-    def sine(self) -> float:
+    def sine(self) -> Any:
         """sin(pi alpha)."""
+        if isinstance(self.kappa, complex):
+            return 1.0 / cmath.sqrt(1 + self.kappa**2)
         return 1.0 / math.hypot(1.0, self.kappa)
 
     @property
@@ -134,7 +139,7 @@ class Weighted(Kept):
         """The polynomials D_n of the equation's right side."""
         return self.bounded.mirrored
 
-    def recurrence(self, count: int) -> tuple[Array, Array]:
+    def recurrence(self, count: int) -> tuple[Number, Number]:
         """(a_n, b_n), n = 0 ... count - 1, of t p_n = b_(n+1) p_(n+1) + a_n p_n + b_n p_(n-1).
 
         t p_0 = 2 b_1 p_1 + a_0 p_0, as for Chebyshev's T_n. b_0 is zero.
@@ -142,103 +147,106 @@ class Weighted(Kept):
         return self.singular.recurrence(count)
 
     # The methods below give the density and its integrals on the interval.
-    def weight(self, left: Any, right: Any) -> Array:
+    def weight(self, left: Any, right: Any) -> Number:
         """The weight w = S_0 at places given by left = 1 + t and right = 1 - t."""
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         return np.asarray(self.sine * right ** (self.alpha - 1) * left**-self.alpha)
 
-    def bounded_weight(self, left: Any, right: Any) -> Array:
+    def bounded_weight(self, left: Any, right: Any) -> Number:
         """The weight (1 - t^2) w, which vanishes at both ends."""
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
-        return np.asarray(self.sine * right**self.alpha * left**self.rest)
+        return np.asarray(self.sine * power(right, self.alpha) * power(left, self.rest))
 
-    def values(self, c: Array, left: Any, right: Any) -> Array:
+    def values(self, c: Number, left: Any, right: Any) -> Number:
         """The polynomial sum_n c_n p_n; times `weight` it is the density."""
         return self.singular.sums(c, left, right)
 
-    def table(self, count: int, left: Any, right: Any) -> Array:
+    def table(self, count: int, left: Any, right: Any) -> Number:
         """p_n for n = 0 ... count - 1, along a new last axis."""
         return self.singular.table(count, left, right)
 
-    def own(self, c: Array, left: Any, right: Any) -> Array:
+    def own(self, c: Number, left: Any, right: Any) -> Number:
         """kappa phi + T phi on the interval, of the density phi = sum_n c_n S_n."""
         return -self.images.sums(c[1:], left, right)
 
-    def split(self, c: Array, left_bounded: bool = False, right_bounded: bool = False) -> Split:
+    def split(self, c: Number, left_bounded: bool = False, right_bounded: bool = False) -> Split:
         """The density sum_n c_n S_n as a `Split`.
 
         At an end said to be bounded the intensity is round-off, and is left out. The coefficients
         follow from p_n = b_(n+1) q_n + e_n q_(n-1) - b_n q_(n-2), from the last one down.
         """
         at_left, at_right = self.edge_values(len(c))
-        k_left = 0.0 if left_bounded else float(c @ at_left)
-        k_right = 0.0 if right_bounded else float(c @ at_right)
+        k_left = 0.0 if left_bounded else complex_or_real(c @ at_left)
+        k_right = 0.0 if right_bounded else complex_or_real(c @ at_right)
         count = max(len(c) - 2, 0)
-        q, b = np.zeros(count + 2), self.recurrence(count + 3)[1]
+        q = np.zeros(count + 2, dtype=self.singular.numbers(c))
+        b = self.recurrence(count + 3)[1]
         n = np.arange(1.0, count + 2)
         e = 2 * n * (self.alpha - self.rest) / (4 * n * n - 1)
         for m in range(count - 1, -1, -1):
             q[m] = (b[m + 3] * q[m + 2] + e[m + 1] * q[m + 1] - c[m + 2]) / b[m + 2]
         return Split(k_left, k_right, q[:count])
 
-    def values_q(self, q: Array, left: Any, right: Any) -> Array:
+    def values_q(self, q: Number, left: Any, right: Any) -> Number:
         """The polynomial sum_n q[n] q_n of a `Split`."""
         return self.bounded.sums(q, left, right)
 
-    def density(self, split: Split, left: Any, right: Any) -> Array:
+    def density(self, split: Split, left: Any, right: Any) -> Number:
         """The density of a `Split` on the interval; at a bounded end it is zero."""
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         out = self.bounded_weight(left, right) * self.values_q(split.q, left, right)
         with np.errstate(divide="ignore"):
             if split.k_left:
-                out += (0.5 * self.sine * split.k_left) * right**self.alpha * left**-self.alpha
+                ratio = power(right, self.alpha) * left**-self.alpha
+                out += (0.5 * self.sine * split.k_left) * ratio
             if split.k_right:
-                out += (0.5 * self.sine * split.k_right) * right**-self.rest * left**self.rest
+                ratio = right**-self.rest * power(left, self.rest)
+                out += (0.5 * self.sine * split.k_right) * ratio
         return np.asarray(out)
 
-    def integral_to(self, c: Array, left: Any, right: Any) -> Array:
+    def integral_to(self, c: Number, left: Any, right: Any) -> Number:
         """Integral of sum_n c_n S_n from -1 to t."""
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         higher = self.values_q(c[1:] / np.arange(1, len(c)), left, right)
         first = beta_share(self.rest, self.alpha, 0.5 * left, 0.5 * right)
         return np.asarray(np.pi * c[0] * first - self.bounded_weight(left, right) * higher)
 
-    def total(self, c: Array) -> float:
+    def total(self, c: Number) -> complex:
         """Integral of sum_n c_n S_n over the interval."""
-        return float(np.pi * c[0])
+        return complex_or_real(np.pi * c[0])
 
-    def first_moment(self, c: Array) -> float:
+    def first_moment(self, c: Number) -> complex:
         """Integral of t times sum_n c_n S_n over the interval."""
         a, b = self.recurrence(2)
-        return float(np.pi * (a[0] * c[0] + (b[1] * c[1] if len(c) > 1 else 0.0)))
+        return complex_or_real(np.pi * (a[0] * c[0] + (b[1] * c[1] if len(c) > 1 else 0.0)))
 
     # The methods below give the density's behaviour at the ends.
-    def edge_values(self, count: int) -> tuple[Array, Array]:
+    def edge_values(self, count: int) -> tuple[Number, Number]:
         """Values of p_n at t = -1 and at t = 1, n = 0 ... count - 1."""
         return self.singular.at_minus_one(count), self.singular.at_one(count)
 
-    def edge_derivatives(self, count: int) -> tuple[Array, Array]:
+    def edge_derivatives(self, count: int) -> tuple[Number, Number]:
         """Derivatives of p_n by t at t = -1 and at t = 1, n = 0 ... count - 1."""
         squares, (left, right) = np.arange(count) ** 2, self.edge_values(count)
         return -squares * left / (2 * self.rest), squares * right / (2 * self.alpha)
 
     @property
-    def edge_scale(self) -> tuple[float, float]:
+    def edge_scale(self) -> tuple[Any, Any]:
         """Intensities K of the weight w at the left and the right end, for the half width 1."""
         return self.sine * 2.0**-self.rest, self.sine * 2.0**-self.alpha
 
-    def intensities(self, c: Array) -> tuple[float, float]:
+    def intensities(self, c: Number) -> tuple[Any, Any]:
         """Intensities K of sum_n c_n S_n at the left and the right end, for the half width 1."""
         (left, right), (at_left, at_right) = self.edge_scale, self.edge_values(len(c))
-        return left * float(at_left @ c), right * float(at_right @ c)
+        return left * complex_or_real(at_left @ c), right * complex_or_real(at_right @ c)
 
-    def edge_slopes(self, c: Array) -> tuple[float, float]:
+    def edge_slopes(self, c: Number) -> tuple[Any, Any]:
         """Edge slopes A of sum_n c_n S_n at the left and the right end, for the half width 1."""
         (left, right), (at_left, at_right) = self.edge_scale, self.edge_values(len(c))
         slope_left, slope_right = self.edge_derivatives(len(c))
         return (
-            left * float((0.5 * self.rest * at_left + slope_left) @ c),
-            right * float((0.5 * self.alpha * at_right - slope_right) @ c),
+            left * complex_or_real((0.5 * self.rest * at_left + slope_left) @ c),
+            right * complex_or_real((0.5 * self.alpha * at_right - slope_right) @ c),
         )
 
     # The methods below give transforms off the interval.
@@ -251,7 +259,7 @@ class Weighted(Kept):
 
         return self._by_halves(points, of, (count,))
 
-    def transform_of(self, c: Array, points: Points) -> Number:
+    def transform_of(self, c: Number, points: Points) -> Number:
         """Transform F of the density sum_n c_n S_n."""
 
         def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
@@ -259,7 +267,7 @@ class Weighted(Kept):
 
         return self._by_halves(points, of)
 
-    def slope_of(self, c: Array, points: Points) -> Number:
+    def slope_of(self, c: Number, points: Points) -> Number:
         """Derivative of the transform F of the density sum_n c_n S_n by zeta."""
         return self.split_slope(self.split(c), points)
 
@@ -286,7 +294,8 @@ class Weighted(Kept):
 
         def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
             at_left, at_right = split[:2] if sign > 0 else split[1::-1]
-            out, ratio = np.zeros_like(less), log_ratio(less, left)
+            ratio = log_ratio(less, left)
+            out = np.zeros_like(ratio)
             if at_left:
                 out = out + half.alpha * at_left * np.exp(half.alpha * ratio)
             if at_right:
@@ -301,11 +310,12 @@ class Weighted(Kept):
     # The methods below give the potential (1/pi) int phi(t) log|zeta - t| dt, which is an integral
     # of the transform.
     @cached_property
-    def level(self) -> float:
+    def level(self) -> Any:
         """Potential of S_0 plus kappa times the integral of S_0 from -1 to t, which is constant."""
-        return math.log(2.0) + float(special.digamma(self.rest)) + float(np.euler_gamma)
+        digamma = complex_or_real(special.digamma(self.rest))
+        return math.log(2.0) + digamma + float(np.euler_gamma)
 
-    def own_potential(self, c: Array, left: Any, right: Any) -> Array:
+    def own_potential(self, c: Number, left: Any, right: Any) -> Number:
         """Potential of sum_n c_n S_n on the interval.
 
         Plus kappa times the integral from -1 to t, it is `own_level`.
@@ -337,7 +347,7 @@ class Weighted(Kept):
             return first
         return np.concatenate((first, -self._by_halves(points, of, (count - 1,))), axis=-1)
 
-    def potential_of(self, c: Array, points: Points) -> Number:
+    def potential_of(self, c: Number, points: Points) -> Number:
         """Potential of sum_n c_n S_n off the interval; see `potentials`."""
         q = -c[1:] / np.arange(1, len(c))
         higher = self.split_transform(Split(0.0, 0.0, q), points)
@@ -358,16 +368,18 @@ class Weighted(Kept):
         """A transform at all points, from a function for points of the right half plane.
 
         of(weighted, sign, zeta - 1, zeta + 1): for the sign -1 it is called with the mirrored
-        densities at -conj(zeta); the transform there is -conj of that at zeta.
+        densities at -zeta; the transform there is minus that at zeta. Logarithms and roots take
+        the side of the line from the sign of zero, which -zeta has right.
         """
         left, less = from_ends(points)
-        out = np.empty((*less.shape, *shape), dtype=less.dtype)
         mirror = (left + less).real < 0
-        if not mirror.all():
-            out[~mirror] = of(self, 1.0, less[~mirror], left[~mirror])
+        parts = [(~mirror, of(self, 1.0, less[~mirror], left[~mirror]))] if not mirror.all() else []
         if mirror.any():
-            folded = -np.conj(left[mirror]), -np.conj(less[mirror])
-            out[mirror] = -np.conj(of(self.mirrored, -1.0, *folded))
+            parts.append((mirror, -of(self.mirrored, -1.0, -left[mirror], -less[mirror])))
+        numbers = np.result_type(less, *(values for _, values in parts))
+        out = np.empty((*less.shape, *shape), dtype=numbers)
+        for here, values in parts:
+            out[here] = values
         return out
 
     # The methods below give matrices between bases.
@@ -414,7 +426,7 @@ def from_ends(points: Points) -> tuple[Number, Number]:
     return np.where(sign > 0, 2 + excess, -excess), np.where(sign > 0, excess, -2 - excess)
 
 
-def _times_t(a: Array, b: Array, v: Array) -> Array:
+def _times_t(a: Number, b: Number, v: Number) -> Number:
     """Coefficients of t f, from those of f in polynomials with the recurrence (a, b)."""
     out = a * v
     out[1:] += b[1:] * v[:-1]
@@ -452,13 +464,14 @@ def _to_u(kappa: float, count: int) -> Array:
 
 
 @lru_cache(maxsize=64)
-def _moments(kappa: float, count: int, length: int) -> Array:
+def _moments(kappa: complex, count: int, length: int) -> Array:
     size = max(count, length)
     a, b = Weighted(kappa).recurrence(size)
     # In terms of p_0 / sqrt(2) and p_n the matrix of t is symmetric.
     b = b.copy()
     b[1:2] *= math.sqrt(2.0)
-    out, here, before = np.zeros((length, count)), np.zeros(size), np.zeros(size)
+    out = np.zeros((length, count), dtype=a.dtype)
+    here, before = np.zeros((2, size), dtype=a.dtype)
     here[0] = 1.0
     for l in range(length):
         out[l] = here[:count]

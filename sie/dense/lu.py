@@ -46,11 +46,12 @@ class Factored:
     def _solved(self, right: Array, trans: int) -> Array:
         if right.size == 0:
             return np.zeros(right.shape)
+        solve = lapack.zgetrs if np.iscomplexobj(self.lu) else lapack.dgetrs
         if right.ndim == 1 or right.size > SUMS.min_matrix_pairs:
-            return np.asarray(lapack.dgetrs(self.lu, self.pivots, right, trans)[0])
+            return np.asarray(solve(self.lu, self.pivots, right, trans)[0])
         # A few right sides are solved one by one. Together, they would make BLAS use several
         # threads. That takes as long, and the threads would go on spinning for 0.1 s.
-        out = np.empty_like(right)
+        out = np.empty(right.shape, dtype=self.lu.dtype)
         for i, column in enumerate(right.T):
-            out[:, i] = lapack.dgetrs(self.lu, self.pivots, column, trans)[0]
+            out[:, i] = solve(self.lu, self.pivots, column, trans)[0]
         return out

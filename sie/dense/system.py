@@ -75,7 +75,7 @@ class Layout:
 
     def padded(self, y: Array) -> Array:
         """The unknown coefficients as a (zones, max m + 1) table, with zeros for missing modes."""
-        out = np.zeros(self.given.shape)
+        out = np.zeros(self.given.shape, dtype=y.dtype)
         out[self.given] = y[: self.coefficients]
         return out
 

@@ -132,7 +132,7 @@ class DensityBase(Kept):
     def __call__(self, x: ArrayLike) -> Array:
         """Density at x (any shape); zero at points off the zones and their plateaus."""
         x, i, inside = self.locate(x)
-        out = np.where(np.isnan(x), np.nan, 0.0)
+        out = np.where(np.isnan(x), np.nan, 0.0).astype(self.zones.weight.numbers)
         z, w = i[inside], self.zones.half[i[inside]]
         out[inside] = self.at(
             z, (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w

@@ -389,7 +389,7 @@ def by_quadrature(
 
     parts: pairs (nodes xi, weights).
     """
-    out = np.zeros(x.shape, dtype=x.dtype)
+    out = np.zeros(x.shape, dtype=np.result_type(x, *(weights for _, weights in parts)))
     for xi, weights in parts:
         block = max(1, pairs // weights.size)
         for s in range(0, len(x), block):

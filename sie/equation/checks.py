@@ -54,6 +54,7 @@ def check_functions(equation: Equation, zones: Zones) -> None:
             for condition in equation.conditions
         ),
         zones.symmetric,
+        zones.weight.is_complex,
     )
     low, high = equation.within
     if not (low < zones.a[0] and zones.b[-1] < high):
@@ -73,19 +74,21 @@ def check_functions(equation: Equation, zones: Zones) -> None:
     ]
     for name, forcing in parts:
         if how not in _seen(forcing):
-            _check_forcing(name, forcing, *_places(zones), *how)
+            _check_forcing(name, forcing, _places(zones), *how)
             _check_modes(name, forcing, zones)
             _seen(forcing).add(how)
     # Kernels made by this package are not checked.
     if equation.kernel.grows and how not in _seen(equation.kernel):
-        _check_kernel(equation.kernel, *_places(zones), *how)
+        _check_kernel(equation.kernel, *_places(zones), *how[:2])
         _check_lag(equation.kernel, *_places(zones))
         _seen(equation.kernel).add(how)
 
 
-def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool]]:
-    """Pairs (potentials are needed, zones are symmetric) for which `part` has been checked."""
-    found: set[tuple[bool, bool]] = part.__dict__.setdefault("_checked", set())
+def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool, bool]]:
+    """Cases (potentials are needed, zones are symmetric, values may be complex) for which `part`
+    has been checked.
+    """
+    found: set[tuple[bool, bool, bool]] = part.__dict__.setdefault("_checked", set())
     return found
 
 
@@ -115,15 +118,20 @@ def _called(name: str, function: Callable[..., Any], *places: Array) -> Any:
         ) from error
 
 
-def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array:
-    """The values that a user's function returned; ValueError if not real or of a wrong shape."""
+def _real(
+    name: str, returned: Any, shape: tuple[int, ...], given: str, or_complex: bool = False
+) -> Any:
+    """The values that a user's function returned; ValueError if not real or of a wrong shape.
+
+    or_complex: whether they may be complex.
+    """
     values = np.asarray(returned)
-    if values.dtype.kind == "c":
+    if values.dtype.kind == "c" and not or_complex:
         raise ValueError(
-            f"{name} is complex: only real equations are solved, its real and imaginary part one "
-            "by one"
+            f"{name} is complex: with a real kappa only real equations are solved, its real and "
+            "imaginary part one by one"
         )
-    if values.dtype.kind not in "fiub":
+    if values.dtype.kind not in ("fiubc" if or_complex else "fiub"):
         raise ValueError(f"{name} must return numbers, got {type(returned).__name__} for {given}")
     if values.shape == shape and not isinstance(returned, np.ndarray):
         raise ValueError(
@@ -134,38 +142,44 @@ def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array
         raise ValueError(
             f"{name} must return an array of shape {shape} for {given}, got shape {values.shape}"
         )
-    return np.asarray(values, dtype=float)
+    return np.asarray(values, dtype=complex if or_complex else float)
 
 
 def _check_forcing(
-    name: str, forcing: Forcing, x: Array, half: Array, levels: bool, symmetric: bool
+    name: str,
+    forcing: Forcing,
+    places: tuple[Array, Array],
+    levels: bool,
+    symmetric: bool,
+    or_complex: bool,
 ) -> None:
     """Raise ValueError for a wrong value or primitive of a function on the right side."""
+    x, half = places
     for part, function in (("value", forcing.value), ("primitive", forcing.primitive)):
         if not (callable(function) or (part == "primitive" and function is None)):
             raise ValueError(
                 f"{name}: {part} must be a function of x, got {type(function).__name__}"
             )
 
-    def of(part: str, function: Callable[[Array], Array], places: Array) -> Array:
-        returned = _called(f"{name}: {part}", function, places.ravel())
-        return _real(
-            f"{name}: {part}", returned, (places.size,), f"x of shape ({places.size},)"
-        ).reshape(places.shape)
+    def of(part: str, function: Callable[[Array], Array], places: Array) -> Any:
+        returned, shape = _called(f"{name}: {part}", function, places.ravel()), (places.size,)
+        given = f"x of shape ({places.size},)"
+        return _real(f"{name}: {part}", returned, shape, given, or_complex).reshape(places.shape)
 
     value = partial(of, "value", forcing.value)
     g = value(x)
     if symmetric:
         _check_symmetry(f"{name}: value", g, value(-x), x)
     if forcing.primitive is not None and levels and not forcing.density_jumps:
-        _check_rise(
-            f"{name}: primitive",
-            "value",
-            value,
-            partial(of, "primitive", forcing.primitive),
-            x,
-            half,
-        )
+        primitive = partial(of, "primitive", forcing.primitive)
+        for turn in (1.0, -1j) if or_complex else (1.0,):
+            both = partial(_turned, value, turn), partial(_turned, primitive, turn)
+            _check_rise(f"{name}: primitive", "value", *both, x, half)
+
+
+def _turned(function: Callable[[Array], Any], factor: complex, x: Array) -> Array:
+    """Real parts of a function's values times a factor."""
+    return np.asarray(np.real(function(x) * factor))
 
 
 def _check_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetric: bool) -> None:
@@ -236,7 +250,8 @@ def _check_modes(name: str, forcing: Forcing, zones: Zones) -> None:
     t = chebyshev.lobatto(count)[0][1:-1]
     for zone in _some(zones):
         x = zones.middle[zone] + zones.half[zone] * t
-        values = _real(name, _called(name, forcing.value, x), x.shape, f"x of shape {x.shape}")
+        returned = _called(name, forcing.value, x)
+        values = _real(name, returned, x.shape, f"x of shape {x.shape}", zones.weight.is_complex)
         size = np.abs(chebyshev.u_coefficients(values[None])[0])
         beyond = size[modes:].max()
         if beyond > HALF_DIGITS * size.max() + _of_places(x, zones.half[zone], values):

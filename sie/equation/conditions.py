@@ -136,17 +136,18 @@ class Condition:
 
 def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, Array]:
     """(matrix, constants, values) of a condition for `size` unknowns, with checked shapes."""
-    given = condition.rows(system)
+    given, numbers = condition.rows(system), system.zones.weight.numbers
     if not isinstance(given, tuple) or len(given) != 3:
         raise ValueError(
             f"{condition}: `rows` must return three things, (matrix, constants, values)"
         )
     for name, part in zip(("matrix", "constants", "values"), given, strict=True):
-        if np.iscomplexobj(part):
+        if np.iscomplexobj(part) and numbers is float:
             raise ValueError(
-                f"{condition}: the {name} of its `rows` are complex, real numbers are needed"
+                f"{condition}: the {name} of its `rows` are complex, real numbers are needed "
+                "unless the equation has a complex kappa"
             )
-    matrix, constants, values = (np.asarray(part, dtype=float) for part in given)
+    matrix, constants, values = (np.asarray(part, dtype=numbers) for part in given)
     count = condition.count(system.zones)
     if matrix.shape != (count, size) or constants.shape != (count,) or values.shape != (count,):
         raise ValueError(
@@ -279,7 +280,7 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
     return found if every or np.all(found.first != 0.0) else None
 
 
-def summed(system: Rows, of_zones: Linear, value: float) -> tuple[Array, Array, Array]:
+def summed(system: Rows, of_zones: Linear, value: complex) -> tuple[Array, Array, Array]:
     """(matrix, constants, values) of one row: the sum of a quantity over all zones is `value`."""
     weight = system.multiplicity()
     return (weight @ of_zones[0])[None], np.array([weight @ of_zones[1]]), np.array([value])
@@ -293,7 +294,7 @@ class Total(Condition):
 
     Parameters
     ----------
-    value : float or None
+    value : float, complex or None
         The prescribed integral; None: unknown, determined by a condition on the ends.
 
     Examples
@@ -304,11 +305,11 @@ class Total(Condition):
     [[-2.0, 2.0]]
     """
 
-    value: float | None
+    value: complex | None
 
     def __post_init__(self) -> None:
         if self.value is not None:
-            inputs.number("Total: its value", self.value)
+            inputs.scalar("Total: its value", self.value)
 
     @property
     def open(self) -> bool:  # type: ignore[override]
@@ -330,7 +331,7 @@ class Weighted(Condition):
     ----------
     weight : callable
         weight(x), x (n,), smooth on each zone.
-    value : float
+    value : float or complex
         The prescribed integral.
     degree : int or None
         The degree, if the weight is a polynomial: then few coefficients are needed.
@@ -346,12 +347,12 @@ class Weighted(Condition):
     """
 
     weight: Callable[[Array], Array]
-    value: float
+    value: complex
     degree: int | None = None
 
     def __post_init__(self) -> None:
         inputs.function("Weighted: its weight", self.weight)
-        inputs.number("Weighted: its value", self.value)
+        inputs.scalar("Weighted: its value", self.value)
         if self.degree is not None:
             inputs.whole("Weighted: its degree", self.degree, 0)
 
@@ -366,12 +367,12 @@ class Weighted(Condition):
         return np.asarray(0.5 * (self.weight(x) + self.weight(-x)))
 
 
-def moment(value: float, about: float = 0.0) -> Weighted:
+def moment(value: complex, about: float = 0.0) -> Weighted:
     """The side condition that the integral of (x - about) times the density has a given value.
 
     Parameters
     ----------
-    value : float
+    value : float or complex
         The prescribed moment.
     about : float
         The reference point.
@@ -392,7 +393,7 @@ def moment(value: float, about: float = 0.0) -> Weighted:
     """
     return Weighted(
         partial(np.add, -inputs.number("moment: about", about)),
-        inputs.number("moment: value", value),
+        inputs.scalar("moment: value", value),
         degree=1,
     )
 
@@ -442,7 +443,7 @@ class ZoneTotals(Condition):
 
     Parameters
     ----------
-    values : float or tuple of float
+    values : float, complex or tuple of these
         One value for all, or one for each solved zone (0 for cracks).
 
     Examples
@@ -454,17 +455,17 @@ class ZoneTotals(Condition):
     True
     """
 
-    values: tuple[float, ...] | float = 0.0
+    values: tuple[complex, ...] | complex = 0.0
 
     def __post_init__(self) -> None:
-        inputs.numbers("ZoneTotals: its values", self.values)
+        inputs.scalars("ZoneTotals: its values", self.values)
 
     def count(self, zones: Zones) -> int:
         return len(zones.solved)
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         matrix, constants = system.totals()
-        values = np.asarray(self.values, dtype=float)
+        values = np.asarray(self.values)
         if values.shape not in ((), constants.shape):
             half = " (the right half of a symmetric set)" if system.zones.symmetric else ""
             raise ValueError(
@@ -514,7 +515,7 @@ class Level(Condition):
 
     Parameters
     ----------
-    value : float
+    value : float or complex
         The prescribed value.
 
     Examples
@@ -530,18 +531,18 @@ class Level(Condition):
     1.0
     """
 
-    value: float
+    value: complex
     levels = True
 
     def __post_init__(self) -> None:
-        inputs.number("Level: its value", self.value)
+        inputs.scalar("Level: its value", self.value)
 
     def count(self, zones: Zones) -> int:
         return len(zones.solved)
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         matrix, constants = system.levels()
-        return matrix, constants, np.full(len(constants), float(self.value))
+        return matrix, constants, np.full(len(constants), self.value)
 
 
 @dataclass(frozen=True)

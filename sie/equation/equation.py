@@ -15,6 +15,7 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sie.basis import inputs
 from sie.basis.data import Array, Kept
@@ -49,11 +50,15 @@ def _forcing(name: str, given: Any) -> Forcing:
     raise ValueError(f"{name} must be a sie.Forcing or a function of x, got {inputs.shown(given)}")
 
 
-def _kappa(given: Any) -> float | Array:
+def _kappa(given: Any) -> complex | Array:
     """The checked factor kappa: a number, or an array with one number for each zone."""
-    if np.ndim(given) == 0:
-        return inputs.number("kappa", given)
-    return inputs.numbers("kappa", given)
+    kappa: Any
+    kappa = inputs.scalar("kappa", given) if np.ndim(given) == 0 else inputs.scalars("kappa", given)
+    if np.any((np.real(kappa) == 0.0) & (np.abs(np.imag(kappa)) >= 1.0)):
+        raise ValueError(
+            f"kappa = i beta needs -1 < beta < 1 (Dundurs' beta), got {inputs.shown(given)}"
+        )
+    return kappa  # type: ignore[no-any-return]
 
 
 def _check_kernel(kernel: Any) -> None:
@@ -91,9 +96,10 @@ class Equation(Kept):
         Functions of the right side with unknown amplitudes.
     end_conditions : tuple
         Conditions on the ends alone, as many as there are conditions of unknown value.
-    kappa : float or sequence of float
+    kappa : float, complex or sequence of these
         Factor of the density itself on the left side, one number or one for each zone. Zero is an
-        equation of the first kind.
+        equation of the first kind. A complex kappa, even 0j, makes densities, loads and amplitudes
+        complex; ends then are fixed.
 
     Raises
     ------
@@ -114,7 +120,7 @@ class Equation(Kept):
     conditions: tuple[Condition, ...] = ()
     columns: tuple[Forcing, ...] = ()
     end_conditions: tuple[EndCondition, ...] = ()
-    kappa: float | Sequence[float] | Array = 0.0
+    kappa: complex | Sequence[complex] | NDArray[Any] = 0.0
 
     def __post_init__(self) -> None:
         _check_kernel(self.kernel)
@@ -159,14 +165,26 @@ class Equation(Kept):
 
     @property
     def second_kind(self) -> bool:
-        """Whether kappa differs from zero on at least one zone."""
-        return bool(np.any(self.kappa))
+        """Whether kappa differs from zero on at least one zone, or is complex."""
+        return bool(np.any(self.kappa)) or np.iscomplexobj(self.kappa)
 
     def weighted(self, zones: Zones) -> Zones:
-        """The zones with the exponents of a density of this equation, as `kappa` gives them."""
+        """The zones with the exponents of a density of this equation, as `kappa` gives them.
+
+        Raise ValueError for free ends with a complex kappa.
+        """
         if not self.second_kind or not zones.weight.is_half:
             return zones
-        kappa = np.asarray(self.kappa, dtype=float)
+        kappa = np.asarray(self.kappa)
+        if np.iscomplexobj(kappa) and zones.moves.any():
+            raise ValueError(
+                "with a complex kappa ends cannot be free: densities oscillate next to them and "
+                "have no sign; give each end, as sie.SINGULAR or sie.BOUNDED"
+            )
+        if np.iscomplexobj(kappa) and zones.have_values:
+            raise ValueError(
+                "with a complex kappa densities with a given value at an end are not known"
+            )
         if kappa.ndim and kappa.shape != (len(zones),):
             raise ValueError(f"kappa has {len(kappa)} values for {len(zones)} zones")
         return replace(zones, weight=Weight(np.broadcast_to(kappa, len(zones)).copy()))

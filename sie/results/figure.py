@@ -30,7 +30,10 @@ OPTIONS = FigureOptions()
 
 
 def draw(density: AnyDensity, ax: Any = None) -> Any:
-    """Draw the density over its zones on matplotlib's `ax`, or on a new figure; the figure."""
+    """Draw the density over its zones on matplotlib's `ax`, or on a new figure; the figure.
+
+    Of a complex density, real and imaginary part are drawn in two colours.
+    """
     try:
         figures = lazy.module("matplotlib.figure")
         agg = lazy.module("matplotlib.backends.backend_agg")
@@ -46,9 +49,11 @@ def draw(density: AnyDensity, ax: Any = None) -> Any:
     count = int(np.clip(OPTIONS.max_points // len(zones), OPTIONS.least_points, OPTIONS.points))
     t = -np.cos((np.arange(count) + 0.5) * (np.pi / count))
     values = np.array([density.at_t(i, t) for i in range(len(zones))])
-    for middle, half, phi in zip(zones.middle, zones.half, values, strict=True):
-        ax.plot(middle + half * t, phi, color="C0")
-    inner = values[:, np.abs(t) <= OPTIONS.shown]
+    parts = [values.real, values.imag] if np.iscomplexobj(values) else [values]
+    for number, part in enumerate(parts):
+        for middle, half, phi in zip(zones.middle, zones.half, part, strict=True):
+            ax.plot(middle + half * t, phi, color=f"C{number}")
+    inner = np.array(parts)[..., np.abs(t) <= OPTIONS.shown]
     low, high = min(0.0, float(inner.min())), max(0.0, float(inner.max()))
     if high > low:
         margin = 0.05 * (high - low)

@@ -1,7 +1,7 @@
 """The density of an equation of the second kind, on its zones and off them."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -12,9 +12,11 @@ from sie.basis import chebyshev, interval
 from sie.basis.data import Array, Complex, Index, Mask, by_rows
 from sie.basis.interval import InPlane, Outside, What, complex_of
 from sie.basis.kernels import Kernel, Regular, regular_size
+from sie.basis.lerch import complex_or_real
 from sie.basis.power_jump import FAR_TERMS, rho_of, series, series_potential
 from sie.basis.power_jump import OPTIONS as JUMPS
 from sie.basis.sums import OPTIONS as BLOCKS
+from sie.basis.weight import Weight
 from sie.basis.weighted import Split, Weighted, from_ends
 from sie.basis.zones import Zones
 from sie.density.base import DensityBase
@@ -40,7 +42,7 @@ class SecondKindDensity(DensityBase):
     kernel : Kernel
         The kernel of the transform.
     coefficients : ndarray
-        Coefficients c_n on each zone (Z, n + 1).
+        Coefficients c_n on each zone (Z, n + 1), complex for a complex kappa.
     amplitudes : ndarray
         Amplitudes of the equation's columns (k,).
     known : tuple of Known
@@ -139,6 +141,11 @@ class SecondKindDensity(DensityBase):
         return [Weighted(one) for one in np.unique(self._kappa).tolist()]
 
     @property
+    def _numbers(self) -> Any:
+        """The type of the density's values, float or complex."""
+        return self.zones.weight.numbers
+
+    @property
     def _kappa(self) -> Array:
         kappa = self.zones.weight.kappa
         assert kappa is not None
@@ -166,11 +173,12 @@ class SecondKindDensity(DensityBase):
         return np.asarray(self.zones.half * out)
 
     @property
-    def total(self) -> float:
+    def total(self) -> Any:
         """Integral of the density over all zones and plateaus."""
-        return float(self.totals.sum()) + (0.0 if self.beside is None else self._plateaus.total)
+        of_zones = complex_or_real(self.totals.sum())
+        return of_zones + (0.0 if self.beside is None else self._plateaus.total)
 
-    def moment(self, about: float = 0.0) -> float:
+    def moment(self, about: float = 0.0) -> Any:
         """Integral of (x - about) times the density."""
         zones = self.zones
         first = [
@@ -182,7 +190,7 @@ class SecondKindDensity(DensityBase):
         about_middles = zones.half**2 * (np.array(first) + of_jumps)
         of_plateaus = 0.0 if self.beside is None else self._plateaus.integral(lambda x: x - about)
         of_zones = np.sum((zones.middle - about) * self.totals + about_middles)
-        return of_plateaus + float(of_zones)
+        return of_plateaus + complex_or_real(of_zones)
 
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by a zone and distances from the zone's ends in half widths."""
@@ -191,7 +199,7 @@ class SecondKindDensity(DensityBase):
             np.asarray(left, dtype=float),
             np.asarray(right, dtype=float),
         )
-        out = np.empty(zone.shape)
+        out = np.empty(zone.shape, dtype=self._numbers)
         with np.errstate(divide="ignore", invalid="ignore"):
             for i in np.unique(zone).tolist():
                 here = zone == i
@@ -212,7 +220,7 @@ class SecondKindDensity(DensityBase):
         The integral is zero for x off the zones.
         """
         x, zone, inside = self.locate(x)
-        out, at = np.zeros(x.shape), np.flatnonzero(inside.ravel())
+        out, at = np.zeros(x.shape, dtype=self._numbers), np.flatnonzero(inside.ravel())
         for i in np.unique(zone.ravel()[at]).tolist():
             here, w = at[zone.ravel()[at] == i], self.zones.half[i]
             left = (x.ravel()[here] - self.zones.a[i]) / w
@@ -224,7 +232,7 @@ class SecondKindDensity(DensityBase):
         """Integral of the density from a zone's left end to positions t = cos(angle) in it."""
         zone, angle = np.broadcast_arrays(np.asarray(zone, np.intp), np.asarray(angle, float))
         left, right = interval.sides(angle)
-        out = np.empty(zone.shape)
+        out = np.empty(zone.shape, dtype=self._numbers)
         for i in np.unique(zone).tolist():
             out[zone == i] = self._integral_to(i, left[zone == i], right[zone == i])
         return out
@@ -313,7 +321,7 @@ class SecondKindDensity(DensityBase):
 
     def _potential_on_line(self, x: Array) -> Array:
         """Part of the potential at real x due to the poles of the kernel."""
-        out = np.zeros(len(x))
+        out = np.zeros(len(x), dtype=self._numbers)
         for i, on, left, right, seen in self._seen(x):
             basis, c, w = self.bases[i], self.coefficients[i], self.zones.half[i]
             of_zone = [one for one in self.known if one.zone == i]
@@ -336,7 +344,8 @@ class SecondKindDensity(DensityBase):
         basis, of_zone = self.bases[i], [one for one in self.known if one.zone == i]
         left, less = from_ends(seen)
         far = np.abs(rho_of(left, less)) < JUMPS.far
-        out, near = np.empty(less.shape), Outside(np.asarray(seen.sign)[~far], seen.excess[~far])
+        out = np.empty(less.shape, dtype=self._numbers)
+        near = Outside(np.asarray(seen.sign)[~far], seen.excess[~far])
         if far.any():
             of = series_potential if potential else series
             out[far] = of(self._far_moments[i], left[far], less[far])
@@ -374,7 +383,7 @@ class SecondKindDensity(DensityBase):
 
     def _poles_on_line(self, x: Array) -> Array:
         """Part of the transform at real x due to the poles of the kernel."""
-        out = np.zeros(len(x))
+        out = np.zeros(len(x), dtype=self._numbers)
         for i, on, left, right, seen in self._seen(x):
             basis, of_zone = self.bases[i], [one for one in self.known if one.zone == i]
             out[~on] += self._off_zone(i, seen, False)
@@ -406,6 +415,23 @@ class SecondKindDensity(DensityBase):
         """Transform or its derivative at complex points z (n,)."""
         if what == "potential":
             raise ValueError("with kappa the potential is known on the line only")
+        if np.iscomplexobj(self.coefficients):
+            out, below = np.empty(len(z), dtype=complex), z.imag < 0
+            out[~below] = self._above(z[~below], what)
+            # Below the line F is the conjugate of that of the conjugate density above it.
+            out[below] = np.conj(self._conjugate._above(np.conj(z[below]), what))
+            return out
+        above = self._above(z.real + 1j * np.abs(z.imag), what)
+        return np.where(z.imag < 0, np.conj(above), above)
+
+    @cached_property
+    def _conjugate(self) -> "SecondKindDensity":
+        """The density with conjugate values."""
+        zones = replace(self.zones, weight=Weight(np.conj(self._kappa)))
+        return replace(self, zones=zones, coefficients=np.conj(self.coefficients))
+
+    def _above(self, z: Complex, what: What) -> Complex:
+        """Transform or its derivative at points z (n,) of the closed upper half plane."""
         x, y = self.into_period(z.real), np.abs(z.imag)
         out = np.zeros(len(x), dtype=complex)
         for i, basis in enumerate(self.bases):
@@ -425,4 +451,4 @@ class SecondKindDensity(DensityBase):
         regular = self.kernel.regular_of(what)
         if regular is not None:
             out = out + self._regular(complex_of(x, y), regular)
-        return np.where(z.imag < 0, np.conj(out), out)
+        return out

@@ -230,6 +230,8 @@ def _jumps_inside(forcing: Forcing, zones: Zones, period: float | None) -> tuple
     zone = np.searchsorted(zones.a, broken, side="right") - 1
     if not np.any((zone >= 0) & (broken < zones.b[zone])):
         return ()
+    if zones.weight.is_complex:
+        raise ValueError("with a complex kappa the right side must be smooth inside zones")
     if jumps.of_density or jumps.spline is not None or jumps.algebraic is not None:
         raise ValueError(
             "of an equation with kappa the right side may have jumps of itself and of its "

@@ -47,6 +47,8 @@ def lacks_fast_fields(equation: Equation, zones: Zones) -> str | None:
     """The reason, as a message, why fields cannot be summed by trees; None if they can."""
     if len(zones) < 2:
         return "one zone is too few"
+    if zones.weight.is_complex:
+        return "a complex kappa is not known"
     if zones.have_values:
         return "values of the density at ends are not known with kappa"
     if zones.follow_ends:

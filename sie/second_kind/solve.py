@@ -101,7 +101,7 @@ def _solve_once(
         )
     solver = regular_factors(equation, matrix)
     y = solver(right)
-    terms = np.hypot(root_of_squares(matrix, y), right)
+    terms = np.hypot(root_of_squares(matrix, y), np.abs(right))
     last = matrix[:, layout.offset + m].copy()
     # A zone's own last coefficient is no error of its own rows.
     last[np.arange(int(m.sum())), np.repeat(np.arange(len(m)), m)] = 0.0

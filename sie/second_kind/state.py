@@ -34,6 +34,9 @@ class SecondKindOptions:
     search_modes: int = 768
     # Number of last coefficients of a zone. The largest of them shows whether modes are missing.
     last: int = 3
+    # Round-off of a complex product over that of a real one, the root of 5 (R. Brent, C. Percival,
+    # P. Zimmermann, Math. Comp. 76, 2007, 1469-1481).
+    complex_rounding: float = 5**0.5
 
 
 OPTIONS = SecondKindOptions()
@@ -110,7 +113,7 @@ class SecondKindState(Answered):
 
     def _right_of(self, values: Array) -> Array:
         """Right side of the system for given condition values, and zero as the equation's."""
-        right = np.zeros(self.solver.size)
+        right = np.zeros(self.solver.size, dtype=self.unknowns.dtype)
         right[self.solver.size - len(values) :] = values / self.condition_scale
         return right
 
@@ -230,8 +233,14 @@ class SecondKindState(Answered):
 
         There all missing coefficients of the fields of near zones add up.
         """
-        near = np.exp2([-1, 0, 1]) / np.maximum(self.system.layout.m, 2)[:, None]
-        return self._residuals_at(np.concatenate((near, np.pi - near), axis=1))
+        return self._residuals_at(
+            np.concatenate((self._near_ends, np.pi - self._near_ends), axis=1)
+        )
+
+    @property
+    def _near_ends(self) -> Array:
+        """Angles next to the right end of each zone, where its modes vary (Z, 3)."""
+        return np.asarray(np.exp2([-1, 0, 1]) / np.maximum(self.system.layout.m, 2)[:, None])
 
     def _residuals_at(self, theta: Array) -> Array:
         """Left side minus right side at the angles theta (Z, points), times sin(theta)."""
@@ -249,11 +258,16 @@ class SecondKindState(Answered):
         times its slope, which is that of the density or less.
         """
         zones, m = self.density.zones, self.system.layout.m
-        out = EPS * self.solver.size_of_rows + np.abs(self.solver.last) @ self.missing
+        unit = EPS * (OPTIONS.complex_rounding if zones.weight.is_complex else 1.0)
+        out = unit * self.solver.size_of_rows + np.abs(self.solver.last) @ self.missing
         slopes = np.abs(self._table) @ np.arange(self._table.shape[1])
         places = modes.place_rounding(zones, np.arange(len(zones))) * slopes
-        samples = np.concatenate((self._residuals, self._end_residuals), axis=1)
-        residual = np.abs(samples).max(axis=1) - SUM_ROUNDING * self.zone_sizes
+        # Round-off of the residual, too, is multiplied by sin(theta), which is small near ends.
+        rounding, sines = SUM_ROUNDING * self.zone_sizes, np.sin(self._near_ends[:, -1])
+        residual = np.maximum(
+            np.abs(self._residuals).max(axis=1) - rounding,
+            np.abs(self._end_residuals).max(axis=1) - rounding * sines,
+        )
         out[: int(m.sum())] += np.repeat(places + np.maximum(residual, 0.0), m)
         out[len(out) - len(self.condition_scale) :] += self._level_errors / self.condition_scale
         return np.asarray(out)
@@ -270,7 +284,7 @@ class SecondKindState(Answered):
             count = condition.count(zones)
             if count and speaks_of_levels(condition, zones):
                 rows, constants = self.system.levels()
-                sizes = np.hypot(root_of_squares(rows, self.unknowns), constants)
+                sizes = np.hypot(root_of_squares(rows, self.unknowns), np.abs(constants))
                 part = np.abs(of_levels(condition, zones)) @ sizes
                 out[first : first + count] = 8 * EPS * part
         return out

@@ -40,7 +40,8 @@ def alike(zones: Zones, m: Index) -> Iterator[tuple[Weighted, int, Index]]:
     """Groups of zones with the same kappa and the same highest mode: (basis, mode, zones)."""
     kappa, bases = zones.weight.kappa, bases_of(zones)
     assert kappa is not None
-    for k, highest in sorted(set(zip(kappa.tolist(), m.tolist(), strict=True))):
+    kinds = set(zip(kappa.tolist(), m.tolist(), strict=True))
+    for k, highest in sorted(kinds, key=lambda kind: (kind[0].real, kind[0].imag, kind[1])):
         group = np.flatnonzero((kappa == k) & (m == highest))
         yield bases[group[0]], int(highest), group
 
@@ -65,9 +66,10 @@ def targets_at(zones: Zones, theta: Array) -> Targets:
 
 def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout) -> Array:
     """kappa phi + T phi at the targets, for a unit of each coefficient (points, unknowns)."""
-    out = np.zeros((len(targets.x), layout.size))
+    numbers = zones.weight.numbers
+    out = np.zeros((len(targets.x), layout.size), dtype=numbers)
     for basis, m, sources in alike(zones, layout.m):
-        block = np.zeros((len(targets.x), len(sources), m + 1))
+        block = np.zeros((len(targets.x), len(sources), m + 1), dtype=numbers)
         for shift in kernel.poles:
             seen, others = targets.seen(zones, sources, shift)
             if others is not None and len(zones) == 1:
@@ -98,7 +100,7 @@ def regular_fields(
 
     Each column belongs to a unit of one unknown.
     """
-    out = np.zeros((len(x), layout.size))
+    out = np.zeros((len(x), layout.size), dtype=zones.weight.numbers)
     for basis, m, sources in alike(zones, layout.m):
         for i in sources.tolist():
             w = float(zones.half[i])
@@ -129,9 +131,11 @@ def potentials(zones: Zones, kernel: Kernel, targets: Targets, layout: Layout) -
 
     To the potential of a zone on itself, kappa times the integral up to the point is added.
     """
-    out = np.zeros((len(targets.x), layout.size))
+    numbers = zones.weight.numbers
+    out = np.zeros((len(targets.x), layout.size), dtype=numbers)
     for basis, m, sources in alike(zones, layout.m):
-        block, w = np.zeros((len(targets.x), len(sources), m + 1)), zones.half[sources]
+        block = np.zeros((len(targets.x), len(sources), m + 1), dtype=numbers)
+        w = zones.half[sources]
         for shift in kernel.poles:
             seen, others = targets.seen(zones, sources, shift)
             table = basis.potentials(m + 1, seen)
@@ -200,7 +204,8 @@ class SecondKindRows(Rows):
 
     def forcing_at(self, targets: Targets) -> Array:
         """The right side at points on the zones, with the jumps."""
-        g = np.asarray(self.equation.forcing.value(targets.x), dtype=float)
+        numbers = self.zones.weight.numbers
+        g = np.asarray(self.equation.forcing.value(targets.x), dtype=numbers)
         return np.broadcast_to(g, targets.x.shape).copy()
 
     def left_side(self, targets: Targets | Places) -> Array:
@@ -215,7 +220,7 @@ class SecondKindRows(Rows):
 
     def _by_zone(self, of_zone: Callable[[int, Weighted, int], Array]) -> Linear:
         """(matrix, zeros): row i has of_zone(i, basis, m) at the coefficients of zone i, else 0."""
-        out = np.zeros((len(self.zones), self.layout.size))
+        out = np.zeros((len(self.zones), self.layout.size), dtype=self.zones.weight.numbers)
         for i, basis in enumerate(bases_of(self.zones)):
             m, first = int(self.layout.m[i]), self.layout.offset[i]
             out[i, first : first + m + 1] = of_zone(i, basis, m)
@@ -281,7 +286,8 @@ class SecondKindRows(Rows):
         for number, column in enumerate(equation.columns):
             assert column.primitive is not None
             out[:, layout.coefficients + number] = -np.asarray(column.primitive(targets.x))
-        constants = -np.asarray(equation.forcing.primitive(targets.x), dtype=float)
+        primitive = equation.forcing.primitive(targets.x)
+        constants = -np.asarray(primitive, dtype=zones.weight.numbers)
         constants += self._known_potential(targets)
         starts = np.cumsum(layout.m) - layout.m
         rows = np.add.reduceat(out, starts, axis=0) / layout.m[:, None]

@@ -220,8 +220,9 @@ def regular_factors(equation: Equation, matrix: Array) -> Factored:
 
 def _condition(solver: Factored, matrix: Array) -> float:
     """Estimate of the reciprocal condition number of a matrix, from its LU factors."""
+    estimate = lapack.zgecon if np.iscomplexobj(solver.lu) else lapack.dgecon
     found = (
-        lapack.dgecon(solver.lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0]
+        estimate(solver.lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0]
         if np.isfinite(solver.lu).all()
         else 0.0
     )

@@ -199,7 +199,7 @@ def test_functions_stand_for_right_sides_and_columns_and_one_condition_for_a_tup
         (lambda: sie.Equation(sie.cauchy(), np.sin, (), (3,)), "column 0 must be"),
         (lambda: sie.Total(math.nan), "Total: its value"),
         (lambda: sie.Total("a"), "Total: its value"),
-        (lambda: sie.Level(1j), "Level: its"),
+        (lambda: sie.Level(1j * np.nan), "Level: its"),
         (lambda: sie.ZoneTotals("ab"), "ZoneTotals"),
         (lambda: sie.Weighted(1.0, 1.0), "weight must be a function"),
         (lambda: sie.Weighted(np.sin, 1.0, degree=-1), "degree must be"),
