@@ -47,10 +47,10 @@ class PlasticFields(ZoneFields):
     def overlap(self, x: ArrayLike) -> Array:
         """Overlap of the surfaces [m] at x [m]: by what they have yielded; 0 off the plateaus."""
         scaled = self._scaled(x)
-        return np.asarray(
-            np.where(self._on_plateaus(scaled), -self.formal_gap(scaled), 0.0)
-            * self.problem.units.height
-        )
+        on = self._on_plateaus(scaled)
+        out = np.zeros(scaled.shape)
+        out[on] = -self.formal_gap(scaled[on]) * self.problem.units.height
+        return out
 
     def _on_plateaus(self, x: Array) -> Mask:
         return _within(self.density.plateaus, x, self.problem.period)

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 _INSIDE = "contact.inside.field"
 _YIELDING = "contact.inside.yielding"
 _FIGURES = "contact.solution.plotting"
+_WORN = "contact.plastic.worn"
 _FILES = "contact.solution.export"
 _WARNINGS = "contact.solution.model_warnings"
 
@@ -442,6 +443,23 @@ class Solution(sie.Kept):
         It is approach - profile - displacement, by which elastic surfaces would overlap.
         """
         return self.fields.overlap(real("x", x))
+
+    def worn(self) -> Any:
+        """The profile that yielding leaves: height plus `overlap`; the profile itself without it.
+
+        Elastic contact of it under the same load has the same pressure. Unloading, and loading
+        again up to this load, is elastic contact of it.
+
+        Returns
+        -------
+        Profile
+
+        Raises
+        ------
+        SceneError
+            If the profile has sharp corners and has yielded.
+        """
+        return require(_WORN).worn(self)
 
     @property
     def tilt(self) -> float | None:

@@ -208,3 +208,37 @@ def test_a_profile_that_is_too_steep_is_refused_with_the_reason():
     steep = contact.Polynomial([0.0, 0.0, 0.5, 0.0, 0.3])
     with pytest.raises(contact.NotConverged, match="too steep there for so small a hardness"):
         solved(steep, 0.1, 1.0, ALONE, load=0.5, tol=1e-8)
+
+
+def test_the_worn_profile_bears_the_same_load_elastically():
+    hardness, load = 0.897211432115, 1.5393316172
+    found = solved(contact.Parabola(1.0), hardness, 2.0, ALONE, load=load)
+    worn, x = found.worn(), np.linspace(-0.95, 0.95, 101)
+    np.testing.assert_allclose(worn.height(x), contact.Parabola(1.0).height(x) + found.overlap(x))
+    h = 1e-6
+    slope = (worn.height(x + h) - worn.height(x - h)) / (2 * h)
+    np.testing.assert_allclose(worn.slope(x), slope, atol=1e-6)
+    assert solved(FOUR, 10.0, mean_pressure=0.2, tol=1e-8).worn() is FOUR
+    with pytest.raises(contact.SceneError, match="sharp corners"):
+        solved(contact.Flat(4.0), 1.0, 1.0, contact.Isolated(), load=3.0).worn()
+
+
+@pytest.mark.slow
+def test_loading_again_has_the_same_pressure():
+    found = solved(contact.Parabola(1.0), 0.897211432115, 2.0, ALONE, load=1.5393316172)
+    scene = contact.Scene(found.worn(), 2.0, ALONE, load=found.load)
+    again, x = contact.solve(scene, tol=1e-3), np.linspace(-0.95, 0.95, 101)
+    np.testing.assert_allclose(again.zones, found.zones, rtol=1e-6)
+    np.testing.assert_allclose(again.pressure(x), found.pressure(x), atol=1e-5)
+    less = contact.Scene(found.worn(), 2.0, ALONE, load=0.3 * found.load)
+    assert contact.solve(less, tol=1e-3).max_pressure < 0.6 * found.max_pressure
+
+
+def test_paths_are_refused_by_name_and_lists_of_loads_are_solved():
+    scene = contact.Scene(
+        FOUR, 1.0, contact.Periodic(), law=contact.Plastic(0.5), mean_pressure=0.2
+    )
+    with pytest.raises(contact.SceneError, match="without a limit of the pressure"):
+        contact.path(scene, [0.1, 0.2])
+    many = contact.solve_many(scene, [0.01, 0.1, 0.3])
+    assert [len(one.plateaus) for one in many] == [0, 1, 2]

@@ -1,0 +1,112 @@
+"""The profile that yielding leaves: f + w, with the overlap w of the plateaus.
+
+Elastic contact of it under the same load has the same pressure, so that unloading begins there. In
+the contact its slope is that of the displaced surface, (2/E*) T p. At a distance d inside a plateau
+from its end, w = (4/3) |A| d^(3/2) / E*, with the edge slope A of the pressure beside the plateau.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.errors import SceneError
+from contact.model.profiles.base import Profile, read_from
+from contact.plastic.fields import PlasticFields
+from contact.solution.solution import Solution
+from sie import Array, Mask, wrapped
+
+
+@dataclass(frozen=True)
+class Worn(Profile):
+    """A profile with what a load has worn off it; `Solution.worn` makes it.
+
+    Parameters
+    ----------
+    profile : Profile
+        The profile before it yielded.
+    fields : PlasticFields
+        The fields of the contact under the largest load.
+    """
+
+    profile: Profile
+    fields: PlasticFields = field(repr=False)
+    name: ClassVar[str] = "worn"
+
+    period = read_from("profile.period")  # type: ignore[assignment]
+    symmetric = read_from("profile.symmetric")
+    extent = read_from("profile.extent")
+    x0 = read_from("profile.x0")
+    resolution = read_from("profile.resolution")
+    feature = read_from("profile.feature")
+
+    def height(self, x: ArrayLike) -> Array:
+        return np.asarray(self.profile.height(x)) + self.fields.overlap(x)
+
+    def slope(self, x: ArrayLike) -> Array:
+        x = np.asarray(x, dtype=float)
+        slope = np.array(self.profile.slope(x), dtype=float)
+        inside = self._on_plateaus(x)
+        fields = self.fields
+        scaled = fields.problem.units.scaled(x[inside])
+        slope[inside] = fields.problem.units.slope * fields.density.transform(scaled)
+        return slope
+
+    def _on_plateaus(self, x: Array) -> Mask:
+        table = self.fields.plateaus
+        place = wrapped(x, float(table[0, 0]), self.period)
+        i = np.maximum(np.searchsorted(table[:, 0], place, side="right") - 1, 0)
+        return np.asarray((place > table[i, 0]) & (place < table[i, 1]))
+
+    @property
+    def kinks(self) -> Array:
+        return self._outside(self.profile.kinks)
+
+    @property
+    def jumps(self) -> Array:
+        return self._outside(self.profile.jumps)
+
+    def _outside(self, rows: Array) -> Array:
+        """The rows whose place lies on no plateau: there nothing of the old shape is left."""
+        return np.asarray(rows[~self._on_plateaus(rows[:, 0])])
+
+    @cached_property
+    def _points(self) -> Array:
+        density, units = self.fields.density, self.fields.problem.units
+        zones, slopes = density.zones, np.abs(np.array(density.edge_slopes))
+        factor = 2 / 3 * slopes * units.height / units.length**1.5
+        rows = [
+            (end, 1.5, *((0.0, one) if side else (one, 0.0)))
+            for side, ends in enumerate((zones.a, zones.b))
+            for end, one, value in zip(
+                units.x(ends).tolist(), factor[side].tolist(), zones.values[side], strict=True
+            )
+            if value != 0.0
+        ]
+        table = np.array(rows).reshape(-1, 4)
+        if self.period is not None:
+            table[:, 0] = wrapped(table[:, 0], self.x0, self.period)
+        return np.asarray(table[np.argsort(table[:, 0])])
+
+    @property
+    def algebraic_points(self) -> Array:
+        return self._points
+
+
+def worn(solution: Solution) -> Profile:
+    """The profile after unloading; the profile itself if nothing has yielded."""
+    fields, profile = solution.fields, solution.scene.profile
+    if not isinstance(fields, PlasticFields):
+        return profile
+    if profile.support is not None:
+        raise SceneError(
+            "a body with sharp corners has yielded at them: what is left is no profile with such "
+            "corners, and is not given",
+            "profile",
+            profile,
+        )
+    return Worn(profile, fields)
