@@ -25,6 +25,7 @@ UNITS = {
     "shift": "m",
     "creepage": "1",
     "dissipated": "J/m",
+    "dissipated_error": "J/m",
     "bulk_stress": "Pa",
     "error": "1",
 }

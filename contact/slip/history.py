@@ -4,13 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from contact.errors import SceneError
+from contact.errors import NotConverged, SceneError
 from contact.model.checks import positive
 from contact.model.scene import Scene
 from contact.slip.checks import friction_of, require_similar, tangential_load_of
 from contact.slip.memory import Memory, Segment
-from contact.slip.partial_slip import State, slip_of
+from contact.slip.partial_slip import State, slip_of, solved_or_best
 from contact.slip.result import Slip
+from contact.solution.solution import Solution
 from contact.solver import tolerance
 from contact.sweeps.solve_many import solve_many
 
@@ -65,8 +66,16 @@ def load_history(
     memory = Memory(mu)
     states = [State(mu, shear, memory.go_to(load, shear)) for load, shear in points]
     loads = sorted({load for state in states for load in _loads(state.segment)} - {0.0})
-    contacts = dict(zip(loads, solve_many(scene, loads, "load", tol), strict=True))
-    return [slip_of(contacts, state) for state in states]
+    contacts = _contacts(scene, loads, tol)
+    return [slip_of(contacts, state, tol) for state in states]
+
+
+def _contacts(scene: Scene, loads: list[float], tol: float) -> dict[float, Solution]:
+    """Solutions by load; those that miss the tolerance are the best that were reached."""
+    try:
+        return dict(zip(loads, solve_many(scene, loads, "load", tol), strict=True))
+    except NotConverged:
+        return {load: solved_or_best(scene.under("load", load), tol) for load in loads}
 
 
 def _checked(history: object, friction: float) -> list[tuple[float, float]]:

@@ -137,7 +137,11 @@ class Memory:
         to_bottom = (stick - bottom) / falls
         to_meet = (load - stick) / closing if is_written and closing > 0.0 else math.inf
         part = min(to_bottom, to_meet, 1.0 - path.done)
-        done = 1.0 if part == 1.0 - path.done else path.done + part
+        if to_bottom - part <= SAME_LOAD * load / falls:
+            part = to_bottom  # what would be left of the layer is round-off
+        done = min(path.done + part, 1.0)
+        if 1.0 - done <= SAME_LOAD:
+            done = 1.0
         end_load = path.load_at(done)
         end_stick = bottom if part == to_bottom else max(stick - part * falls, bottom)
         if part == to_meet:

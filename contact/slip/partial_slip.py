@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.errors import SceneError, unwarned
+from contact.errors import NotConverged, SceneError, unwarned
+from contact.model.scene import Scene
 from contact.slip.checks import (
     bulk_stress_of,
     friction_of,
@@ -16,7 +18,7 @@ from contact.slip.checks import (
     tangential_load_of,
 )
 from contact.slip.memory import Memory, Segment
-from contact.slip.result import Slip, Term, stated_error
+from contact.slip.result import Slip, Term, shear_error, stated_error
 from contact.slip.work import approach_of, first_approach
 from contact.slip.zones import contact_zones, parted
 from contact.solution.solution import Solution
@@ -92,10 +94,25 @@ def partial_slip(
         if bulk:
             turn = bulk / (2.0 * mu * scene.E_star)
             scene = replace(scene, tilt=(scene.tilt or 0.0) + (turn if shear > 0 else -turn))
+        near = solution if scene.tilt == solution.scene.tilt else None
+        contacts[segment.stick] = solved_or_best(scene, tol, near)
+    return slip_of(contacts, State(mu, shear, segment, bulk), tol)
+
+
+def solved_or_best(scene: Scene, tol: float, near: Solution | None = None) -> Solution:
+    """The solution of a scene, or the best one that was reached if it is certified.
+
+    Very small loads have zones whose ends cannot be found to many digits of their widths. Beside
+    the whole contact these errors are small: `slip_of` decides.
+    """
+    try:
         with unwarned():
-            near = solution if scene.tilt == solution.scene.tilt else None
-            contacts[segment.stick] = solve(scene, tol, near=near)
-    return slip_of(contacts, State(mu, shear, segment, bulk))
+            return solve(scene, tol, near=near)
+    except NotConverged as error:
+        best = error.best
+        if isinstance(best, Solution) and best.certificate.holds and math.isfinite(best.error):
+            return best
+        raise
 
 
 @dataclass(frozen=True)
@@ -118,8 +135,11 @@ class State:
     bulk_stress: float = 0.0
 
 
-def slip_of(contacts: Mapping[float, Solution], state: State) -> Slip:
-    """The slip of a state. contacts: the solutions under all loads of its segment."""
+def slip_of(contacts: Mapping[float, Solution], state: State, tol: float) -> Slip:
+    """The slip of a state; NotConverged if a contact within the present one is too wrong for it.
+
+    contacts: the solutions under all loads of its segment. tol: largest error by such a contact.
+    """
     segment = state.segment
     solution = contacts[segment.layers[-1].top]
     h = np.array([layer.h for layer in segment.layers] + [0.0])
@@ -130,9 +150,20 @@ def slip_of(contacts: Mapping[float, Solution], state: State) -> Slip:
         for weight, one in zip(weights, found, strict=True)
         if weight
     )
-    error = stated_error(solution, terms, state.friction)
-    stick = np.zeros((0, 2)) if segment.stick == 0.0 else contact_zones(contacts[segment.stick])
-    parts = parted(solution, stick, error)
+    stick = contacts.get(segment.stick)
+    table = np.zeros((0, 2)) if stick is None else contact_zones(stick)
+    parts = parted(solution, table, 0.0 if stick is None else stick.error)
+    ends = 0.0 if stick is None else stick.error * parts.largest
+    error = stated_error(solution, terms, state.friction, ends)
+    smaller = tuple(term for term in terms if term.fields is not solution.fields)
+    own = max(shear_error(solution, smaller, state.friction), ends)
+    if own > tol and any(term.error > tol for term in smaller):
+        raise NotConverged(
+            f"the stated error {own:.2g} by contacts under smaller loads is above the tolerance "
+            f"{tol:.2g}",
+            (),
+            solution,
+        )
     nested_or_refused(parts.is_nested or not state.bulk_stress, state.bulk_stress)
     needed = {load for step in segment.steps for load in (*step.stick, *step.load)}
     return Slip(

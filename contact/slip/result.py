@@ -28,6 +28,9 @@ _FILES = "contact.slip.export"
 # The transform of a shear is the Hilbert transform of it, twice in s_xx; see `error_at`.
 _ERROR_BY_SHEAR = 2.0
 
+# Terms of the energy that a step loses, in units of friction^2 times a load times an approach.
+_OF_APPROACHES = 20.0
+
 
 @dataclass(frozen=True, eq=False)
 class Term(sie.Kept):
@@ -139,8 +142,7 @@ class Slip(sie.Kept):
 
         The state before is that of the last segment in a history, and the contact without shear
         for `contact.partial_slip`. It is None in rolling, and under a bulk stress. Its error is at
-        most about 20 `error` friction^2 P p w / E*, with the load P, the peak pressure p and the
-        width w from the first to the last zone.
+        most `dissipated_error`.
         """
         if self.model == "rolling" or self.bulk_stress:
             return None
@@ -148,6 +150,19 @@ class Slip(sie.Kept):
         points[0.0] = LoadPoint.unloaded(self.solution)
         # Round-off may leave less than nothing.
         return max(0.0, float(sum(lost(step, self.friction, points) for step in self.steps)))
+
+    @cached_property
+    def dissipated_error(self) -> float | None:
+        """Stated bound of the error of `dissipated` [J/m].
+
+        Errors of approaches are about error p w / E*, with the peak pressure p and the period or
+        the width w from the first to the last zone, of the contact that has the largest of these.
+        """
+        if self.dissipated is None:
+            return None
+        wrong = max((_approach_error(one) for one in self.contacts.values()), default=0.0)
+        load = max((one.load for one in self.contacts.values()), default=0.0)
+        return _OF_APPROACHES * self.friction**2 * load * wrong
 
     def stress(
         self, x: ArrayLike, y: ArrayLike, lateral: str = "as loaded", nu: float | None = None
@@ -232,16 +247,25 @@ class Slip(sie.Kept):
 
 
 def stated_error(
-    solution: Solution, terms: tuple[Term, ...], friction: float, ends: float | None = None
+    solution: Solution, terms: tuple[Term, ...], friction: float, ends: float = 0.0
 ) -> float:
     """The error of a slip from those of its pressures (`Slip.error`).
 
-    ends: error of the ends of zones that stick, if it is not that of the terms.
+    ends: error of the ends of zones that stick, divided by the width of their zone of contact.
     """
-    size = friction * unit_pressure(solution.fields)
-    parts = sum(abs(t.weight) * t.error * unit_pressure(t.fields) for t in terms)
-    if ends is None:
-        ends = max((t.error for t in terms), default=0.0)
     # Where the load is not given, it has an error of its own, by which all of these are wrong.
     factor = 1.0 if solution.scene.given_load is not None else 2.0
-    return float(factor * max(parts / size, ends, solution.error))
+    return factor * max(shear_error(solution, terms, friction), ends, solution.error)
+
+
+def _approach_error(solution: Solution) -> float:
+    """Bound of the error of the approach of a solution [m]."""
+    zones, period = solution.zones, solution.scene.period
+    width = period if period is not None else float(zones[-1, 1] - zones[0, 0])
+    return solution.error * unit_pressure(solution.fields) * width / solution.scene.E_star
+
+
+def shear_error(solution: Solution, terms: tuple[Term, ...], friction: float) -> float:
+    """Error of the sum of terms, divided by friction times the peak of a solution's pressure."""
+    size = friction * unit_pressure(solution.fields)
+    return float(sum(abs(t.weight) * t.error * unit_pressure(t.fields) for t in terms) / size)

@@ -20,11 +20,14 @@ class StickAndSlip:
         sticks everywhere, `stick` is one period.
     is_nested : bool
         Whether all that sticks lies within the contact, up to the stated errors.
+    largest : float
+        Largest width of an interval that sticks, divided by that of the zone of contact around it.
     """
 
     stick: Array
     slip: Array
     is_nested: bool
+    largest: float = 1.0
 
 
 def contact_zones(solution: Solution) -> Array:
@@ -56,6 +59,7 @@ def parted(solution: Solution, stick: Array, error: float = 0.0) -> StickAndSlip
     margin = error * np.diff(around) + 8 * np.spacing(np.abs(around).max())
     over = np.column_stack((around[:, 0] - stick[:, 0], stick[:, 1] - around[:, 1]))
     is_nested = bool(np.all(over <= margin))
+    largest = float((np.diff(stick) / np.diff(around)).max())
     stick = np.where(np.abs(over) <= 8 * np.spacing(np.abs(around).max()), around, stick)
     stick = np.clip(stick, around[:, :1], around[:, 1:])
     left = np.sort(np.concatenate((zones[:, 0], stick[:, 1])))
@@ -64,5 +68,8 @@ def parted(solution: Solution, stick: Array, error: float = 0.0) -> StickAndSlip
     slip = slip[slip[:, 1] > slip[:, 0]]
     start = solution.scene.profile.x0
     return StickAndSlip(
-        tables.in_cell(stick, start, period), tables.in_cell(slip, start, period), is_nested
+        tables.in_cell(stick, start, period),
+        tables.in_cell(slip, start, period),
+        is_nested,
+        min(largest, 1.0),
     )

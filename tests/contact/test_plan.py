@@ -303,7 +303,13 @@ class TestModulesAndMemory:
         assert (
             loaded_after(
                 code,
-                ("contact.studies.bench", "contact.reference.exact", "contact.reference.inverse"),
+                (
+                    "contact.studies.bench",
+                    "contact.reference.exact",
+                    "contact.reference.inverse",
+                    "contact.slip.partial_slip",
+                    "contact.slip.rolling",
+                ),
             )
             == set()
         )

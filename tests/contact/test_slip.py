@@ -321,6 +321,18 @@ def test_a_load_on_the_verge_of_sliding_slips_everywhere(cylinder):
     assert np.array_equal(held.stick_zones, punch.zones) and len(held.slip_zones) == 0
 
 
+def test_contacts_under_tiny_loads_need_no_digits_of_their_own():
+    """After sliding everywhere, a zone that just begins to slip again is as small as round-off."""
+    profile = contact.Biquadratic(1.0, 0.4)
+    scene = contact.Scene(profile, 1.0, ISOLATED, load=1.0)
+    history = [(1e-3, 0.2e-3), (1e-3, MU * 1e-3), (2e-3, -MU * 2e-3), (1e-3, 1e-4)]
+    for slip in contact.load_history(scene, MU, history, tol=1e-9):
+        assert slip.error < 1e-8
+    solution = contact.solve(scene.under("load", 1e-3), tol=1e-9)
+    near = contact.partial_slip(solution, MU, MU * 1e-3 * (1 - 1e-11), tol=1e-9)
+    assert near.error < 1e-8 and not near.slides
+
+
 def test_no_tangential_load_means_no_shear(cylinder):
     for slip in (contact.partial_slip(cylinder, MU, 0.0), contact.rolling(cylinder, MU, 0.0)):
         assert not slip.shear(X).any() and len(slip.slip_zones) == 0
