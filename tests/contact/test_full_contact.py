@@ -13,6 +13,7 @@ from contact.formulation.conjugate import Conjugate, clausen2, clausen3
 from contact.reference import exact
 from contact.verify.error import limit
 from tests.contact.judge import relative, solve
+from tests.tiers import quick
 
 PERIODIC = contact.Periodic()
 L, DELTA, E = 1e-4, 1e-6, 1.1e11
@@ -323,15 +324,11 @@ class TestAllButKinks:
         assert abs(min(last.position % 1, -last.position % 1) - x[np.argmin(full)]) < 1e-6
 
     @pytest.mark.filterwarnings("ignore::contact.ModelWarning")
-    def test_the_gap_over_the_kink_narrows_without_an_event(self):
-        path = contact.path(
-            contact.Scene(Rippled(0.02), 1.0, PERIODIC, load=1.0), [0.35, 0.45, 2.0]
-        )
-        assert [len(solution.zones) for solution in path.solutions] == [
-            1,
-            1,
-            0,
-        ] and path.events == ()
+    @pytest.mark.parametrize("loads", quick([[0.45, 2.0], [0.35, 0.45, 2.0]], [[0.45, 2.0]]))
+    def test_the_gap_over_the_kink_narrows_without_an_event(self, loads):
+        path = contact.path(contact.Scene(Rippled(0.02), 1.0, PERIODIC, load=1.0), loads)
+        zones = [len(solution.zones) for solution in path.solutions]
+        assert zones == [1] * (len(loads) - 1) + [0] and path.events == ()
 
 
 def test_what_rounding_makes_of_gaps_is_named():
