@@ -509,16 +509,22 @@ class ConjugateSpline(Kept):
     def in_plane(self, seen: InPlane, what: What) -> Complex:
         """Transform of the density, or its derivative by zeta, at complex points zeta."""
         phi, weight = self._nodes
-        rho, turn = seen.rho[:, None], np.exp(-1j * phi)
-        # 1 - rho e^(-i phi), without cancellation: see `InPlane.turned`.
-        c, sine = np.cos(0.5 * phi), np.sin(0.5 * phi)
-        twice = 2 / (seen.p + seen.m)
-        b = np.outer(twice * seen.m, (c - 1j * sine) * c)
-        b += np.outer(twice * seen.p, (c - 1j * sine) * 1j * sine)
-        own = 1j * self.spline.in_plane(seen, what)
-        if what == "transform":
-            return np.asarray(own + (rho * turn / b) @ weight * (2 / np.pi))
-        return np.asarray(own - (rho * turn / b**2) @ weight * (2 / np.pi) / seen.root)
+        half = np.exp(-0.5j * phi)
+        of_m, of_p = 2 * half * np.cos(0.5 * phi), 2j * half * np.sin(0.5 * phi)
+        weight = weight * half * half * (2 / np.pi)
+        out = 1j * self.spline.in_plane(seen, what)
+        scale = seen.rho if what == "transform" else -seen.rho / seen.root
+        one, other = seen.m / (seen.p + seen.m), seen.p / (seen.p + seen.m)
+        block = max(1, SUMS.cache_pairs // len(phi))
+        for start in range(0, len(out), block):
+            here = slice(start, start + block)
+            # 1 - rho e^(-i phi), without cancellation: see `InPlane.turned`.
+            b = np.multiply.outer(one[here], of_m)
+            b += np.multiply.outer(other[here], of_p)
+            if what == "derivative":
+                b *= b
+            out[here] += scale[here] * (np.divide(1.0, b, out=b) @ weight)
+        return np.asarray(out)
 
     def integral(self, left: Array) -> Array:
         raise ValueError(
