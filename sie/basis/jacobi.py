@@ -70,6 +70,11 @@ class Family:
     rest: Any
     bounded: bool = False
 
+    @property
+    def is_complex(self) -> bool:
+        """Whether alpha is a complex number."""
+        return isinstance(self.alpha, complex)
+
     def numbers(self, *others: Number) -> Any:
         """The type of numbers, real or complex, of the polynomials times the given arrays."""
         return np.result_type(np.asarray(self.alpha), *others)
@@ -81,11 +86,11 @@ class Family:
 
     def recurrence(self, count: int) -> tuple[Array, Array]:
         """(a_n, b_n) for n = 0 ... count - 1; b_0 is zero."""
-        return _recurrence(self, count)
+        return _recurrence(self, count, self.is_complex)
 
     def at_one(self, count: int) -> Array:
         """Values at t = 1 of the members n = 0 ... count - 1."""
-        return _at_one(self, count)
+        return _at_one(self, count, self.is_complex)
 
     def at_minus_one(self, count: int) -> Array:
         """Values at t = -1 of the members n = 0 ... count - 1."""
@@ -93,15 +98,18 @@ class Family:
 
     def steps(self, count: int) -> tuple[Array, Array]:
         """(up_n, down_n) of the recurrence from the end t = 1, n = 0 ... count - 1."""
-        return _steps(self, count)
+        return _steps(self, count, self.is_complex)
 
     def sums(self, c: Array, left: Any, right: Any) -> Array:
-        """Series sum_n c_n p_n(t) at points given by left = 1 + t and right = 1 - t."""
+        """Series sum_n c_n p_n(t) at points given by left = 1 + t and right = 1 - t.
+
+        c: the coefficients along the last axis; other axes come first in the result.
+        """
         left, right = np.broadcast_arrays(np.asarray(left, float), np.asarray(right, float))
-        out = np.zeros(right.shape, dtype=self.numbers(c))
+        out = np.zeros((*c.shape[:-1], *right.shape), dtype=self.numbers(c))
         for family, sign, distance, here in self._halves(left, right):
-            signed = c * sign ** np.arange(len(c))
-            out[here] = _sum_from_end(family, signed * family.at_one(len(c)), distance)
+            signed = c * sign ** np.arange(c.shape[-1])
+            out[..., here] = _sum_from_end(family, signed * family.at_one(c.shape[-1]), distance)
         return out
 
     def table(self, count: int, left: Any, right: Any) -> Array:
@@ -133,8 +141,9 @@ def _cached(count: int, *tables: Array) -> tuple[Array, ...]:
     return tuple(table[:count] for table in tables)
 
 
+# Real and complex families may be equal. So whether alpha is complex is a key of the caches, too.
 @lru_cache(maxsize=256)
-def _recurrence(family: Family, count: int) -> tuple[Array, Array]:
+def _recurrence(family: Family, count: int, _: bool) -> tuple[Array, Array]:
     n = np.arange(count, dtype=float) + (1.0 if family.bounded else 0.0)
     a: Array = np.asarray((family.alpha - family.rest) / (4 * n * n - 1))
     products = (n - 1 + family.alpha) * (n - 1 + family.rest)
@@ -146,7 +155,7 @@ def _recurrence(family: Family, count: int) -> tuple[Array, Array]:
 
 
 @lru_cache(maxsize=256)
-def _at_one(family: Family, count: int) -> Array:
+def _at_one(family: Family, count: int, _: bool) -> Array:
     # The rounding of a thousand factors would add up; where there is a longer float it does not.
     k = np.arange(count + 1, dtype=np.longdouble)
     factors = np.ones(count + 2, dtype=family.numbers(k))
@@ -158,7 +167,7 @@ def _at_one(family: Family, count: int) -> Array:
 
 
 @lru_cache(maxsize=256)
-def _steps(family: Family, count: int) -> tuple[Array, Array]:
+def _steps(family: Family, count: int, _: bool) -> tuple[Array, Array]:
     n, alpha, rest = np.arange(count, dtype=float), family.alpha, family.rest
     if family.bounded:
         up = (n + 2) * (n + 1 + alpha) / ((n + 1) * (2 * n + 3))
@@ -173,11 +182,11 @@ def _steps(family: Family, count: int) -> tuple[Array, Array]:
 
 def _sum_from_end(family: Family, c: Array, distance: Array) -> Array:
     """Series sum_n c_n f_n, f_n = p_n / p_n(1), at the given distances 1 - t."""
-    up, down = family.steps(len(c))
-    value, change = np.zeros((2, *distance.shape), dtype=family.numbers(c))
-    for n in range(len(c) - 1, -1, -1):
+    up, down = family.steps(c.shape[-1])
+    value, change = np.zeros((2, *c.shape[:-1], *distance.shape), dtype=family.numbers(c))
+    for n in range(c.shape[-1] - 1, -1, -1):
         both = value + change
-        value += c[n] - both * distance / up[n]
+        value += c[..., n, None] - both * distance / up[n]
         change = both * (down[n] / up[n])
     return value
 

@@ -120,7 +120,7 @@ def _by_ray(a: complex, x: Number) -> Number:
     )
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=256, typed=True)
 def _powers(a: complex) -> Number:
     """Coefficients 1 / (k + a) of the powers x^k, k = 0, 1, ..."""
     return np.asarray(1 / (np.arange(OPTIONS.terms) + a))
@@ -136,7 +136,7 @@ def complex_or_real(value: Any) -> Any:
     return np.asarray(value).item()
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=256, typed=True)
 def _beside(a: complex) -> Number:
     """Coefficients (1 - a)_k / (k! k) of the powers (1 - x)^(k - 1), k = 1, 2, ..."""
     k = np.arange(1.0, OPTIONS.terms)

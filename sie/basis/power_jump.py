@@ -47,7 +47,7 @@ from sie.basis.data import DIGITS, Array, Kept
 from sie.basis.interval import InPlane, OnLine
 from sie.basis.jacobi import log_ratio
 from sie.basis.lerch import beta_share, lerch
-from sie.basis.weighted import Points, Weighted, from_ends
+from sie.basis.weighted import JacobiFunctions, Points, from_ends
 
 Number = NDArray[Any]
 
@@ -75,7 +75,7 @@ class PowerJump(Kept):
 
     Parameters
     ----------
-    weighted : Weighted
+    weighted : JacobiFunctions
         The densities of the interval, with kappa.
     left, right : ndarray
         1 + s and 1 - s of the places.
@@ -84,8 +84,8 @@ class PowerJump(Kept):
     --------
     >>> import numpy as np
     >>> from sie.basis.power_jump import PowerJump
-    >>> from sie.basis.weighted import Weighted
-    >>> jump = PowerJump(Weighted(0.0), np.array([1.0]), np.array([1.0]))  # a jump at t = 0
+    >>> from sie.basis.weighted import JacobiFunctions
+    >>> jump = PowerJump(JacobiFunctions(0.0), np.array([1.0]), np.array([1.0]))  # a jump at t = 0
     >>> jump.own(np.array([-0.5, 0.5])).round(12).tolist()
     [-0.5, 0.5]
     >>> value = jump.density(np.array([1.6]), np.array([0.4]), np.array([0.6]))
@@ -93,7 +93,7 @@ class PowerJump(Kept):
     [0.0]
     """
 
-    weighted: Weighted
+    weighted: JacobiFunctions
     left: Array
     right: Array
 
@@ -188,7 +188,7 @@ class PowerJump(Kept):
     def moments(self, length: int, order: int = 0) -> Array:
         """Chebyshev coefficients (2 - delta_l0) / pi int (t - s)^k J_s T_l dt, l < `length`.
 
-        They are along a new last axis, and those of `Weighted.moments`.
+        They are along a new last axis, and those of `JacobiFunctions.moments`.
         """
         size = length + order
         means = np.empty((*self.left.shape, size))
@@ -307,7 +307,9 @@ class PowerJump(Kept):
             )
 
 
-def _share(w: Weighted, at_left: Array, at_right: Array, point: tuple[Number, ...]) -> Number:
+def _share(
+    w: JacobiFunctions, at_left: Array, at_right: Array, point: tuple[Number, ...]
+) -> Number:
     """sin(pi alpha) / pi int_0^(-u) y^(-alpha) / (1 + y) dy at pairs (P,); see the docstring above.
 
     at_left, at_right: 1 + s and 1 - s; point: zeta + 1, zeta - 1 and zeta - s. It is 0 ... 1 on the
@@ -336,7 +338,7 @@ def _multiplied(transform: Number, away: Number, powers: list[Array]) -> Number:
     return transform
 
 
-def _monomials(weighted: Weighted, count: int) -> Array:
+def _monomials(weighted: JacobiFunctions, count: int) -> Array:
     """Coefficients of t^j in p_n: the rows j = 0 ... count - 1 of a matrix."""
     a, b = weighted.recurrence(count + 1)
     out = np.zeros((count, count + 1))

@@ -22,7 +22,7 @@ from scipy import special
 from sie.basis.data import Array
 from sie.basis.jacobi import log_ratio
 from sie.basis.lerch import beta_share, value_transform
-from sie.basis.weighted import Points, Weighted, from_ends
+from sie.basis.weighted import JacobiFunctions, Points, from_ends
 
 Number = NDArray[Any]
 
@@ -33,7 +33,7 @@ class ValueMode:
 
     Parameters
     ----------
-    weighted : Weighted
+    weighted : JacobiFunctions
         The densities of the interval, with kappa.
     at_left : bool
         Whether the value at the left end is 1.
@@ -42,19 +42,19 @@ class ValueMode:
     --------
     >>> import numpy as np
     >>> from sie.basis.value_mode import ValueMode
-    >>> from sie.basis.weighted import Weighted
-    >>> mode, t = ValueMode(Weighted(0.0)), np.array([-0.25, 0.0])
+    >>> from sie.basis.weighted import JacobiFunctions
+    >>> mode, t = ValueMode(JacobiFunctions(0.0)), np.array([-0.25, 0.0])
     >>> mode.density(1 + t, 1 - t).round(6).tolist()  # arccos(t) / pi
     [0.580431, 0.5]
     >>> mode.own(1 + t, 1 - t).round(6).tolist()
     [0.129064, 0.220636]
     """
 
-    weighted: Weighted
+    weighted: JacobiFunctions
     at_left: bool = True
 
     @property
-    def _half(self) -> Weighted:
+    def _half(self) -> JacobiFunctions:
         """The densities of the interval, mirrored if the value 1 is at the right end."""
         return self.weighted if self.at_left else self.weighted.mirrored
 
@@ -105,7 +105,7 @@ class ValueMode:
     def moments(self, length: int) -> Array:
         """Chebyshev coefficients (2 - delta_l0) / pi int V T_l dt, l < `length`.
 
-        They are those of `Weighted.moments`. Integration by parts gives them from those of the
+        They are those of `JacobiFunctions.moments`. Integration by parts gives them from those of the
         weight.
         """
         weights = self._half.first_moments(length + 1)
@@ -122,7 +122,7 @@ class ValueMode:
     def transform(self, points: Points) -> Number:
         """Transform F of the density off the interval."""
 
-        def of(w: Weighted, left: Number, less: Number) -> Number:
+        def of(w: JacobiFunctions, left: Number, less: Number) -> Number:
             return value_transform(w.alpha, w.rest, left, less)
 
         return self._mirrored(points, of, -1.0)
@@ -130,13 +130,13 @@ class ValueMode:
     def slope(self, points: Points) -> Number:
         """Derivative by zeta of `transform`."""
 
-        def of(w: Weighted, left: Number, less: Number) -> Number:
+        def of(w: JacobiFunctions, left: Number, less: Number) -> Number:
             return np.asarray(np.expm1(-w.rest * log_ratio(less, left)) / (-np.pi * left))
 
         return self._mirrored(points, of, 1.0)
 
     def _mirrored(
-        self, points: Points, of: Callable[[Weighted, Number, Number], Number], sign: float
+        self, points: Points, of: Callable[[JacobiFunctions, Number, Number], Number], sign: float
     ) -> Number:
         """The value of `of` at the points; if the right end has the value 1, by mirror symmetry."""
         left, less = from_ends(points)

@@ -71,16 +71,18 @@ def exponent_of(kappa: complex) -> complex:
 class Split(NamedTuple):
     """A density by coefficients that give all its digits close to an end where it is bounded.
 
+    Of several densities, k_left and k_right are arrays, and q has a row for each.
+
     It is w (k_left (1 - t) / 2 + k_right (1 + t) / 2) + (1 - t^2) w sum_n q_n(t) q[n].
     """
 
-    k_left: complex
-    k_right: complex
+    k_left: Any
+    k_right: Any
     q: Number
 
 
 @dataclass(frozen=True)
-class Weighted(Kept):
+class JacobiFunctions(Kept):
     """The densities S_n of kappa phi + T phi = g on (-1, 1); see the module's docstring.
 
     Parameters
@@ -93,8 +95,8 @@ class Weighted(Kept):
     The density of kappa phi + T phi = 1 with the integral 0 is -2 sqrt(alpha (1 - alpha)) S_1.
 
     >>> import numpy as np
-    >>> from sie.basis.weighted import Weighted
-    >>> weighted, t = Weighted(2.0), np.array([-0.5, 0.0, 0.9])
+    >>> from sie.basis.weighted import JacobiFunctions
+    >>> weighted, t = JacobiFunctions(2.0), np.array([-0.5, 0.0, 0.9])
     >>> c = np.array([0.0, -2 * np.sqrt(weighted.alpha * weighted.rest)])
     >>> weighted.own(c, 1 + t, 1 - t).round(12).tolist()
     [1.0, 1.0, 1.0]
@@ -120,9 +122,9 @@ class Weighted(Kept):
         return 1.0 / math.hypot(1.0, self.kappa)
 
     @property
-    def mirrored(self) -> "Weighted":
-        """`Weighted` for -kappa: its S_n(t) is (-1)^n S_n(-t), with the S_n of this object."""
-        return Weighted(-self.kappa)
+    def mirrored(self) -> "JacobiFunctions":
+        """`JacobiFunctions` for -kappa: its S_n(t) is (-1)^n S_n(-t), with the S_n of this object."""
+        return JacobiFunctions(-self.kappa)
 
     @cached_property
     def singular(self) -> Family:
@@ -169,39 +171,42 @@ class Weighted(Kept):
         """kappa phi + T phi on the interval, of the density phi = sum_n c_n S_n."""
         return -self.images.sums(c[1:], left, right)
 
-    def split(self, c: Number, left_bounded: bool = False, right_bounded: bool = False) -> Split:
-        """The density sum_n c_n S_n as a `Split`.
+    def split(self, c: Number, left_bounded: Any = False, right_bounded: Any = False) -> Split:
+        """The density sum_n c_n S_n as a `Split`; c (n,), or a row for each of several densities.
 
         At an end said to be bounded the intensity is round-off, and is left out. The coefficients
         follow from p_n = b_(n+1) q_n + e_n q_(n-1) - b_n q_(n-2), from the last one down.
         """
-        at_left, at_right = self.edge_values(len(c))
-        k_left = 0.0 if left_bounded else complex_or_real(c @ at_left)
-        k_right = 0.0 if right_bounded else complex_or_real(c @ at_right)
-        count = max(len(c) - 2, 0)
-        q = np.zeros(count + 2, dtype=self.singular.numbers(c))
+        at_left, at_right = self.edge_values(c.shape[-1])
+        k_left = np.where(left_bounded, 0.0, c @ at_left)
+        k_right = np.where(right_bounded, 0.0, c @ at_right)
+        count = max(c.shape[-1] - 2, 0)
+        q = np.zeros((count + 2, *c.shape[:-1]), dtype=self.singular.numbers(c))
         b = self.recurrence(count + 3)[1]
         n = np.arange(1.0, count + 2)
         e = 2 * n * (self.alpha - self.rest) / (4 * n * n - 1)
         for m in range(count - 1, -1, -1):
-            q[m] = (b[m + 3] * q[m + 2] + e[m + 1] * q[m + 1] - c[m + 2]) / b[m + 2]
-        return Split(k_left, k_right, q[:count])
+            q[m] = (b[m + 3] * q[m + 2] + e[m + 1] * q[m + 1] - c[..., m + 2]) / b[m + 2]
+        return Split(k_left, k_right, np.moveaxis(q[:count], 0, -1))
 
     def values_q(self, q: Number, left: Any, right: Any) -> Number:
         """The polynomial sum_n q[n] q_n of a `Split`."""
         return self.bounded.sums(q, left, right)
 
     def density(self, split: Split, left: Any, right: Any) -> Number:
-        """The density of a `Split` on the interval; at a bounded end it is zero."""
+        """The density of a `Split` on the interval; at a bounded end it is zero.
+
+        Of several densities, they are the first axis of the result.
+        """
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         out = self.bounded_weight(left, right) * self.values_q(split.q, left, right)
         with np.errstate(divide="ignore"):
-            if split.k_left:
+            if np.any(split.k_left):
                 ratio = power(right, self.alpha) * left**-self.alpha
-                out += (0.5 * self.sine * split.k_left) * ratio
-            if split.k_right:
+                out += np.multiply.outer(0.5 * self.sine * split.k_left, ratio)
+            if np.any(split.k_right):
                 ratio = right**-self.rest * power(left, self.rest)
-                out += (0.5 * self.sine * split.k_right) * ratio
+                out += np.multiply.outer(0.5 * self.sine * split.k_right, ratio)
         return np.asarray(out)
 
     def integral_to(self, c: Number, left: Any, right: Any) -> Number:
@@ -253,7 +258,7 @@ class Weighted(Kept):
     def transforms(self, count: int, points: Points) -> Number:
         """Transforms F of S_n, n = 0 ... count - 1, along a new last axis."""
 
-        def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
+        def of(half: JacobiFunctions, sign: float, less: Number, left: Number) -> Number:
             table = transform_table(half.singular, count, less, left)
             return np.asarray(table * sign ** np.arange(count))
 
@@ -262,7 +267,7 @@ class Weighted(Kept):
     def transform_of(self, c: Number, points: Points) -> Number:
         """Transform F of the density sum_n c_n S_n."""
 
-        def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
+        def of(half: JacobiFunctions, sign: float, less: Number, left: Number) -> Number:
             return transform_sum(half.singular, c * sign ** np.arange(len(c)), less, left)
 
         return self._by_halves(points, of)
@@ -274,7 +279,7 @@ class Weighted(Kept):
     def split_transform(self, split: Split, points: Points) -> Number:
         """Transform F of the density of a `Split`; finite at ends where the density is bounded."""
 
-        def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
+        def of(half: JacobiFunctions, sign: float, less: Number, left: Number) -> Number:
             at_left, at_right = split[:2] if sign > 0 else split[1::-1]
             q = split.q * sign ** np.arange(len(split.q))
             out, ratio = transform_sum(half.bounded, q, less, left), log_ratio(less, left)
@@ -292,7 +297,7 @@ class Weighted(Kept):
         The derivative of (1 - t^2) w q_n by t is -(n + 1) S_(n+1).
         """
 
-        def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
+        def of(half: JacobiFunctions, sign: float, less: Number, left: Number) -> Number:
             at_left, at_right = split[:2] if sign > 0 else split[1::-1]
             ratio = log_ratio(less, left)
             out = np.zeros_like(ratio)
@@ -338,7 +343,7 @@ class Weighted(Kept):
         At complex points they are analytic functions whose real part is the potential.
         """
 
-        def of(half: Weighted, sign: float, less: Number, left: Number) -> Number:
+        def of(half: JacobiFunctions, sign: float, less: Number, left: Number) -> Number:
             table = transform_table(half.bounded, count - 1, less, left)
             return np.asarray(table * sign ** np.arange(count - 1) / np.arange(1, count))
 
@@ -362,7 +367,7 @@ class Weighted(Kept):
     def _by_halves(
         self,
         points: Points,
-        of: Callable[["Weighted", float, Number, Number], Number],
+        of: Callable[["JacobiFunctions", float, Number, Number], Number],
         shape: tuple[int, ...] = (),
     ) -> Number:
         """A transform at all points, from a function for points of the right half plane.
@@ -434,9 +439,9 @@ def _times_t(a: Number, b: Number, v: Number) -> Number:
     return np.asarray(out)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=64, typed=True)
 def _from_u(kappa: float, count: int) -> Array:
-    weighted = Weighted(kappa)
+    weighted = JacobiFunctions(kappa)
     a, b = weighted.images.recurrence(count)
     rows = np.zeros((count, count))
     rows[0, 0] = 2 * math.sqrt(weighted.alpha * weighted.rest)
@@ -448,9 +453,9 @@ def _from_u(kappa: float, count: int) -> Array:
     return rows.T
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=64, typed=True)
 def _to_u(kappa: float, count: int) -> Array:
-    weighted = Weighted(kappa)
+    weighted = JacobiFunctions(kappa)
     a, b = weighted.images.recurrence(count)
     rows, half = np.zeros((count, count)), np.full(count, 0.5)
     rows[0, 0] = 0.5 / math.sqrt(weighted.alpha * weighted.rest)
@@ -463,10 +468,10 @@ def _to_u(kappa: float, count: int) -> Array:
     return rows.T
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=64, typed=True)
 def _moments(kappa: complex, count: int, length: int) -> Array:
     size = max(count, length)
-    a, b = Weighted(kappa).recurrence(size)
+    a, b = JacobiFunctions(kappa).recurrence(size)
     # In terms of p_0 / sqrt(2) and p_n the matrix of t is symmetric.
     b = b.copy()
     b[1:2] *= math.sqrt(2.0)

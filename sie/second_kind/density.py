@@ -17,7 +17,7 @@ from sie.basis.power_jump import FAR_TERMS, rho_of, series, series_potential
 from sie.basis.power_jump import OPTIONS as JUMPS
 from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.weight import Weight
-from sie.basis.weighted import Split, Weighted, from_ends
+from sie.basis.weighted import JacobiFunctions, Split, from_ends
 from sie.basis.zones import Zones
 from sie.density.base import DensityBase
 from sie.density.series import OPTIONS, angles_at_kinks, by_quadrature, even_angles
@@ -98,7 +98,7 @@ class SecondKindDensity(DensityBase):
         return np.maximum(counts, OPTIONS.samples)
 
     @cached_property
-    def bases(self) -> list[Weighted]:
+    def bases(self) -> list[JacobiFunctions]:
         """The functions S_n of each zone."""
         return bases_of(self.zones)
 
@@ -136,9 +136,9 @@ class SecondKindDensity(DensityBase):
         return np.asarray(np.unique(self._kappa, return_inverse=True)[1])
 
     @cached_property
-    def _families(self) -> list[Weighted]:
+    def _families(self) -> list[JacobiFunctions]:
         """The functions S_n for each different kappa."""
-        return [Weighted(one) for one in np.unique(self._kappa).tolist()]
+        return [JacobiFunctions(one) for one in np.unique(self._kappa).tolist()]
 
     @property
     def _numbers(self) -> Any:
@@ -296,15 +296,10 @@ class SecondKindDensity(DensityBase):
         moved_left = right * slope - 2 * basis.rest * at_left * left**-basis.alpha
         return np.array([np.abs(one).max(axis=1) for one in (value, moved_left, moved_right)])
 
-    def _values(self, basis: Weighted, group: Index, left: Array, right: Array) -> Array:
+    def _values(self, basis: JacobiFunctions, group: Index, left: Array, right: Array) -> Array:
         """Density at the same points 1 + t, 1 - t of several zones of one kappa (zones, points)."""
-        c, ends = self.coefficients[group], np.array(self.intensities) / self.zones.edge_scale
-        to_q = np.array([basis.split(unit).q for unit in np.eye(c.shape[1])])
-        table = basis.bounded.table(to_q.shape[1], left, right)
-        out = basis.bounded_weight(left, right) * (c @ to_q @ table.T)
-        at_left = 0.5 * basis.sine * right**basis.alpha * left**-basis.alpha
-        at_right = 0.5 * basis.sine * right**-basis.rest * left**basis.rest
-        out += np.outer(ends[0, group], at_left) + np.outer(ends[1, group], at_right)
+        split = basis.split(self.coefficients[group], *self._vanishing[:, group])
+        out = basis.density(split, left, right)
         for one in self.known:
             out[group == one.zone] += one.density(left, right)
         return np.asarray(out)
@@ -402,7 +397,7 @@ class SecondKindDensity(DensityBase):
         """Pairs (nodes, weights times density) for integrals with the kernel's regular part."""
         return [self._rule(i, basis) for i, basis in enumerate(self.bases)]
 
-    def _rule(self, i: int, basis: Weighted) -> tuple[Array, Array]:
+    def _rule(self, i: int, basis: JacobiFunctions) -> tuple[Array, Array]:
         """(nodes of zone i, weights times density) that resolve the kernel's regular part."""
         c, w = self.coefficients[i], float(self.zones.half[i])
         q = regular_size(self.kernel, w, len(c) - 1)

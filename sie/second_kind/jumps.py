@@ -25,7 +25,7 @@ from sie.basis.power_jump import (
     series_slope,
 )
 from sie.basis.value_mode import ValueMode
-from sie.basis.weighted import Weighted, from_ends
+from sie.basis.weighted import JacobiFunctions, from_ends
 from sie.basis.zones import Zones
 from sie.equation.forcing import Forcing
 
@@ -149,7 +149,7 @@ class KnownJumps(Kept):
         return float(left @ self.factors), float(right @ self.factors)
 
     def moments(self, length: int) -> Array:
-        """Chebyshev coefficients of the density as seen from outside, see `Weighted.moments`."""
+        """Chebyshev coefficients of the density as seen from outside, see `JacobiFunctions.moments`."""
         return np.asarray(self.factors @ self.closed.moments(length, self.order))
 
 
@@ -219,7 +219,7 @@ def _values(zones: Zones) -> Iterator[KnownValue]:
     kappa, values, ends = zones.weight.kappa, zones.values, np.array([zones.a, zones.b])
     assert kappa is not None
     for side, zone in np.argwhere(values != 0.0).tolist():
-        closed = ValueMode(Weighted(float(kappa[zone])), at_left=side == 0)
+        closed = ValueMode(JacobiFunctions(float(kappa[zone])), at_left=side == 0)
         yield KnownValue(zone, ends[side, [zone]], float(values[side, zone]), closed)
 
 
@@ -252,6 +252,6 @@ def _inside(forcing: Forcing, zones: Zones, period: float | None) -> Iterator[Kn
         for order in sorted(set(orders.tolist())):
             here = (left > 0) & (right > 0) & (orders == order)
             if here.any():
-                closed = PowerJump(Weighted(float(kappa[zone])), left[here], right[here])
+                closed = PowerJump(JacobiFunctions(float(kappa[zone])), left[here], right[here])
                 factors = heights[here] * w**order / math.factorial(order)
                 yield KnownJumps(zone, order, at[here], closed, factors)

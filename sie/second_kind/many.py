@@ -9,7 +9,7 @@ and the coefficients c_0 follow from the totals of the zones, or from the prescr
 each zone has one fixed bounded end. The fields of other zones are small
 and smooth, so the rows are close to minus the identity, and GMRES needs few steps.
 
-From far away any density is a sum of m_l T_l / sqrt(1 - t^2) (see `Weighted.moments`). So far zones
+From far away any density is a sum of m_l T_l / sqrt(1 - t^2) (see `JacobiFunctions.moments`). So far zones
 interact by the tree of `sie.trees`. Near zones interact by a table of the transforms of S_n.
 """
 
@@ -32,7 +32,7 @@ from sie.equation.conditions import Linear, Rows, ZoneTotals
 from sie.equation.equation import Equation
 from sie.fast.iteration import OPTIONS as ITERATION
 from sie.second_kind.system import SecondKindRows, alike, targets_at
-from sie.states.state import THETA
+from sie.states.options import THETA
 from sie.trees import lazy
 from sie.trees.far import FarSum, Nested, reaches
 from sie.trees.krylov import gmres

@@ -33,7 +33,7 @@ from sie.second_kind.many import (
     nodes_of,
 )
 from sie.second_kind.system import bases_of, targets_at
-from sie.states.state import THETA
+from sie.states.options import THETA
 from sie.trees.krylov import gmres
 from sie.trees.tree import TERMS
 

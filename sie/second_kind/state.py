@@ -14,9 +14,10 @@ from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.second_kind.density import SecondKindDensity
 from sie.second_kind.system import SecondKindRows, targets_at
 from sie.states.base import Answered
+from sie.states.options import LOOKS, THETA
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.sizes import Sizes
-from sie.states.state import AT_ENDS, LOOKS, THETA, residual_errors
+from sie.states.state import AT_ENDS, residual_errors
 
 
 @dataclass(frozen=True)
@@ -332,7 +333,7 @@ class SecondKindState(Answered):
         """Estimated error of the density on each zone (Z,), relative to its largest coefficient."""
         return self._errors_over(self.zone_sizes)
 
-    def reason(self) -> str:
+    def reason(self, tol: float) -> str:
         """The largest part of the stated error, in words."""
         size, m = max(self.size, 1e-300), self.system.layout.m
         zone = int(np.argmax(self.tails))

@@ -19,7 +19,7 @@ from sie.basis.data import Array, Index, record
 from sie.basis.interval import sides
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.lag_table import regular_values
-from sie.basis.weighted import Weighted
+from sie.basis.weighted import JacobiFunctions
 from sie.basis.zones import Zones
 from sie.dense.modes import OPTIONS as MODES
 from sie.dense.system import Layout, Places, Targets
@@ -29,14 +29,14 @@ from sie.jumps.logarithms import Logarithms
 from sie.second_kind.jumps import Known
 
 
-def bases_of(zones: Zones) -> list[Weighted]:
+def bases_of(zones: Zones) -> list[JacobiFunctions]:
     """The functions S_n of each zone, which depend on the zone's kappa only."""
     kappa = zones.weight.kappa
     assert kappa is not None
-    return [Weighted(one) for one in kappa.tolist()]
+    return [JacobiFunctions(one) for one in kappa.tolist()]
 
 
-def alike(zones: Zones, m: Index) -> Iterator[tuple[Weighted, int, Index]]:
+def alike(zones: Zones, m: Index) -> Iterator[tuple[JacobiFunctions, int, Index]]:
     """Groups of zones with the same kappa and the same highest mode: (basis, mode, zones)."""
     kappa, bases = zones.weight.kappa, bases_of(zones)
     assert kappa is not None
@@ -218,7 +218,7 @@ class SecondKindRows(Rows):
             out[:, self.layout.coefficients + number] = -np.asarray(column.value(targets.x))
         return out
 
-    def _by_zone(self, of_zone: Callable[[int, Weighted, int], Array]) -> Linear:
+    def _by_zone(self, of_zone: Callable[[int, JacobiFunctions, int], Array]) -> Linear:
         """(matrix, zeros): row i has of_zone(i, basis, m) at the coefficients of zone i, else 0."""
         out = np.zeros((len(self.zones), self.layout.size), dtype=self.zones.weight.numbers)
         for i, basis in enumerate(bases_of(self.zones)):
@@ -236,7 +236,7 @@ class SecondKindRows(Rows):
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         known = np.zeros(len(self.zones))
 
-        def of_zone(i: int, basis: Weighted, m: int) -> Array:
+        def of_zone(i: int, basis: JacobiFunctions, m: int) -> Array:
             means = self.means(weight, i, m + 1 if degree is None else degree + 1)
             means = np.pi * self.zones.half[i] * means
             for one in self.jumps:

@@ -32,11 +32,12 @@ from sie.second_kind.state import SecondKindState
 from sie.slits.density import SlitDensity
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, merge
 from sie.states.base import Answered, Solver, density_of
+from sie.states.options import LOOKS, THETA
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.rounding import density_rounding, truncation_through_rows
 from sie.states.sizes import Carried, Sizes, first_sizes
 from sie.states.solve import SingularSystem, more_modes, solve_fixed
-from sie.states.state import LOOKS, THETA, State, beside_ends, field_tails, residual_errors
+from sie.states.state import State, beside_ends, field_tails, residual_errors
 from sie.trees.krylov import gmres
 
 
@@ -309,6 +310,16 @@ class SlitState(Answered):
     @property
     def linear_error(self) -> Array:
         return self.whole.linear_error[self.geometry.piece_zone]
+
+    @property
+    def checked_zones(self) -> Index:
+        """Indices of the zones on which the residual is evaluated."""
+        return np.arange(len(self.density.zones))
+
+    @property
+    def left_out(self) -> Array:
+        """Zero for each zone, since the residual shows all neglected coefficients."""
+        return np.zeros(len(self.density.zones))
 
     def wide_of(self, zones: Index) -> tuple[State, Index]:
         """(solution on wide zones, index of the wide zone that contains each given zone)."""

@@ -20,6 +20,7 @@ from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.iteration import Iterative
 from sie.jumps.right_side import ForcingJumps
+from sie.states.reasons import reason_of
 from sie.states.sizes import Sizes
 
 # Solver of the equation's system for further right sides, by LU factors or by an iteration.
@@ -69,6 +70,10 @@ class Answered(Kept):
         out = np.zeros(len(self.whole.condition_scale))
         out[self.condition_index[condition]] = change
         return out
+
+    def reason(self, tol: float) -> str:
+        """The reason, as a message, why the stated error is not below `tol`."""
+        return reason_of(self, tol)
 
     @property
     def coupled(self) -> int:
@@ -137,6 +142,16 @@ class Solved(Answered):
             unknowns=unknowns,
             density=density_of(self.system, unknowns),
         )
+
+    @property
+    def checked_zones(self) -> Index:
+        """Indices of the zones on which the residual is evaluated."""
+        return self.density.zones.solved
+
+    @property
+    def rest(self) -> float:
+        """Last change of an iteration over slits: zero, because there are none."""
+        return 0.0
 
     @property
     def symmetry(self) -> MirrorSymmetry:

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 
 @dataclass(frozen=True)
 class ErrorOptions:
@@ -23,3 +25,8 @@ class ErrorOptions:
 
 
 OPTIONS = ErrorOptions()
+
+# Number of points of each zone at which the residual is evaluated, and their angles. None of these
+# points is a node.
+LOOKS = 15
+THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS

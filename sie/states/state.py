@@ -12,7 +12,7 @@ from sie.dense import modes
 from sie.dense.system import System
 from sie.density.density import Density
 from sie.states.base import Solved, coefficient_sizes
-from sie.states.options import OPTIONS
+from sie.states.options import LOOKS, OPTIONS, THETA
 from sie.states.rounding import density_rounding, intensity_rounding, truncation_through_rows
 
 # Upper bound of |T_k / sqrt(1 - t^2)| / k without the singular parts at the ends. It is reached
@@ -23,10 +23,6 @@ AT_ENDS = 0.73
 # third of the largest error. Only about half of this 0.14 n^1.5 is used, because `State.made_of`
 # doubles the sum.
 _OF_ROUNDING = 0.08
-# Number of points of each zone at which the residual is evaluated, and their angles. None of these
-# points is a node.
-LOOKS = 15
-THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
 
 
 @dataclass(frozen=True, eq=False)

@@ -297,6 +297,22 @@ def test_without_beta_real_and_imaginary_part_are_two_equations_of_the_first_kin
     assert both.transform(z) == pytest.approx(exact, rel=1e-11)
 
 
+def test_a_complex_kappa_leaves_equal_real_ones_real():
+    """Tables are kept from one solution to the next, and 0.5 equals 0.5 + 0j."""
+    zones = sie.Zones.of([[-1.0, 1.0]], S, S)
+
+    def values(kappa):
+        equation = sie.Equation(sie.hilbert(5.0), np.exp, sie.Total(1.0), kappa=kappa)
+        density = sie.solve(equation, zones).density
+        x = np.array([-0.9, 0.3, 1.5])
+        return np.array([density(x), density.transform(x), density.integral(x)])
+
+    first, with_complex, again = values(0.37), values(0.37 + 0j), values(0.37)
+    assert again.dtype == float
+    assert again == pytest.approx(first, abs=1e-15)
+    assert with_complex == pytest.approx(first, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("made", "message"),
     [

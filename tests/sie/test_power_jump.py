@@ -11,7 +11,7 @@ from sie.basis.interval import InPlane, OnLine, Outside
 from sie.basis.lerch import lerch
 from sie.basis.power_jump import PowerJump
 from sie.basis.value_mode import ValueMode
-from sie.basis.weighted import Weighted
+from sie.basis.weighted import JacobiFunctions
 from tests.tiers import diagonal
 
 KAPPAS = (0.0, 0.4, -2.0, 25.0, -25.0)
@@ -23,7 +23,7 @@ AROUND = np.array([1.03, -1.2, 1.7, 0.3 + 0.4j, -0.9 + 0.3j, 4 + 1j, 300.0])[:, 
 
 
 def jumps(kappa, places=PLACES):
-    return PowerJump(Weighted(kappa), 1 + places, 1 - places)
+    return PowerJump(JacobiFunctions(kappa), 1 + places, 1 - places)
 
 
 def in_plane(z):
@@ -58,7 +58,7 @@ def test_lerch(a):
 
 @pytest.mark.parametrize(("kappa", "order"), diagonal([0.4, -2.0], [0, 1, 2]))
 def test_the_transform_of_a_jump_is_its_integral(kappa, order):
-    place, weighted = 0.3, Weighted(kappa)
+    place, weighted = 0.3, JacobiFunctions(kappa)
     jump = jumps(kappa, np.array([place]))
     a = mp.mpf(weighted.alpha)
 
@@ -144,7 +144,7 @@ def test_moments_and_slopes_of_jumps_are_those_of_the_transform(kappa, order):
 @pytest.mark.parametrize("order", [0, 1, 2])
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_integrals_and_edge_slopes_of_jumps(kappa, order):
-    jump, weighted = jumps(kappa), Weighted(kappa)
+    jump, weighted = jumps(kappa), JacobiFunctions(kappa)
     whole = jump.powers(order + 1)[order]
     left, right = np.array([[2.0], [0.0]]), np.array([[0.0], [2.0]])
     ends = jump.integral_to(left, right, (left - right) / 2 - PLACES, order)
@@ -170,7 +170,7 @@ def test_integrals_and_edge_slopes_of_jumps(kappa, order):
 @pytest.mark.parametrize("at_left", [True, False])
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_the_value_mode(kappa, at_left):
-    mode, left, right = ValueMode(Weighted(kappa), at_left), LEFT[:, 0], RIGHT[:, 0]
+    mode, left, right = ValueMode(JacobiFunctions(kappa), at_left), LEFT[:, 0], RIGHT[:, 0]
     density = mode.density(left, right)
     upper = mode.transform(InPlane.of(left, -right, np.zeros(len(left))))
     own = mode.own(left, right)
@@ -194,7 +194,7 @@ def test_the_value_mode(kappa, at_left):
         # The transform's rounding is that of terms of the size 1, over the radius of the circle.
         assert value == pytest.approx(slope, rel=1e-12, abs=5e-15 / abs(z))
     d = 1e-9
-    weighted, (slope_left, slope_right) = Weighted(kappa), mode.edge_slopes()
+    weighted, (slope_left, slope_right) = JacobiFunctions(kappa), mode.edge_slopes()
     change_left = mode.density(d, 2 - d) - ends[0]
     change_right = mode.density(2 - d, d) - ends[1]
     assert change_left == pytest.approx(slope_left * d**weighted.rest, rel=1e-5, abs=1e-13)
@@ -203,7 +203,7 @@ def test_the_value_mode(kappa, at_left):
 
 def test_transforms_of_value_modes_are_integrals():
     for kappa in (0.4, -25.0):
-        mode, a = ValueMode(Weighted(kappa)), mp.mpf(Weighted(kappa).alpha)
+        mode, a = ValueMode(JacobiFunctions(kappa)), mp.mpf(JacobiFunctions(kappa).alpha)
         for z in (1.01, 40.0, -1.0001, -5.0, 0.2 + 0.3j):
             u = (mp.mpmathify(z) - 1) / (mp.mpmathify(z) + 1)
             exact = mp.quad(lambda v, a=a: (1 - v ** (a - 1)) / (1 - v), [u, (1 + u) / 2, 1])
@@ -215,5 +215,5 @@ def test_transforms_of_value_modes_are_integrals():
 
 
 def test_the_value_mode_of_the_first_kind():
-    mode, points = ValueMode(Weighted(0.0)), in_plane(np.array([1.1, -3.0, 0.2 + 0.1j]))
+    mode, points = ValueMode(JacobiFunctions(0.0)), in_plane(np.array([1.1, -3.0, 0.2 + 0.1j]))
     assert mode.transform(points) == pytest.approx(2 / np.pi * np.log(1 + points.rho), rel=1e-14)

@@ -10,7 +10,7 @@ import pytest
 
 from sie.basis.chebyshev import bounded_part, u_values
 from sie.basis.interval import InPlane, OnLine, Outside
-from sie.basis.weighted import Split, Weighted, exponent_of
+from sie.basis.weighted import JacobiFunctions, Split, exponent_of
 from tests.tiers import quick
 
 KAPPAS = (0.0, 0.4, -2.0, 25.0, -25.0)
@@ -75,13 +75,13 @@ def near_ends(distance, angle):
 def test_the_exponent_has_all_its_digits():
     for kappa in (*KAPPAS, 1e8, -1e8):
         assert exponent_of(kappa) == pytest.approx(float(alpha_of(kappa)), rel=4e-16)
-        assert Weighted(kappa).rest == pytest.approx(float(1 - alpha_of(kappa)), rel=4e-16)
+        assert JacobiFunctions(kappa).rest == pytest.approx(float(1 - alpha_of(kappa)), rel=4e-16)
     assert exponent_of(0.0) == 0.5
 
 
 @pytest.mark.parametrize("kappa", quick([0.4, -2.0, 12.0], [-2.0]))
 def test_transforms_and_slopes_are_integrals(kappa):
-    weighted = Weighted(kappa)
+    weighted = JacobiFunctions(kappa)
     for z in (1.3, -1.05, 0.2 + 0.3j, 5 + 1j):
         points = InPlane.of(np.array([z + 1]).real, np.array([z - 1]).real, np.array([z]).imag)
         if z.imag == 0:
@@ -98,7 +98,7 @@ def test_transforms_and_slopes_are_integrals(kappa):
 
 @pytest.mark.parametrize("kappa", quick([0.4, -2.0, 12.0], [-2.0]))
 def test_norms_moments_and_integrals(kappa):
-    weighted, c = Weighted(kappa), np.array([0.3, -0.2, 0.7])
+    weighted, c = JacobiFunctions(kappa), np.array([0.3, -0.2, 0.7])
     for n in range(3):
         norm = quadrature(kappa, n, lambda t, n=n: polynomial(kappa, n, t))
         assert float(norm) == pytest.approx(np.pi if n == 0 else np.pi / 2, rel=1e-14)
@@ -131,7 +131,7 @@ def test_norms_moments_and_integrals(kappa):
 @pytest.mark.parametrize("kappa", KAPPAS)
 @pytest.mark.parametrize("count", [6, 60, pytest.param(1000, marks=pytest.mark.slow)])
 def test_transforms_near_and_far_are_the_minimal_solution(kappa, count):
-    weighted, c = Weighted(kappa), np.cos(np.arange(count) ** 2)
+    weighted, c = JacobiFunctions(kappa), np.cos(np.arange(count) ** 2)
     for distance in (1e-12, 1e-6, 3e-4, 0.02, 0.15, 1.0, 30.0, 1e6)[: 8 if count < 1000 else 5]:
         for angle in (0.0, 0.7, 2.0, 3.1):
             for exact_point, points in near_ends(distance, angle):
@@ -143,7 +143,7 @@ def test_transforms_near_and_far_are_the_minimal_solution(kappa, count):
 
 
 def test_kappa_zero_is_chebyshev():
-    weighted = Weighted(0.0)
+    weighted = JacobiFunctions(0.0)
     points = Outside(np.array([1.0, -1.0, 1.0, -1.0]), np.array([1e-12, 1e-3, 0.5, 1e3]))
     assert weighted.transforms(50, points) == pytest.approx(points.transforms(50), rel=1e-11)
     assert np.array_equal(weighted.from_u(20), np.eye(20))
@@ -158,7 +158,7 @@ def test_kappa_zero_is_chebyshev():
 
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_limits_at_the_interval_are_the_density_and_its_own_transform(kappa):
-    weighted, c = Weighted(kappa), RNG.standard_normal(30)
+    weighted, c = JacobiFunctions(kappa), RNG.standard_normal(30)
     angle = np.linspace(0.05, 3.1, 40)
     left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
     upper = weighted.transform_of(c, InPlane.of(left, -right, np.zeros(40)))
@@ -176,7 +176,7 @@ def test_limits_at_the_interval_are_the_density_and_its_own_transform(kappa):
 
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_u_is_a_sum_of_the_polynomials_of_the_right_side_and_back(kappa):
-    weighted, g = Weighted(kappa), RNG.standard_normal(80) * 0.95 ** np.arange(80)
+    weighted, g = JacobiFunctions(kappa), RNG.standard_normal(80) * 0.95 ** np.arange(80)
     matrix = weighted.from_u(80)
     assert np.array_equal(matrix, np.triu(matrix))
     t = np.cos(np.linspace(0, np.pi, 33)[1:-1])
@@ -191,7 +191,7 @@ def test_u_is_a_sum_of_the_polynomials_of_the_right_side_and_back(kappa):
 
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_a_split_density_is_the_same_and_vanishes_at_bounded_ends(kappa):
-    weighted, c = Weighted(kappa), RNG.standard_normal(30) * 0.8 ** np.arange(30)
+    weighted, c = JacobiFunctions(kappa), RNG.standard_normal(30) * 0.8 ** np.arange(30)
     angle = np.linspace(1e-4, np.pi - 1e-4, 40)
     left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
     plain = weighted.weight(left, right) * weighted.values(c, left, right)
@@ -214,7 +214,7 @@ def test_a_split_density_is_the_same_and_vanishes_at_bounded_ends(kappa):
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_intensities_and_edge_slopes_are_the_first_terms_at_the_ends(kappa):
     """Times d^(1 - gamma) the density is K + A d up to d^2, which is small at 1e-5 half widths."""
-    weighted, c = Weighted(kappa), np.array([0.3, -0.7, 0.2, 0.5])
+    weighted, c = JacobiFunctions(kappa), np.array([0.3, -0.7, 0.2, 0.5])
     d = np.array([1e-5, 3e-5])
     for k, slope, sides, gamma in zip(
         weighted.intensities(c),
@@ -231,7 +231,7 @@ def test_intensities_and_edge_slopes_are_the_first_terms_at_the_ends(kappa):
 
 
 def test_mirror_images():
-    weighted, c = Weighted(1.7), RNG.standard_normal(9)
+    weighted, c = JacobiFunctions(1.7), RNG.standard_normal(9)
     mirrored, d = weighted.mirrored, c * (-1.0) ** np.arange(9)
     left = np.array([0.2, 1.0, 1.9])
     assert weighted.values(c, left, 2 - left) == pytest.approx(mirrored.values(d, 2 - left, left))
@@ -246,7 +246,7 @@ def test_mirror_images():
 
 
 def test_the_split_slope_is_the_derivative_of_the_split_transform():
-    weighted, split = Weighted(-0.8), Split(0.3, -0.6, np.array([0.5, -0.2, 0.1]))
+    weighted, split = JacobiFunctions(-0.8), Split(0.3, -0.6, np.array([0.5, -0.2, 0.1]))
     for z in (0.4 + 0.7j, -1.5 + 0.1j):
         h = 1e-3
 
@@ -260,7 +260,7 @@ def test_the_split_slope_is_the_derivative_of_the_split_transform():
 
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_potentials_are_continuous_and_their_slopes_are_transforms(kappa):
-    weighted, c = Weighted(kappa), RNG.standard_normal(12)
+    weighted, c = JacobiFunctions(kappa), RNG.standard_normal(12)
     angle = np.linspace(0.05, 3.1, 20)
     left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
     upper = weighted.potential_of(c, InPlane.of(left, -right, np.zeros(20)))
@@ -286,6 +286,6 @@ def test_potentials_are_continuous_and_their_slopes_are_transforms(kappa):
 
 
 def test_the_potential_of_the_first_kind():
-    weighted, points = Weighted(0.0), Outside(np.array([1.0, -1.0]), np.array([1e-9, 3.0]))
+    weighted, points = JacobiFunctions(0.0), Outside(np.array([1.0, -1.0]), np.array([1e-9, 3.0]))
     assert weighted.potentials(9, points) == pytest.approx(points.potentials(9, 1.0), abs=1e-14)
     assert weighted.level == pytest.approx(-np.log(2), rel=1e-15)

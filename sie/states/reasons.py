@@ -1,0 +1,212 @@
+"""The reason why a solution on given zones is not more accurate, in words.
+
+It is the largest part of the stated error of a `State`, with slits or without (`Any` stands for
+both here, since `sie.states.base` uses this file).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sie.basis.data import EPS, SUM_ROUNDING, record
+from sie.dense import modes
+from sie.states.options import LOOKS, THETA
+from sie.states.options import OPTIONS as ERRORS
+
+
+@dataclass(frozen=True)
+class ReasonOptions:
+    """Limit above which a measured cause is named as the reason for an error."""
+
+    # If the rows' errors change the density by more than this multiple of these errors, the side
+    # conditions nearly depend on each other. A residual below this multiple of the round-off of its
+    # terms is explained by round-off.
+    max_ratio: float = 1e4
+
+
+OPTIONS = ReasonOptions()
+
+
+def reason_of(state: Any, tol: float) -> str:
+    """The reason, as a message, for the largest part of the stated error of a state."""
+    iteration, conditions, resolution = _parts(state)
+    # The error of the iteration also enters `resolution`, multiplied by the number of modes. So it
+    # is compared with a small fraction of `resolution`.
+    if iteration > max(0.1 * tol, ERRORS.negligible * resolution):
+        return (
+            "the iteration by which so many zones are solved does not come to rest: "
+            f"{iteration:.1e} of the density is open, as where "
+            "side conditions nearly contradict each other"
+        )
+    worst = _Worst.of(state)
+    largest = max(_causes(worst).values())
+    rows = max(largest, EPS * worst.terms / max(state.size, 1e-300))
+    if largest < ERRORS.negligible and conditions > max(resolution, OPTIONS.max_ratio * rows):
+        return (
+            f"what is left open in the rows changes the density by {conditions:.1e}, "
+            f"{conditions / rows:.0e} times as much: "
+            "the side conditions nearly depend on each other"
+        )
+    return _of_resolution(worst, tol)
+
+
+def _parts(state: Any) -> tuple[float, float, float]:
+    """Relative errors of the density, due to (iteration, round-off of rows, all other causes)."""
+    size = max(state.size, 1e-300)
+    iteration = float(state.linear_error.max(initial=0.0)) / size + state.rest
+    conditions = float(state.whole.density_rounding.max(initial=0.0)) / size
+    return iteration, conditions, state.density_error - iteration - conditions
+
+
+@record
+class _Worst:
+    """The zone with the largest residual, and quantities measured on this zone.
+
+    state: state of the zones without slits, or of the wide zones; zone: index of the zone in it;
+    where: name of the zone in messages. residual: the largest residual, times sqrt(1 - t^2); place:
+    its place x; terms: size of the terms whose sum is the residual.
+    """
+
+    state: Any
+    zone: int
+    where: str
+    residual: float
+    place: float
+    terms: float
+
+    @classmethod
+    def of(cls, state: Any) -> _Worst:
+        whole, zones = state.whole, state.density.zones
+        solved = state.checked_zones
+        residuals, missing = np.abs(state._residuals), np.asarray(state.left_out)[solved]
+        row = int(np.argmax(np.maximum(residuals.max(axis=1), missing)))
+        column = int(residuals[row].argmax())
+        piece = int(solved[row])
+        place = float(zones.middle[piece] + zones.half[piece] * math.cos(THETA[column % LOOKS]))
+        zone = int(whole_zone(state, piece))
+        values = float(np.abs(state.right_side(np.array([place])))[0])
+        terms = values + float(
+            np.abs(whole.density.coefficients[zone]).sum() + np.abs(whole.system.known[zone]).sum()
+        )
+        sizes = whole.system.field_sizes
+        if sizes is not None:
+            # The terms of sums over quadrature nodes may cancel. This product is a bound of their
+            # size.
+            terms += float(sizes.max() * np.abs(whole.unknowns).sum())
+        return cls(
+            whole,
+            zone,
+            f"zone {piece} (counted from 0)",
+            float(residuals[row, column]),
+            place,
+            terms,
+        )
+
+
+def whole_zone(state: Any, piece: int) -> int:
+    """Index of the wide zone (zones joined across slits) that contains the zone `piece`."""
+    return int(state.wide_of(np.array([piece]))[1][0])
+
+
+def _causes(worst: _Worst) -> dict[str, float]:
+    """Relative errors measured on the zone with the largest residual, by their cause."""
+    state, zone = worst.state, worst.zone
+    zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
+    fall = float(modes.decay(zones, equation.kernel)[zone])
+    # Round-off of positions over the zone's half width, without the 4 `EPS` that every number has.
+    rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
+    # The right side is a cause only if its coefficients no longer decay, or if their number is at
+    # its limit. The field of other zones is a cause only if the number of modes is at its limit, or
+    # if more modes do not help.
+    unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.OPTIONS.max_nodes
+    grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
+    return {
+        "right side": float(state.truncation[zone]) if unfallen else 0.0,
+        "neighbour": math.exp(-fall * m) if math.isfinite(fall) else 0.0,
+        "places": rounded,
+        "fields": float(state.tails[zone]) if equation.grows and grown else 0.0,
+    }
+
+
+def _is_noisy(worst: _Worst) -> bool:
+    """Whether more modes no longer reduce the last coefficients of the field on the zone."""
+    growth = worst.state.sizes.growth
+    return growth is not None and bool(growth.floor[worst.zone] > 0.0)
+
+
+def _of_resolution(worst: _Worst, tol: float) -> str:
+    """The largest cause from `_causes`, as a message.
+
+    If none is large, the message names round-off or the residual.
+    """
+    state, m, causes = worst.state, int(worst.state.system.layout.m[worst.zone]), _causes(worst)
+    neighbour, rounded, noisy = causes["neighbour"], causes["places"], _is_noisy(worst)
+    cause = max(causes, key=lambda name: causes[name])
+    if causes[cause] < max(ERRORS.negligible * tol, SUM_ROUNDING):
+        cause = "none"
+    if cause == "neighbour":
+        return (
+            f"{worst.where} lies so close to another one, or to an image, that its {m} modes do "
+            "not "
+            f"show all of it: they leave {neighbour:.1e}"
+        )
+    if cause == "places":
+        return (
+            f"places on {worst.where} are rounded to {rounded:.1e} of its half width: "
+            "count x from a place near it"
+        )
+    if cause == "fields":
+        why = (
+            "more of them do not make it less: it is noisy or rounded"
+            if noisy
+            else "it varies too fast for them"
+        )
+        return (
+            f"on {worst.where} the last of {m} modes of {_of_user(state)} is {causes[cause]:.1e} "
+            f"of the largest: {why}"
+        )
+    if cause == "right side":
+        return _of_right_side(worst)
+    rounding = EPS * worst.terms
+    if worst.residual <= OPTIONS.max_ratio * rounding:
+        return (
+            f"that is what rounding leaves: terms of the size {worst.terms:.1e} add up to a "
+            f"density of the size {state.size:.1e}"
+        )
+    return (
+        f"at x = {worst.place:.6g} on {worst.where} the equation is off by {worst.residual:.1e} of "
+        f"a density of the size {state.size:.1e}, "
+        "between the places at which it is solved"
+    )
+
+
+def _of_user(state: Any) -> str:
+    """The user's functions for which the number of modes grows, as words of a message."""
+    of_columns = any(column.resolution.modes is None for column in state.equation.columns)
+    if not state.equation.kernel.grows:
+        return "a column"
+    return "a column or of the kernel's regular part" if of_columns else "the kernel's regular part"
+
+
+def _of_right_side(worst: _Worst) -> str:
+    """Message about the decay of the right side's coefficients on a zone, with a likely reason."""
+    state, zone = worst.state, worst.zone
+    n, last = int(state.kept[zone]), float(state.truncation[zone])
+    falls = "no longer fall" if bool(state._stopped[zone]) else "have not fallen further"
+    return (
+        f"on {worst.where} the last of {n} coefficients of the right side"
+        f"{_less_jumps(state, zone)} is {last:.1e} of the largest, and they {falls}: it is rounded "
+        "or "
+        "noisy there, varies too fast or is singular, or it or a derivative jumps, which is to be "
+        "declared (sie.Forcing)"
+    )
+
+
+def _less_jumps(state: Any, zone: int) -> str:
+    """Words of a message on the number of declared jumps on a zone; '' if there are none."""
+    count = int(np.count_nonzero(state.system.jumps.zone == zone))
+    return f" less its {count} declared jumps" if count else ""
