@@ -169,7 +169,12 @@ def _from(context: SolveContext, start: Start) -> Outcome | Failure:
             return gaps
         record_failed_gaps(context, "gaps", gaps)
     if len(table) == 0:
-        return Failure("the contact to begin from has no zones")
+        if full := full_under(context, control, but_for_kinks=True):
+            return full
+        return Failure(
+            "without friction no gap is wide enough to be told, and with elastic mismatch gaps "
+            "over kinks are known only where they can be told: ask for a smaller load"
+        )
     load = start.load / problem.units.load
     found = context.refine_topology(problem, control, table, load_guess=load)
     if not isinstance(found, Failure):
