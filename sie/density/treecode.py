@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial.chebyshev import chebint
 
-from sie.basis.data import Array, numbered
+from sie.basis.data import Array, Index, numbered
 from sie.basis.interval import What
 from sie.basis.sums import OPTIONS, stretches
 from sie.basis.zones import Zones
@@ -80,9 +80,7 @@ class Treecode:
         if len(beyond):
             # Outside the cells the tree sums the fields. At most points the moments of all zones
             # together suffice. Close to an image of the zones, single zones are summed.
-            plane: Plane = self.density.plane  # type: ignore[assignment]
-            what: What = "potential" if potential else "transform"
-            out[beyond] = plane.poles(x[beyond], np.zeros(len(beyond)), (what,))[0].real
+            out[beyond] = self._beyond(x[beyond], potential)
         order, cell = order[~outside], np.clip(cell[~outside], 0, len(self.middle) - 1)
         table = np.ascontiguousarray(series.T)
         for here in stretches(self.start[cell + 1] - self.start[cell] + 4, OPTIONS.memory_pairs):
@@ -96,11 +94,19 @@ class Treecode:
             count = self.start[cells + 1] - self.start[cells]
             row = np.repeat(np.arange(len(part)), count)
             pair = numbered(count) + np.repeat(self.start[cells], count)
-            near = from_zones(
-                self.density, part[row], self.source[pair], self.shift[pair], potential
-            )
+            near = self._near(part[row], self.source[pair], self.shift[pair], potential)
             out[places] = value + np.bincount(row, near, minlength=len(part))
         return out
+
+    def _beyond(self, x: Array, potential: bool) -> Array:
+        """Field at points x outside all cells."""
+        plane: Plane = self.density.plane  # type: ignore[assignment]
+        what: What = "potential" if potential else "transform"
+        return np.asarray(plane.poles(x, np.zeros(len(x)), (what,))[0].real)
+
+    def _near(self, x: Array, source: Index, shift: Array, potential: bool) -> Array:
+        """Field of a zone, moved by a shift, at each of the points x in closed form."""
+        return from_zones(self.density, x, source, shift, potential)
 
 
 def _cells(zones: Zones, lo: float, hi: float) -> Array:

@@ -1,6 +1,5 @@
 """The density of an equation of the second kind, on its zones and off them."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
@@ -21,10 +20,23 @@ from sie.basis.weighted import JacobiFunctions, Split, from_ends
 from sie.basis.zones import Zones
 from sie.density.base import DensityBase
 from sie.density.series import OPTIONS, angles_at_kinks, by_quadrature, even_angles
+from sie.density.treecode import Treecode
 from sie.jumps.logarithms import Logarithms
 from sie.jumps.right_side import ForcingJumps
 from sie.second_kind.jumps import Known, KnownJumps
 from sie.second_kind.system import bases_of
+from sie.trees.far import reaches
+from sie.trees.panels import panels_over
+
+
+@dataclass(frozen=True)
+class TreeOptions:
+    """When a tree sums the fields of zones at points of the line."""
+
+    min_zones: int = 32  # below, a sum over all zones takes no longer
+
+
+TREES = TreeOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,28 +320,69 @@ class SecondKindDensity(DensityBase):
     def _on_line(self, x: Array, potential: bool) -> Array:
         """Transform, or potential if `potential` is true, at real x."""
         flat = self.into_period(x).ravel()
-        out = by_rows(self._potential_on_line if potential else self._poles_on_line, flat)
+        if self._tree is None:
+            out = by_rows(partial(self._sums_on_line, potential=potential), flat)
+        else:
+            # The tree contains the kernel's regular part too.
+            of = self._tree.potential if potential else self._tree.transform
+            return np.asarray(of(flat).reshape(x.shape))
         regular = self.kernel.regular_potential if potential else self.kernel.regular
         if regular is not None:
             out = out + self._regular(flat, regular)
         return np.asarray(out.reshape(x.shape))
 
-    def _potential_on_line(self, x: Array) -> Array:
-        """Part of the potential at real x due to the poles of the kernel."""
+    @cached_property
+    def _tree(self) -> Any:
+        """The tree by which many zones are summed; None for few zones."""
+        few = len(self.zones) < TREES.min_zones
+        if few or np.iscomplexobj(self._kappa) or not reaches(self.kernel, self.zones):
+            return None
+        if panels_over(self.kernel, self.zones) is not None:
+            return None
+        return SecondKindTree(self)  # type: ignore[arg-type]
+
+    def first(self, count: int) -> Array:
+        """The first `count` moments of the density of each zone (Z, count)."""
+        out = np.empty((len(self.zones), count), dtype=self._numbers)
+        for i, (basis, c) in enumerate(zip(self.bases, self.coefficients, strict=True)):
+            known = sum(one.moments(count) for one in self.known if one.zone == i)
+            out[i] = basis.moments(len(c), count) @ c + known
+        return out
+
+    def _sums_on_line(self, x: Array, potential: bool) -> Array:
+        """Part of the transform, or of the potential, at real x due to the poles of the kernel."""
         out = np.zeros(len(x), dtype=self._numbers)
-        for i, on, left, right, seen in self._seen(x):
-            basis, c, w = self.bases[i], self.coefficients[i], self.zones.half[i]
-            of_zone = [one for one in self.known if one.zone == i]
-            total = c[0] + sum(one.total for one in of_zone) / np.pi
-            out += w * total * np.log(w / self.kernel.datum)
-            out[~on] += w * self._off_zone(i, seen, True)
-            if on.any():
+        for i in range(len(self.zones)):
+            for shift in self.kernel.poles:
+                out += self._of_zone(i, x - shift, potential)
+        return out
+
+    def _of_zone(self, i: int, x: Array, potential: bool) -> Array:
+        """Transform, or potential, of zone i without its images at real x (P,)."""
+        w, zone = self.zones.half[i], np.full(len(x), i)
+        basis, c = self.bases[i], self.coefficients[i]
+        left, right = self.zones.beyond_a(x, zone) / w, self.zones.before_b(x, zone) / w
+        on = (left >= 0) & (right >= 0)
+        beyond = np.where(right < 0, -right, -left)
+        seen = Outside(np.where(right < 0, 1.0, -1.0)[~on], beyond[~on])
+        out = np.empty(len(x), dtype=self._numbers)
+        out[~on] = self._off_zone(i, seen, potential)
+        of_zone = [one for one in self.known if one.zone == i]
+        if on.any():
+            left, right = left[on], right[on]
+            if potential:
                 own = basis.own_potential(c, left, right)
                 for one in of_zone:
                     integral = one.integral_to(left, right)
                     own = own + one.own_level(left, right) - basis.kappa * integral
-                out[on] += w * own
-        return out
+            else:
+                own = basis.own(c, left, right) + sum(one.own(left, right) for one in of_zone)
+                own = own - basis.kappa * self._at(i, left, right)
+            out[on] = own
+        if not potential:
+            return out
+        total = c[0] + sum(one.total for one in of_zone) / np.pi
+        return np.asarray(w * (out + total * np.log(w / self.kernel.datum)))
 
     def _off_zone(self, i: int, seen: Outside, potential: bool) -> Array:
         """Transform of the density of zone i off the zone, or its potential over w.
@@ -355,38 +408,7 @@ class SecondKindDensity(DensityBase):
     @cached_property
     def _far_moments(self) -> list[Array]:
         """For each zone, as many Chebyshev moments as its far field needs."""
-        out = []
-        for i, (basis, c) in enumerate(zip(self.bases, self.coefficients, strict=True)):
-            known = sum(one.moments(FAR_TERMS) for one in self.known if one.zone == i)
-            out.append(basis.moments(len(c), FAR_TERMS) @ c + known)
-        return out
-
-    def _seen(self, x: Array) -> Iterator[tuple[int, Mask, Array, Array, Outside]]:
-        """Yield the positions of the points x (P,) relative to each zone and each of its images.
-
-        (zone, mask of the points on it, 1 + t and 1 - t of these, the other points).
-        """
-        for i, w in enumerate(self.zones.half.tolist()):
-            zone = np.full(len(x), i)
-            for shift in self.kernel.poles:
-                left = self.zones.beyond_a(x - shift, zone) / w
-                right = self.zones.before_b(x - shift, zone) / w
-                on = (left >= 0) & (right >= 0)
-                beyond = np.where(right < 0, -right, -left)
-                seen = Outside(np.where(right < 0, 1.0, -1.0)[~on], beyond[~on])
-                yield i, on, left[on], right[on], seen
-
-    def _poles_on_line(self, x: Array) -> Array:
-        """Part of the transform at real x due to the poles of the kernel."""
-        out = np.zeros(len(x), dtype=self._numbers)
-        for i, on, left, right, seen in self._seen(x):
-            basis, of_zone = self.bases[i], [one for one in self.known if one.zone == i]
-            out[~on] += self._off_zone(i, seen, False)
-            if on.any():
-                own = basis.own(self.coefficients[i], left, right)
-                own = own + sum(one.own(left, right) for one in of_zone)
-                out[on] += own - basis.kappa * self._at(i, left, right)
-        return out
+        return list(self.first(FAR_TERMS))
 
     def _regular(self, x: Any, regular: Regular) -> Any:
         """Part of the transform (or potential) at points x due to the smooth kernel `regular`."""
@@ -446,4 +468,22 @@ class SecondKindDensity(DensityBase):
         regular = self.kernel.regular_of(what)
         if regular is not None:
             out = out + self._regular(complex_of(x, y), regular)
+        return np.where(z.imag < 0, np.conj(out), out)
+
+
+class SecondKindTree(Treecode):
+    """A `Treecode` whose near zones have the closed forms of their exponents."""
+
+    density: SecondKindDensity  # type: ignore[assignment]
+
+    def _beyond(self, x: Array, potential: bool) -> Array:
+        return self.density._sums_on_line(x, potential)
+
+    def _near(self, x: Array, source: Index, shift: Array, potential: bool) -> Array:
+        out, order = np.empty(len(x)), np.argsort(source, kind="stable")
+        cuts = np.flatnonzero(np.diff(source[order], prepend=-1, append=-1))
+        for lo, hi in zip(cuts[:-1], cuts[1:], strict=True):
+            here = order[lo:hi]
+            zone = int(source[here[0]])
+            out[here] = self.density._of_zone(zone, x[here] - shift[here], potential)
         return out

@@ -387,8 +387,9 @@ class LevelSolver(ManySolver):
         by_zone = super().row_errors(y, residuals, missing)[: len(rows.others)]
         first = np.abs(zones.half * y[rows.sums.layout.offset])
         logs = np.abs(np.log(zones.half / rows.dense.equation.kernel.datum))
-        # The level is a sum of the potentials of all zones, of the logarithm's size at most.
-        size = float((first * (1 + logs)).sum() + np.abs(rows.level_constants).max())
+        # The level is a sum of the potentials of all zones, of the logarithm's size at most. The
+        # round-off of its terms adds up like a root of squares.
+        size = float(np.hypot(norm(first * (1 + logs)), np.abs(rows.level_constants).max()))
         applied, out = rows.applied(y)[1], []
         for condition in rows.dense.equation.conditions:
             matrix, constants, values = asked(condition, applied, 1)

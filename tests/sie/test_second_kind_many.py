@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import sie
+from sie.second_kind import density as densities
 from sie.second_kind import solve as solving
 from sie.second_kind.many_state import ManyState
 from tests.tiers import diagonal
@@ -107,6 +108,15 @@ def test_levels_of_many_zones_with_kinks_go_through_the_sums(
     assert fast.density.amplitudes == pytest.approx(
         dense.density.amplitudes, abs=1e-10 * dense.size
     )
+    # A tree sums the fields at points; at complex points all zones are summed one by one.
+    places = np.linspace(zones.a[0] - 5.0, zones.b[-1] + 5.0, 400)
+    off = places[~fast.density.locate(places)[2]]
+    plane = fast.density.transform(off + 0j).real
+    assert fast.density.transform(off) == pytest.approx(plane, abs=1e-12 * dense.size)
+    by_tree = fast.density.potential(places)
+    monkeypatch.setattr(densities, "TREES", densities.TreeOptions(min_zones=10**6))
+    summed = dense.density.potential(places)
+    assert by_tree == pytest.approx(summed, abs=1e-10 * dense.size)
     values = fast.values()
     rates = fast.level_rates(values), dense.level_rates(values)
     assert rates[0] == pytest.approx(rates[1], rel=1e-9)
