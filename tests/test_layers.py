@@ -5,7 +5,6 @@ stand in an order.
 from __future__ import annotations
 
 import ast
-import subprocess
 import sys
 from collections.abc import Collection, Iterator
 from functools import cache
@@ -15,6 +14,7 @@ import pytest
 
 import contact
 import sie
+from tests.interpreter import loaded_after_each
 
 ROOT = Path(__file__).parents[1]
 
@@ -236,20 +236,9 @@ STEPS = {
 }
 
 
-@cache
-def _loaded() -> dict[str, set[str]]:
-    report = "\nprint(*sys.modules)\n"
-    code = "import sys\n" + "".join(step + report for step in STEPS.values())
-    command = [sys.executable, "-c", code]
-    run = subprocess.run(
-        command, cwd=ROOT, capture_output=True, text=True, check=True, stdin=subprocess.DEVNULL
-    )
-    return dict(zip(STEPS, map(set, map(str.split, run.stdout.splitlines())), strict=True))
-
-
 def loaded_after(step: str, names: Collection[str] = HEAVY) -> set[str]:
     """Those of the modules, heavy ones if none are named, that are in sys.modules after a step."""
-    return _loaded()[step] & set(names)
+    return dict(zip(STEPS, loaded_after_each(*STEPS.values()), strict=True))[step] & set(names)
 
 
 def test_importing_contact_loads_nothing_heavy() -> None:

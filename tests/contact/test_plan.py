@@ -4,8 +4,6 @@ memory bear it out.
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import tracemalloc
 from dataclasses import dataclass, replace
 
@@ -23,6 +21,7 @@ from contact.search.find import found
 from contact.search.strategies import gaps
 from contact.search.topology.failure import Failure
 from contact.solution.decision import Decision
+from tests.interpreter import loaded_after_each
 
 L, DELTA, E = 1.0, 1e-3, 1.0
 PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated()
@@ -76,17 +75,30 @@ class Counted(contact.Profile):
         return self.inner.slope(x)
 
 
-def loaded_after(code, names):
-    """Those of the modules that a fresh interpreter has loaded after the code."""
-    report = f"\nimport sys; print(*[m for m in {names!r} if m in sys.modules])"
-    run = subprocess.run(
-        [sys.executable, "-c", code + report],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=60,
-    )
-    return set(run.stdout.split())
+SCENE = "import contact as c\ns = c.solve(c.Scene({}, 1.0, {}, {}))"
+SCENES = [
+    ("c.Sinusoid(1e-3, 1.0)", "c.Periodic()", "mean_pressure=1e-3"),
+    ("c.Parabola(1.0)", "c.Isolated()", "load=1e-3"),
+    ("c.Wedge(0.1, 1.0)", "c.Periodic()", "half_width=0.2"),
+    ("c.Fourier(1.0, [-1e-3, 2e-4], [1e-4])", "c.Periodic()", "mean_pressure=1e-3"),
+    ("c.Sinusoid(1e-3, 1.0)", "c.Localized('self-consistent', neighbours=2)", "half_width=0.2"),
+]
+SAMPLED = "c.Sampled([0.0, 0.2, 0.4, 0.6, 0.8], [0.0, 2e-3, 1e-3, 0.0, -1e-3], period=1.0)"
+# What a fresh interpreter does, one after the other.
+STEPS = {
+    "series": "import contact, gc; series = contact.Fourier(1.0, [-1e-3, 2e-4]); assert gc.isenabled()\n"
+    "frozen = gc.get_freeze_count()\n"
+    "contact.solve(contact.Scene(series, 1.0, contact.Periodic(), mean_pressure=1e-4))\n"
+    "assert gc.isenabled() and gc.get_freeze_count() == frozen",
+    "scenes": "\n".join(SCENE.format(*scene) for scene in SCENES),
+    "sampled": SCENE.format(SAMPLED, "c.Periodic()", "mean_pressure=1e-3"),
+    "commands": "import contact.commands.cli",
+}
+
+
+def loaded_after(step, names):
+    """Those of the modules that a fresh interpreter has loaded after a step."""
+    return dict(zip(STEPS, loaded_after_each(*STEPS.values()), strict=True))[step] & set(names)
 
 
 def peak(call):
@@ -266,53 +278,27 @@ class TestModulesAndMemory:
         "scipy.optimize",
         "scipy.integrate",
     )
-    SCENE = "import contact as c\ns = c.solve(c.Scene({}, 1.0, {}, {}))"
 
     def test_scenes_that_need_none_of_them_load_no_optional_module(self):
-        scenes = [
-            ("c.Sinusoid(1e-3, 1.0)", "c.Periodic()", "mean_pressure=1e-3"),
-            ("c.Parabola(1.0)", "c.Isolated()", "load=1e-3"),
-            ("c.Wedge(0.1, 1.0)", "c.Periodic()", "half_width=0.2"),
-            ("c.Fourier(1.0, [-1e-3, 2e-4], [1e-4])", "c.Periodic()", "mean_pressure=1e-3"),
-            (
-                "c.Sinusoid(1e-3, 1.0)",
-                "c.Localized('self-consistent', neighbours=2)",
-                "half_width=0.2",
-            ),
-        ]
-        assert (
-            loaded_after("\n".join(self.SCENE.format(*scene) for scene in scenes), self.OPTIONAL)
-            == set()
-        )
+        assert loaded_after("scenes", self.OPTIONAL) == set()
 
     def test_a_measured_profile_loads_splines_and_nothing_else(self):
-        sampled = "c.Sampled([0.0, 0.2, 0.4, 0.6, 0.8], [0.0, 2e-3, 1e-3, 0.0, -1e-3], period=1.0)"
-        code = self.SCENE.format(sampled, "c.Periodic()", "mean_pressure=1e-3")
         # SciPy's own splines bring its optimizer along.
-        assert loaded_after(code, self.OPTIONAL) <= {
+        assert loaded_after("sampled", self.OPTIONAL) <= {
             "scipy.interpolate",
             "scipy.optimize",
             "scipy.integrate",
         }
 
     def test_the_suite_of_measurements_is_loaded_by_no_solve_and_no_other_command(self):
-        code = (
-            self.SCENE.format("c.Sinusoid(1e-3, 1.0)", "c.Periodic()", "mean_pressure=1e-3")
-            + "\nimport contact.commands.cli"
+        measurements = (
+            "contact.studies.bench",
+            "contact.reference.exact",
+            "contact.reference.inverse",
+            "contact.slip.partial_slip",
+            "contact.slip.rolling",
         )
-        assert (
-            loaded_after(
-                code,
-                (
-                    "contact.studies.bench",
-                    "contact.reference.exact",
-                    "contact.reference.inverse",
-                    "contact.slip.partial_slip",
-                    "contact.slip.rolling",
-                ),
-            )
-            == set()
-        )
+        assert loaded_after("commands", measurements) == set()
 
     def test_a_given_zone_takes_less_memory_than_a_searched_one_and_both_take_little(self):
         given = peak(lambda: solve(WAVE, half_width=0.2))
@@ -414,21 +400,14 @@ def test_the_counted_profile_evaluations_are_those_the_profile_sees_but_for_gues
 
 
 def test_what_no_part_of_a_scene_needs_is_not_loaded_for_it():
-    code = (
-        "import contact, gc; series = contact.Fourier(1.0, [-1e-3, 2e-4]); assert gc.isenabled()\n"
-        "frozen = gc.get_freeze_count()\n"
-        "contact.solve(contact.Scene(series, 1.0, contact.Periodic(), mean_pressure=1e-4))\n"
-        "assert gc.isenabled() and gc.get_freeze_count() == frozen"
-    )
     others = [
         "contact.model.traces.prepare",
         "contact.localized.strips",
         "contact.adhesion.edge_branch",
         "contact.adhesion.cohesive_branch",
     ]
-    assert loaded_after(
-        code, [*others, "contact.adhesion.pull_off_of_solution", "tomllib", "fractions", "sie"]
-    ) == {"sie"}
+    late = [*others, "contact.adhesion.pull_off_of_solution", "tomllib", "fractions"]
+    assert loaded_after("series", [*late, "sie"]) == {"sie"}
 
 
 class TestDecisions:

@@ -21,7 +21,7 @@ def alpha(kappa):
 
 # The slow ones have thirty zones, or zones too close for 256 modes.
 @pytest.mark.parametrize(
-    "seed", quick([seed for seed in range(24) if seed != 8], {*range(24)} - {2, 6, 21, 22, 23})
+    "seed", quick([seed for seed in range(24) if seed != 8], {*range(24)} - {2, 6, 20, 21, 22, 23})
 )
 def test_designed_problems_are_solved_or_refused_and_stated(seed):
     """One to thirty zones, kappa from -25 to 25, all kinds of ends, both kernels, poles near by."""
