@@ -85,7 +85,7 @@ class Yield:
     error : float
         Bound of the relative error of the load.
     note : str
-        Why the load is 0: a sharp corner or tip; else "".
+        Why the load is 0, or the load at which a sharp corner or tip comes into contact; else "".
     solution : Solution or None
         The contact at first yield; None if the load is 0.
 
@@ -353,6 +353,10 @@ def first_yield(
     return search.run()
 
 
+# ln of the control, ln of the largest stress over the strength, the contact and its peak.
+Point = tuple[float, float, Body, Peak]
+
+
 @dataclass
 class _Search:
     """A bracket of first yield in the logarithm of the control."""
@@ -360,12 +364,11 @@ class _Search:
     at: Callable[[float], Body]
     strength: float
     criterion: Criterion
-    # (ln of the control, ln of the largest stress over the strength, solution, peak) on both sides.
-    below: tuple[float, float, Body, Peak] | None = None
-    above: tuple[float, float, Body, Peak] | None = None
+    below: Point | None = None
+    above: Point | None = None
     solves: int = 0
 
-    def add(self, value: float, body: Body) -> tuple[float, float, Body, Peak]:
+    def add(self, value: float, body: Body) -> Point:
         place = infinite_at(body)
         peak = largest(body, self.criterion) if place is None else Peak(np.inf, 0.0, place, 0.0)
         ratio = peak.stress / self.strength
@@ -377,7 +380,7 @@ class _Search:
         self.solves += 1
         return point
 
-    def solve(self, level: float) -> tuple[float, float, Body, Peak]:
+    def solve(self, level: float) -> Point:
         if self.solves >= OPTIONS.max_solves:
             raise OutOfRange(
                 f"first yield is not found by {self.solves} contacts: the largest stress does not "
@@ -417,8 +420,7 @@ class _Search:
         side, last = 0, low if abs(low[1]) < abs(high[1]) else high
         slope = 0.5
         while True:
-            if np.isfinite(high[1]):
-                slope = (high[1] - low[1]) / (high[0] - low[0])
+            slope = _rate(low, high) or slope
             width = high[0] - low[0]
             if abs(last[1]) < 1e-11 or width < 1e-12:
                 break
@@ -427,8 +429,7 @@ class _Search:
             if np.isfinite(f_high):
                 level = low[0] - f_low * width / (f_high - f_low)
             previous, last = last, self.solve(level)
-            if np.isfinite(last[1]) and np.isfinite(previous[1]) and last[0] != previous[0]:
-                slope = (last[1] - previous[1]) / (last[0] - previous[0])
+            slope = _rate(previous, last) or slope
             if last[1] < 0:
                 low, weights[0] = last, 1.0
                 weights[1] = 0.5 * weights[1] if side < 0 else 1.0
@@ -441,12 +442,20 @@ class _Search:
             noise = 0.1 * last[3].error / self.strength
             if abs(last[1]) < noise:
                 break
+        if np.isinf(high[1]):
+            # A sharp corner or tip comes into contact.
+            body, tip = low[2], high[3]
+            return Yield(body.load, tip.x, tip.y, 1e-11 + body.error, _NOTE, body)
         body, peak = last[2], last[3]
-        control = body.scene.control[0]
         error = (peak.error / self.strength + abs(last[1])) / max(abs(slope), 1e-3)
-        if control not in ("load", "mean_pressure"):
-            error *= 4.0
-        return Yield(body.load, peak.x, peak.y, float(error), "", body)
+        return Yield(body.load, peak.x, peak.y, float(error + body.error), "", body)
+
+
+def _rate(one: Point, other: Point) -> float:
+    """Derivative of ln(stress) by ln(load) between two contacts; 0 if it is not known."""
+    if not (np.isfinite(one[1]) and np.isfinite(other[1])) or one[2].load == other[2].load:
+        return 0.0
+    return float((other[1] - one[1]) / np.log(other[2].load / one[2].load))
 
 
 _NOTE = (
