@@ -276,6 +276,7 @@ def test_a_punch_lifts_off_one_corner_when_the_load_is_far_off_its_middle() -> N
         assert solution.zones == pytest.approx(closed.zones, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_rough_line_slips_more_the_more_it_is_pulled() -> None:
     slips = sorted(module("fretting").main(), key=lambda slip: slip.tangential_load)
     widths = [float(np.diff(slip.stick_zones).sum()) for slip in slips]

@@ -74,7 +74,8 @@ class Slip(sie.Kept):
     shift : float or None
         Tangential displacement of body 2 along +x against body 1, far from the contact [m]. It
         counts from the same place as the approach; None where there is no approach, and in
-        rolling.
+        rolling. Its error is at most about 3 error friction p L / E*, with the peak pressure p and
+        the period, or the width from the first to the last zone, L.
     error : float
         Stated bound of two relative errors: (i) the sum, over `terms`, of the errors of pressures
         at equal normalised positions in corresponding zones, times their factors, divided by
