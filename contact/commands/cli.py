@@ -409,6 +409,11 @@ def _show_solution(solution: Solution, seconds: float, zones_shown: int = 20) ->
         if scene.law.shear_ratio
         else []
     )
+    yielding = (
+        [("plateaus", f"{len(table)}, {quantity(float(np.diff(table).sum()), 'm', 10)} in total")]
+        if len(table := solution.plateaus)
+        else []
+    )
     others = [
         what
         for what, part in (("substrate", scene.substrate), ("law", scene.law))
@@ -430,6 +435,7 @@ def _show_solution(solution: Solution, seconds: float, zones_shown: int = 20) ->
             *turning,
             ("zones", str(len(solution.zones)) if len(solution.zones) else "full contact"),
             ("total width", quantity(total_width(solution), "m", 10)),
+            *yielding,
             ("error, at most", f"{solution.error:.2g}"),
             ("time", quantity(seconds, "s", 3)),
         ],
