@@ -317,3 +317,24 @@ def test_the_stresses_at_the_surface_follow_from_pressure_and_slope(part):
     assert float(deep.yy) == pytest.approx(-mean) and float(deep.xy) == pytest.approx(
         -law.shear_ratio * mean
     )
+
+
+@pytest.mark.slow
+def test_a_load_path_in_sliding_has_the_contacts_and_events_of_single_solutions():
+    profile = contact.Fourier(1.0, [-0.01, 0.002, 0.004], [0.003, 0.001, 0.0])
+    law = contact.Sliding(0.8, 0.4)
+    scene = contact.Scene(profile, E_STAR, contact.Periodic(), law=law, load=1e-3)
+    path = contact.path(scene, np.geomspace(1e-3, 0.08, 6))
+    assert {event.kind for event in path.events} == {"birth", "merge"}
+    for event in path.events:
+        counts = [
+            len(contact.solve(scene.under("load", float(event.load) * part)).zones)
+            for part in (0.9999, 1.0001)
+        ]
+        assert counts[1] - counts[0] == (1 if event.kind == "birth" else -1)
+    for solution in path.solutions:
+        alone = contact.solve(scene.under("load", solution.load))
+        np.testing.assert_allclose(alone.zones, solution.zones, atol=1e-8)
+    for solution in contact.solve_many(scene, np.geomspace(1e-3, 0.08, 3)):
+        alone = contact.solve(scene.under("load", solution.load))
+        np.testing.assert_allclose(alone.zones, solution.zones, atol=1e-8)

@@ -144,3 +144,7 @@ def test_a_designed_contact_of_three_zones_is_found(alpha, periodic):
 )
 def test_designed_contacts_of_one_to_five_zones_are_found(periodic, alpha, lengths):
     holds(alpha, lengths, periodic)
+
+
+def test_a_zone_that_is_missing_without_friction_is_found():
+    holds(0.59375, [1.0, 1.0, 0.75, 0.25, 0.25, 1.0], False)
