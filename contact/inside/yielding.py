@@ -47,6 +47,10 @@ class YieldOptions:
     steps: int = 40  # of a refinement; each halves its step unless it moves
     max_ratio: float = 8.0  # of the control, in one step of the search for a bracket
     max_solves: int = 80
+    # Relative error of the load at which a tip comes into contact. A gap below the round-off of the
+    # heights counts as closed, and the zones that a tip begins with are as narrow: two searches from
+    # different loads differed by 2e-7.
+    touch_error: float = 1e-6
     least_ratio: float = 1e-6  # of the control: down to this a corner or a tip bears load
 
 
@@ -445,7 +449,7 @@ class _Search:
         if np.isinf(high[1]):
             # A sharp corner or tip comes into contact.
             body, tip = low[2], high[3]
-            return Yield(body.load, tip.x, tip.y, 1e-11 + body.error, _NOTE, body)
+            return Yield(body.load, tip.x, tip.y, OPTIONS.touch_error + body.error, _NOTE, body)
         body, peak = last[2], last[3]
         error = (peak.error / self.strength + abs(last[1])) / max(abs(slope), 1e-3)
         return Yield(body.load, peak.x, peak.y, float(error + body.error), "", body)

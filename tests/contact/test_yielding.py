@@ -119,6 +119,20 @@ def test_corners_tips_and_adhesive_ends_yield_under_no_load_and_say_so(profile, 
     assert "sharp corner" in found.note
 
 
+@pytest.mark.slow
+def test_a_sharp_tip_beside_the_contact_yields_once_it_touches():
+    ridge = contact.Wedge(1e-3, period=1e-4)
+    profile = contact.Combined(WAVE, ridge, shift=2e-5)
+    loads = []
+    for pressure in (1e4, 1e7):
+        solution = contact.solve(contact.Scene(profile, E, PERIODIC, mean_pressure=pressure))
+        found = solution.first_yield(2e8, 0.3)
+        assert (found.x, found.y) == (pytest.approx(2e-5), 0.0)
+        assert "sharp tip" in found.note
+        loads.append(found.load)
+    assert loads[0] == pytest.approx(loads[1], rel=2 * found.error)
+
+
 def test_full_contact_does_not_yield_in_the_plane_whatever_the_load():
     solution = contact.solve(contact.Scene(WAVE, E, PERIODIC, mean_pressure=1e6))
     with pytest.raises(contact.OutOfRange, match="no longer grows"):
