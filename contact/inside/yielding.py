@@ -49,8 +49,8 @@ class YieldOptions:
     max_solves: int = 80
     # Relative error of the load at which a tip comes into contact. A gap below the round-off of the
     # heights counts as closed, and the zones that a tip begins with are as narrow: two searches from
-    # different loads differed by 2e-7.
-    touch_error: float = 1e-6
+    # different loads differed by 2e-6.
+    touch_error: float = 1e-5
     least_ratio: float = 1e-6  # of the control: down to this a corner or a tip bears load
 
 
