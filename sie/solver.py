@@ -26,6 +26,8 @@ from sie.results.derivative import Change, Derivative, Linearized, without_slits
 from sie.results.graded_derivative import GradedLinearized
 from sie.results.gradient import Adjoint, Functional, Gradient
 from sie.results.report import Report
+from sie.results.second_kind_derivative import SecondKindLinearized
+from sie.second_kind.state import SecondKindState
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 from sie.states.solve import SingularSystem
 
@@ -208,9 +210,9 @@ class Solution:
         Raises
         ------
         ValueError
-            For wrong input, for functions that are not resolved, and for gaps that are too narrow
-            for a solution without slits. Beside narrow gaps at fixed ends that is so for dends and
-            dkernel only.
+            For wrong input, for functions that are not resolved, with kappa for other parameters
+            than `dg` and `values`, and for gaps that are too narrow for a solution without slits.
+            Beside narrow gaps at fixed ends that is so for dends and dkernel only.
         SingularSystem
             If the ends or the open value are not determined, as at a turning point of the load.
 
@@ -227,6 +229,14 @@ class Solution:
         [[0.25], [0.25]]
         """
         with np.errstate(all="ignore"):
+            if isinstance(self.state, SecondKindState):
+                if any(one is not None for one in (dkernel, dends, dintensities)):
+                    raise ValueError(
+                        "with kappa the derivatives by the kernel, by fixed ends and by "
+                        "intensities are not known: only those by dg and values"
+                    )
+                change = Change.of(self.state, dg, values)
+                return SecondKindLinearized(self.state, change).derivative()
             if isinstance(self.state, GradedState) and dends is None and dkernel is None:
                 change = Change.of(self.state, dg, values, dintensities=dintensities)
                 return GradedLinearized(self.state, change).derivative()

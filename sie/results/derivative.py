@@ -40,6 +40,8 @@ from sie.graded.density import GradedDensity
 from sie.graded.system import GradedSystem
 from sie.jumps.right_side import ForcingJumps
 from sie.results.moved_density import MovedDensity
+from sie.second_kind.density import SecondKindDensity
+from sie.second_kind.system import SecondKindRows
 from sie.slits.system import AnyDensity, AnyState
 from sie.states.base import density_of
 from sie.states.solve import SingularSystem, TooLarge, rows_of, solve_fixed
@@ -74,7 +76,7 @@ class Derivative:
 
     Attributes
     ----------
-    density : Density, MovedDensity or GradedDensity
+    density : Density, MovedDensity, GradedDensity or SecondKindDensity
         Derivative of the density at fixed x. It is singular at free ends. Its transform is the
         derivative of the transform at fixed points off the zones, without the part that a change
         of the kernel adds.
@@ -99,7 +101,7 @@ class Derivative:
     ([[-1.0, 1.0]], 1.0)
     """
 
-    density: Density | MovedDensity | GradedDensity
+    density: Density | MovedDensity | GradedDensity | SecondKindDensity
     ends: Array
     intensities: Array
     amplitudes: Array
@@ -273,7 +275,7 @@ def without_slits(state: AnyState, value: float | None, factors: bool = False) -
     factors: whether it must have LU factors; then an iterated solution is computed again.
     """
     if state.equation.second_kind:
-        raise ValueError("derivatives and gradients are known for kappa = 0 only")
+        raise ValueError("gradients are known for kappa = 0 only")
     if isinstance(state, State) and not (factors and state.iterated):
         return state.with_bounded_ends()
     try:
@@ -291,7 +293,7 @@ def without_slits(state: AnyState, value: float | None, factors: bool = False) -
     return found.with_bounded_ends()
 
 
-def known_parts(system: System | GradedSystem, view: Rows, size: int) -> Array:
+def known_parts(system: System | GradedSystem | SecondKindRows, view: Rows, size: int) -> Array:
     """The parts of all side conditions of a system that do not depend on the unknowns (rows,).
 
     view: the quantities that conditions use, with matrices of `size` columns.

@@ -214,7 +214,7 @@ def test_a_solution_says_its_residual_and_reports(name):
     assert found.residual(x) == pytest.approx(0.0, abs=1e-9)
     assert "LU factors" in str(found.report())
     with pytest.raises(ValueError, match="kappa = 0"):
-        found.derivative(np.ones_like)
+        found.gradient(np.ones_like)
     with pytest.raises(ValueError, match="kappa = 0"):
         _ = found.capacity
 

@@ -1,0 +1,95 @@
+"""The derivative of a solution with kappa whose fixed ends stay in place.
+
+The derivative of the density at fixed x is a density of the same equation, with the changes of the
+right side and of the conditions' values. At a free end it is k d^(-p); the end moves so that this
+is what the motion of K d^(-p) + A d^(1-p) with K = 0 adds, by k / ((1 - p) A).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sie.basis.data import Array
+from sie.equation.checks import check_functions
+from sie.equation.forcing import Forcing
+from sie.results.derivative import (
+    OPTIONS,
+    Change,
+    Derivative,
+    end_rates_of,
+    known_parts,
+    with_open_value,
+)
+from sie.second_kind.density import SecondKindDensity
+from sie.second_kind.jumps import known_parts as known_densities
+from sie.second_kind.state import OPTIONS as STATES
+from sie.second_kind.state import SecondKindState, density_of
+from sie.second_kind.system import SecondKindRows
+
+
+class SecondKindLinearized:
+    """The equations for the derivative of a solution with kappa.
+
+    Raises ValueError for ends with a given value or intensity, and for a solution by an iteration.
+    """
+
+    def __init__(self, state: SecondKindState, change: Change) -> None:
+        self.state, self.change = state, change
+        self.zones, self.system = state.density.zones, state.system
+        self.changed: SecondKindRows | None = None
+        if state.iterated or self.zones.follow_ends or self.zones.have_values:
+            raise ValueError(
+                "with kappa derivatives are known for zones that a matrix holds, whose ends have "
+                "neither a given value nor, if they are free, a given intensity"
+            )
+        held = np.array(change.held(self.zones))
+        rows = np.concatenate((change.values, held)).astype(self.zones.weight.numbers)
+        count = state.solver.size - len(rows)
+        equation_right = np.zeros(count, dtype=rows.dtype)
+        if change.forcing is not None:
+            self.changed = self._changed_system(change.forcing)
+            targets, sines = self.changed.points
+            equation_right = sines * self.changed.right_side(targets)
+            rows = rows - known_parts(self.changed, self.changed, self.system.layout.size)
+        self.right = np.concatenate((equation_right, rows / state.condition_scale))
+        if not np.isfinite(self.right).all():
+            raise ValueError("the change of the right side is not finite on the zones")
+
+    def _changed_system(self, forcing: Forcing) -> SecondKindRows:
+        """The system with the change of the right side in place of the right side."""
+        equation = replace(self.system.equation, forcing=forcing)
+        check_functions(equation, self.zones)
+        jumps = known_densities(forcing, self.zones, equation.kernel.period)
+        return SecondKindRows(equation, self.zones, self.system.layout, jumps)
+
+    def density(self, y: Array) -> SecondKindDensity:
+        """The density with the unknowns y and the jumps of `change.forcing`."""
+        return density_of(self.changed or self.system, y, self.changed is None)
+
+    def answer(self, right: Array) -> tuple[Array, Array]:
+        """(unknowns, outward motions of all ends) for given right sides of the rows."""
+        y = self.state.solver(right)
+        if not self.zones.moves.any():
+            return y, np.zeros((2, len(self.zones)))
+        return y, end_rates_of(self.state.density, -np.array(self.density(y).intensities))
+
+    def derivative(self) -> Derivative:
+        state, equation, zones = self.state, self.state.equation, self.zones
+        opened, unit = equation.open_condition, np.zeros_like(self.right)
+        if opened is not None:
+            unit[len(unit) - len(state.condition_scale) :] = (
+                state.values(opened) / state.condition_scale
+            )
+        y, outward, value = with_open_value(
+            self.answer, self.right, unit, equation, zones, self.change
+        )
+        density = self.density(y)
+        table, modes = np.abs(density.coefficients), self.system.layout.m.tolist()
+        last = [row[: m + 1][-STATES.last :].max() for row, m in zip(table, modes, strict=True)]
+        if max(last) > OPTIONS.max_tail * table.max():
+            raise ValueError(
+                "the change of the right side is not resolved on zone "
+                f"{int(np.argmax(last))} (counted from 0)"
+            )
+        k = np.where(np.isnan(zones.intensities), np.array(density.intensities), 0.0)
+        return Derivative(density, (outward * [[-1.0], [1.0]]).T, k, density.amplitudes, value)
