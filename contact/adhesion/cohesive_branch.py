@@ -214,7 +214,7 @@ def _refuse_narrow(context: SolveContext, width: float) -> None:
 
 
 def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
-    """Zones whose ends are moved outward if the strips of tension next to them are narrow.
+    """Zones of `fields`, with ends moved outward where the next strip of tension is narrow.
 
     The motion is a fraction of the Newton step that removes the edge intensity. Afterwards the
     strips are wide enough to be resolved, and the ends are still driven outward.

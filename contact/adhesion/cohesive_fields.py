@@ -132,10 +132,10 @@ class CohesiveFields(ZoneFields):
 
     @property
     def _not_pulled(self) -> float:
-        """Integral of height times missing tension fraction, over the zones pinned at corners.
+        """Integral of the profile's height times the missing fraction 1 - eta of the tension.
 
-        The zones are those pinned at sharp corners; the height is that of the profile. The missing
-        fraction is 1 - eta, with the local fraction eta of the tension.
+        It is taken over the zones pinned at sharp corners. There, only the fraction eta of the
+        tension acts.
         """
         out, breaks = 0.0, self.pulled.forcing.jumps.broken_at
         for end, zone in self.tension.spreads:

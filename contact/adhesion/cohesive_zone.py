@@ -370,7 +370,10 @@ class CohesiveCurve(Curve):
         )
 
     def under_all(self, value: float, zones: Array) -> CohesiveState:
-        """The state under tension on the whole period; it is as stable as frictionless contact."""
+        """The state under tension on the whole period, as stable as a contact without adhesion.
+
+        A uniform tension on the whole period acts like an additional load.
+        """
         pulled, none = self.everywhere, np.zeros((0, 2))
         pull = pulled.pulling.total
         may_separate: CohesiveState | None = None
@@ -625,7 +628,7 @@ class CohesiveCurve(Curve):
         )
 
     def explicit(self, pulled: TractionLoaded, at: Array, transform: Array) -> Array:
-        """Derivatives of the gap at the tension's ends by outward motions, for fixed pressure q.
+        """Derivatives of the gap at the tension's ends by their outward motions, at fixed q.
 
         transform: the kernel's transform of the contact pressure q at the ends.
         """

@@ -169,10 +169,9 @@ class State:
         return float(values.max(initial=-1.0))
 
     def motions(self, ends: Index) -> tuple[Array, Array]:
-        """(real parts of eigenvalues, eigenvectors) of the scaled rates dr/ds of the residuals r.
+        """(real parts of eigenvalues, eigenvectors) of dr/ds, residuals r by end motions s.
 
-        Here s are the motions of the ends. The rates dr/ds are divided by the scales `weight`. Only
-        the given ends move.
+        The derivatives dr/ds are divided by the scales `weight`. Only the given ends move.
         """
         second = self._second(ends)
         if second is None:
@@ -328,9 +327,9 @@ class Curve:
 
     @property
     def formally(self) -> "Curve":
-        """This curve itself, since it makes no tests of the signs of pressure and gap.
+        """This curve without tests of the signs of pressure and gap: here the curve itself.
 
-        Signs are tested by `CohesiveCurve`. `CohesiveCurve` overrides this property.
+        `CohesiveCurve` tests signs, and overrides this property.
         """
         return self
 

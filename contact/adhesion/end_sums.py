@@ -130,7 +130,10 @@ class EndSum:
         return out
 
     def _of_cells(self, cells: Index) -> Array:
-        """Chebyshev series (terms, all cells); those of the given cells are computed if missing."""
+        """Chebyshev series (terms, all cells) of the sums over far ends.
+
+        Series of the given cells are computed if they are missing.
+        """
         edges, terms = self._cells.edges, _terms()
         if self._series is None:
             self._series = np.zeros((terms, len(edges) - 1))

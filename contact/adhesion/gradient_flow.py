@@ -180,9 +180,10 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
 
 
 def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array:
-    """Limits (2n,) of a shorter step of the ends, after a step has failed.
+    """New limits (2n,) of the ends' motions, after `step` under the old `limit` has failed.
 
-    If the state is unstable, one factor shortens the limits of all ends in proportion.
+    by: factor of the failed step, for all ends or for each one. If the state is unstable, one
+    factor shortens the limits of all ends in proportion.
     """
     if here.growth >= 0.0:
         return np.asarray(float(np.min(by)) * limit * float((np.abs(step) / limit).max()))

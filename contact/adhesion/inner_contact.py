@@ -232,8 +232,8 @@ def _steps(
     with np.errstate(divide="ignore", invalid="ignore"):
         step = np.where(slope > 0, 2 * k / slope, np.copysign(np.inf, k))
     if before is not None and len(before[0]) == len(zones):
-        # After an overshoot, the position of rest lies between the last two positions of the end.
-        # Then the secant method is used.
+        # If K has changed its sign, the end has passed the position at which K is 0. Then the
+        # secant method is used between the last two positions.
         back = np.array([zones[:, 0] - before[0][:, 0], before[0][:, 1] - zones[:, 1]])
         overshot = np.abs(k) > MOVES.least_part * np.abs(before[1])
         turned = (k * before[1] < 0) & overshot & ~pinned

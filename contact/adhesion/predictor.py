@@ -62,9 +62,9 @@ class Predictor(Kept):
 
     @classmethod
     def of(cls, curve: Curve, here: State, fields: ZoneFields, sign: float) -> Predictor:
-        """The predictor at a state whose ends move outward, or inward for a negative sign.
+        """The predictor at the state `here`, for outward (sign 1) or inward (-1) motions of ends.
 
-        The ways are so short that the places resolve the features of the profile.
+        `farthest` is so small that the places on each way resolve the features of the profile.
         """
         wanted = curve.problem.end.intensity
         assert wanted is not None

@@ -162,8 +162,8 @@ def stated(zone: ClosedZone) -> Value:
         return TOLERANCES.singular_end * TOLERANCES.rounding + 0.0 * zone.half
     scale, _, follows = zone.sums
     scale = scale + abs(problem.kink)
-    # The estimated sum of the truncated coefficients assumes that the coefficients decrease like a
-    # geometric series, from 1 to round-off.
+    # `left` is the estimated sum of the truncated coefficients. The coefficients are assumed to
+    # decrease geometrically, from 1 to `EPS` over the number of nodes.
     left = 4.0 * (1.0 - zone.nodes / math.log(EPS)) * zone.tail
     weight = way.weight(zone.half_width)
     # The weight is w = cos A and the half length sin A, with A = pi (half width)/period. So a

@@ -441,9 +441,8 @@ class PeriodicPoles:
                 odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
-                # The poles closest to an algebraic point are not in `poles`. At the point itself
-                # their transforms count: coefficient c and distance eta add i c / (-i eta) = -c /
-                # eta.
+                # `poles` omits the poles closest to an algebraic point. At the point itself, a pole
+                # with the coefficient c at the distance eta adds i c / (-i eta) = -c / eta.
                 out[turns == 0.0] -= self.points.left_out(place, 0.5 * self.length).real
         return out.reshape(np.shape(x))
 

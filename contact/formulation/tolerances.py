@@ -51,10 +51,10 @@ class Tolerances:
     # Largest allowed relative error of the intensity at an end. With a cohesive law: largest error
     # of the gap at the end of the tension, relative to the reach of the tension.
     edge_condition: float = 1e-7
-    # Bound of the gap's round-off at an end of a tension, relative to the gap's round-off
-    # elsewhere.
+    # Allowed round-off of the gap at the end of an interval of tension, divided by the round-off of
+    # the gap elsewhere.
     reach_multiple: float = 4.0
-    # Distance from an end of a tension, relative to the width of the interval with tension. The
+    # Distance from an end of an interval of tension, relative to the width of the interval. The
     # certificate compares the gap with the reach only at places farther away than this.
     reach_distance: float = 1e-9
     gap_margin: float = 100.0  # factor on the gap that the density's error causes on the zones
@@ -78,9 +78,9 @@ class Tolerances:
 
     @property
     def kernel_rounding(self) -> float:
-        """Round-off of a sum over the half-plane's kernel, a tenth of `rounding`.
+        """Round-off of sums with the half-plane's kernel, relative to the largest term.
 
-        These sums have a tenth as many terms as the other sums.
+        These sums have a tenth as many terms as the sums that `rounding` describes.
         """
         return self.rounding / 10
 

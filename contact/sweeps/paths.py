@@ -52,8 +52,8 @@ class PathOptions:
     # is also the tolerance of ends, relative to the width of their zone.
     same: float = 1e-7
     # Zones at two loads count as the same zone if they overlap by this fraction of the narrower
-    # width. Within a relative load step below this, no zone is assumed to be born and to merge. If
-    # an unconverged solution has an error below this, its number of zones counts as right.
+    # width. Within a smaller relative load step, no zone is assumed to be both born and merged. An
+    # unconverged solution with a smaller error is assumed to have the right number of zones.
     negligible: float = 1e-3
     # If the ratio of two loads exceeds this, the motion of ends between the loads cannot be
     # predicted from the ends' rates (derivatives by ln(load)) at the two loads.

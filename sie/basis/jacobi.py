@@ -60,7 +60,7 @@ OPTIONS = SweepOptions()
 
 @dataclass(frozen=True)
 class Family:
-    """One of the two families of the module's docstring.
+    """The polynomials p_n or q_n of the head of this file, for one alpha.
 
     alpha, rest: alpha and 1 - alpha, each without cancellation, real or complex. bounded: whether
     it is q_n.
@@ -97,7 +97,7 @@ class Family:
         return np.asarray(self.mirrored.at_one(count) * (1.0 - 2.0 * (np.arange(count) % 2)))
 
     def steps(self, count: int) -> tuple[Array, Array]:
-        """(up_n, down_n) of the recurrence from the end t = 1, n = 0 ... count - 1."""
+        """(up_n, down_n), n < `count`, of the recurrence for f_n at the head of this file."""
         return _steps(self, count, self.is_complex)
 
     def sums(self, c: Array, left: Any, right: Any) -> Array:
@@ -156,7 +156,8 @@ def _recurrence(family: Family, count: int, _: bool) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=256)
 def _at_one(family: Family, count: int, _: bool) -> Array:
-    # The rounding of a thousand factors would add up; where there is a longer float it does not.
+    # In a product of a thousand doubles, round-off would add up. `np.longdouble` prevents this on
+    # platforms where it has more digits than a double.
     k = np.arange(count + 1, dtype=np.longdouble)
     factors = np.ones(count + 2, dtype=family.numbers(k))
     factors[1:] = np.sqrt((k + family.alpha) / (k + family.rest))

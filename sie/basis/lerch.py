@@ -23,7 +23,8 @@ Number = NDArray[Any]
 class LerchOptions:
     """Numbers of terms and of quadrature nodes that leave only round-off in `lerch`."""
 
-    # Both series are used where their ratio is below one half: 2^(-55) is below round-off.
+    # Number of terms of the power series in x and in 1 - x. They are used where |x| or |1 - x| is
+    # at most 1/2, so that the omitted terms are below round-off.
     terms: int = 56
     # Number of Gauss-Legendre nodes for the integral in log y in `_by_ray`, over a length of log 2
     # or less. The pole y = 1 of the integrand is 0.5 or more away, so that the error is 3.6^(-2

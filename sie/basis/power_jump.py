@@ -353,7 +353,7 @@ def _monomials(weighted: JacobiFunctions, count: int) -> Array:
 
 
 def rho_of(left: Number, less: Number) -> Number:
-    """zeta - sqrt(zeta^2 - 1) from zeta + 1 and zeta - 1."""
+    """zeta - sqrt(zeta^2 - 1), from left = zeta + 1 and less = zeta - 1."""
     if np.iscomplexobj(less):
         return np.asarray(2 / (np.sqrt(left) + np.sqrt(less)) ** 2)
     size = 2 / (np.sqrt(np.abs(left)) + np.sqrt(np.abs(less))) ** 2

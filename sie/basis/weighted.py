@@ -123,17 +123,17 @@ class JacobiFunctions(Kept):
 
     @property
     def mirrored(self) -> "JacobiFunctions":
-        """`JacobiFunctions` for -kappa: its S_n(t) is (-1)^n S_n(-t), with the S_n of this object."""
+        """`JacobiFunctions` for -kappa; its S_n(t) is (-1)^n times S_n(-t) of this object."""
         return JacobiFunctions(-self.kappa)
 
     @cached_property
     def singular(self) -> Family:
-        """The polynomials p_n."""
+        """The polynomials p_n of S_n = w p_n, see the head of this file."""
         return Family(self.alpha, self.rest)
 
     @cached_property
     def bounded(self) -> Family:
-        """The polynomials q_n."""
+        """The polynomials q_n of the bounded part (1 - t^2) w sum_n q_n q[n] of a `Split`."""
         return Family(self.alpha, self.rest, bounded=True)
 
     @cached_property

@@ -42,9 +42,9 @@ class ModeOptions:
     # no longer decrease if 1.5 times as many modes do not halve them. Even for a kernel as rough as
     # |x - xi|, that many modes more than halve the coefficients.
     nearly_decayed: float = 1e-5
-    # First number of nodes of a zone. If the right side is singular close to the zone, the first
-    # number is larger, so that the coefficients decay to round-off. At least this number of
-    # coefficients also count as the leading ones of a series.
+    # First number of nodes of a zone. It is larger if the right side is singular close to the zone,
+    # so that the coefficients decay to round-off. Also the number of leading coefficients from
+    # which the size of the jumps' series is taken.
     first_nodes: int = 16
     # The decay of a zone's coefficients is judged only if the zone has at least this number of
     # nodes for each jump.
@@ -273,11 +273,10 @@ def sample(
                 last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))
             ) & (n < largest)
             grow &= (n < OPTIONS.max_nodes) | (last <= OPTIONS.nearly_decayed * scale)
-            # If the right side g jumps, the last of n coefficients decrease as 1/n. If the last
-            # coefficients are round-off, they decrease as 1/sqrt(n). So coefficients that decrease
-            # more slowly than n^-0.75 are round-off. They are compared with those of the last two
-            # numbers of nodes: next to knots, a single comparison may show a slow decrease by
-            # chance.
+            # The last of n coefficients decrease as 1/n if the right side g jumps, and as 1/sqrt(n)
+            # if they are round-off. So they count as round-off if they decrease more slowly than
+            # n^-0.75 from both previous numbers of nodes. Next to knots, the decrease from one of
+            # them may be slow by chance.
             slow = (tails[group, 1] >= 0) & (
                 last[:, None] > tails[group] * (sizes[group] / n) ** 0.75
             ).all(axis=1)

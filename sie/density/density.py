@@ -154,9 +154,7 @@ class Density(Series):
         )
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
-            # If the kernel's reach alone gives the number of modes of its regular part, the tree's
-            # far sums already include this part. The reach is the distance from a source to the
-            # nearest singular point of the regular part.
+            # If `kernel.sure`, the treecode already includes the kernel's regular part.
             regular = None if self.kernel.sure else regular
         else:
             every = partial(from_zones, self, zone=zone, shift=shift, potential=potential)

@@ -54,7 +54,7 @@ class _Sampled:
     zone: int
 
     def place(self, left: Array, right: Array) -> Array:
-        """Points x from the distances of both ends, divided by the half width."""
+        """Points x, given by their distances from both ends in half widths."""
         w = self.zones.half[self.zone]
         return np.where(
             left < right, self.zones.a[self.zone] + w * left, self.zones.b[self.zone] - w * right
@@ -82,9 +82,9 @@ class _Sampled:
         return values
 
     def weighted(self, left: Array, right: Array) -> Array:
-        """X f at points given by their distances from both ends, divided by the half width.
+        """X f, X = sqrt(1 - t^2), at points given by distances from both ends in half widths.
 
-        The distances are those of the rounded x. With them, the round-off of x near a singular end
+        X is computed from the distances of the rounded x. So the round-off of x near a singular end
         leaves X f nearly unchanged.
         """
         x, zone = self.place(left, right), np.full(len(left), self.zone)
@@ -94,7 +94,7 @@ class _Sampled:
         )
 
     def series(self, tol: float) -> Array:
-        """Coefficients of T_j in X f, to the relative tolerance `tol`.
+        """Chebyshev coefficients of sqrt(1 - t^2) f, to the relative tolerance `tol`.
 
         Raises ValueError if they do not decay to it.
         """

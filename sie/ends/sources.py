@@ -157,7 +157,7 @@ def _solved(state: State, right: Array) -> Array:
 
 
 def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
-    """Potential (P, S) of the coefficients (2/(pi w)) rho^l, l > m, that unit sources cause.
+    """Potential at P positions due to the modes l > m of the fields of S unit sources (P, S).
 
     up: rho of the sources (Z, S, poles); seen: rho' of the positions (Z, P, poles). The potential
     is the sum over zones and poles of -(2/pi) sum_{l > m} (rho rho')^l / l.

@@ -199,10 +199,10 @@ class ZoneSums:
         return int(self.near.transform.nnz) + len(self.far.far) * TERMS
 
     def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
-        """(U coefficients, potential in the middle, mean minus this potential) of each solved zone.
+        """Coefficients in U_l of the field on solved zones, and the potential of the field.
 
-        The mean potential of each zone is the sum of the last two. rough: whether a far field with
-        an error of 1e-7 of the whole field is accurate enough.
+        Returns (coefficients, potential at the zone's middle, mean potential minus that). rough:
+        whether a far field with an error of 1e-7 of the whole field is accurate enough.
         """
         leaves = np.append(y, 0.0)[self.lead] * self.scale
         series, middle, mean = self.far(leaves, rough)

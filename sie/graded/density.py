@@ -110,7 +110,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def fine(self) -> tuple[GradedSystem, Array]:
-        """The system with so many nodes that they resolve psi itself, and the unknowns there.
+        """(system with enough nodes to resolve psi itself, its unknowns), psi = density * dx/ds.
 
         Where psi is divided by `Grading.scale` before its series, the scale is singular at the
         distance pi/B from the axis of s, so that psi needs more nodes than the quotient.
@@ -170,7 +170,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def charges(self) -> Array:
-        """F_k / n at each source of fields."""
+        """F_k / n at the nodes of `fine`: the factors of R(s, s_k) at the head of this file."""
         system, unknowns = self.fine
         return np.asarray(unknowns[: system.nodes] * system.weights)
 

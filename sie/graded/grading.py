@@ -179,7 +179,7 @@ class Grading(Kept):
         return np.asarray((0.5 * self.stretch) ** 2 * (slope - bend))
 
     def log_ratio(self, points: Places, sources: Places) -> Numbers:
-        """log((x - x') / (s - s'))."""
+        """log((x - x') / (s - s')), for `points` at x(s) and `sources` at x' = x(s')."""
         y = self.turns(points, sources)
         return np.asarray(
             np.log(0.25 * self.reach * self.stretch)

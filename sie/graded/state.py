@@ -247,7 +247,7 @@ class GradedState(Answered):
 
     @cached_property
     def _errors(self) -> tuple[Array, Array, Array]:
-        """(error of phi sqrt(1 - t^2), its size, error of charges) on each zone (3, Z)."""
+        """(error of phi sqrt(1 - t^2), largest phi sqrt(1 - t^2), error of F_k) of each zone."""
         system = self.system
         errors, sizes, charges = np.zeros((3, len(system.zones)))
         for zone, places in enumerate(system.sources):

@@ -204,7 +204,7 @@ class GradedSystem(Rows, Kept):
         return slice(int(self.offset[zone]), int(self.offset[zone] + self.sizes[zone]))
 
     def fields(self, zone: int, places: Places) -> Array:
-        """dx/ds times the transform at places of a zone, for a unit of each F_k (places, sources).
+        """dx/ds times the transform at `places` on a zone, for F_k = 1 (places, sources).
 
         The zone's own part is that of Gauss's rule, which is exact at collocation nodes only.
         """
@@ -214,7 +214,7 @@ class GradedSystem(Rows, Kept):
         return out
 
     def far_fields(self, zone: int, places: Places) -> Array:
-        """`fields` without the zone's own pole."""
+        """`fields` without the pole 1 / (x - x') between points x, x' of the same zone."""
         kernel, own = self.equation.kernel, self.own(zone)
         out = np.zeros((len(places.u), self.nodes))
         for shift in kernel.poles:

@@ -42,7 +42,7 @@ class GradedLinearized:
         self.right = out
 
     def _changed_system(self, forcing: Forcing) -> GradedSystem:
-        """The system with the change of the right side in place of the right side."""
+        """The system whose right side is `forcing`, the change of the equation's right side."""
         equation = replace(self.system.equation, forcing=forcing)
         check_functions(equation, self.zones)
         jumps = forcing.jumps_within(self.zones, equation.kernel)

@@ -61,7 +61,11 @@ class Functional:
 
 @dataclass(frozen=True, eq=False)
 class _Adjoint:
-    """Derivatives of a linear functional by the rows, by motions of ends and by intensities."""
+    """Derivatives of a linear functional by the data of the linearised problem.
+
+    rows: by the right side of each row of the system; outward: by outward motions of the ends (2,
+    Z); lack: by the missing intensity of each free end.
+    """
 
     rows: Array
     outward: Array

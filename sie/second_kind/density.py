@@ -149,7 +149,7 @@ class SecondKindDensity(DensityBase):
 
     @cached_property
     def _families(self) -> list[JacobiFunctions]:
-        """The functions S_n for each different kappa."""
+        """The functions S_n (see `sie.basis.weighted`) for each different kappa of the zones."""
         return [JacobiFunctions(one) for one in np.unique(self._kappa).tolist()]
 
     @property

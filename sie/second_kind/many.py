@@ -6,11 +6,12 @@ coefficients of the equation in the polynomials D_(k-1), k = 1 ... m,
     -c_k + (coefficient of the field of other zones and images) = g_k,
 
 and the coefficients c_0 follow from the totals of the zones, or from the prescribed intensities if
-each zone has one fixed bounded end. The fields of other zones are small
-and smooth, so the rows are close to minus the identity, and GMRES needs few steps.
+each zone has one fixed bounded end. The fields of other zones are small and smooth, so the rows are
+close to minus the identity, and GMRES needs few steps.
 
-From far away any density is a sum of m_l T_l / sqrt(1 - t^2) (see `JacobiFunctions.moments`). So far zones
-interact by the tree of `sie.trees`. Near zones interact by a table of the transforms of S_n.
+From far away any density is a sum of m_l T_l / sqrt(1 - t^2) (see `JacobiFunctions.moments`). So
+far zones interact by the tree of `sie.trees`. Near zones interact by a table of the transforms of
+S_n.
 """
 
 from collections.abc import Callable
@@ -170,7 +171,7 @@ class FieldSums:
         return self._far(y, rough)[0]
 
     def _far(self, y: Array, rough: bool) -> tuple[Array, Array, Array]:
-        """What `FarSum` gives for the unknowns y."""
+        """The result of the `FarSum` `self.far` for the unknowns y."""
         leaves = np.zeros((len(self.zones), TERMS))
         for basis, m, group, unknowns in self.groups:
             leaves[group] = y[unknowns] @ basis.moments(m + 1, TERMS).T
@@ -178,14 +179,14 @@ class FieldSums:
         return self.far(leaves * self.zones.half[:, None], rough)
 
     def __call__(self, y: Array, rough: bool = False) -> Array:
-        """Coefficients of the field in D_(k-1), k = 1 ... m, of each zone in turn.
+        """Coefficients of D_0 ... D_(m-1) in the field on each zone, zone after zone.
 
         rough: whether an error of 1e-7 of the whole far field is small enough.
         """
         return self.projected(self.near @ y, self.far_rows(self._far_series(y, rough)))
 
     def fields_and_middles(self, y: Array, rough: bool = False) -> tuple[Array, Array]:
-        """(what a call gives, potential of far zones in the middle of each zone)."""
+        """(result of `__call__`, potential of far zones in the middle of each zone)."""
         series, middle, rest = self._far(y, rough)
         return self.projected(self.near @ y, self.far_rows(series)), middle + rest
 
@@ -428,7 +429,8 @@ class ManySolver:
         table = layout.padded(y)
         sizes = np.abs(table).max(axis=1)
         starts = np.cumsum(layout.m) - layout.m
-        # The sum of squares of the values at the nodes is about m / 2 times that of coefficients.
+        # The mean square of a zone's values at its nodes is about half the sum of squares of its
+        # coefficients.
         squares = rows.right**2 + y[rows.others] ** 2
         terms = np.sqrt(0.5 * np.add.reduceat(squares, starts))
         last = np.zeros(layout.size)

@@ -73,7 +73,7 @@ def solve_moved(state: SecondKindState, outward: Array) -> SecondKindState:
 def _solve_once(
     equation: Equation, zones: Zones, m: Index, sizes: Sizes, fewer: SecondKindState | None
 ) -> SecondKindState:
-    """The solution with m modes on each zone; fewer: that with fewer modes, if there is one."""
+    """The solution with m modes on each zone; `fewer`: an earlier one with fewer modes."""
     layout = Layout(m, len(equation.columns))
     parts = known_parts(equation.forcing, zones, equation.kernel.period)
     system = SecondKindRows(equation, zones, layout, parts)

@@ -113,7 +113,7 @@ class SecondKindState(Answered):
         return density_of(self.system, self.solver(self._right_of(values)), True)
 
     def _right_of(self, values: Array) -> Array:
-        """Right side of the system for given condition values, and zero as the equation's."""
+        """Right side of the system: 0 in the equation's rows, `values` in the conditions' rows."""
         right = np.zeros(self.solver.size, dtype=self.unknowns.dtype)
         right[self.solver.size - len(values) :] = values / self.condition_scale
         return right

@@ -155,7 +155,7 @@ class SlitDensity(DensityBase):
         return self._on_slits(self._of_slits(1))
 
     def _on_slits(self, series: list[list[Array]]) -> Density:
-        """A `Density` on the slits, with one given series for each slit."""
+        """A `Density` whose zones are the slits; `series` has its coefficients on each slit."""
         slits = self.geometry.slits
         table = np.zeros((len(slits), max(len(one) for row in series for one in row)))
         for here, row in zip(self.slits, series, strict=True):

@@ -329,7 +329,7 @@ def separated_modes() -> tuple[Array, Array]:
 
 
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
-    """(whether the last coefficients hardly decrease, ratio of the next one to their largest).
+    """(whether the coefficients `row` hardly decrease, the next one divided by their largest).
 
     row: last coefficients in descending order of the mode; fall: mean ratio of successive
     coefficients of the whole series. If the last ones decrease at less than half of this rate, they

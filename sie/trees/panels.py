@@ -169,9 +169,10 @@ class Panels(Kept):
         return np.asarray(self.origin + (self.first + panel + 0.5) * self.step)
 
     def _coefficients(self, potential: bool, x: Array, xi: Array) -> Array:
-        """The Chebyshev matrices K^(d) of pairs of panels, from the kernel's values at nodes.
+        """Matrices K^(d) of pairs of panels: the kernel's Chebyshev coefficients in x and xi.
 
-        x: nodes (n, TERMS) of n target panels; xi: those of n source panels, or of one.
+        d: distance between the two panels, counted in panels. x: nodes (n, TERMS) of n target
+        panels; xi: those of n source panels, or of one.
         """
         function, to_series = (
             self.kernel.regular_potential if potential else self.kernel.regular,

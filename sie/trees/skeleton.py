@@ -32,8 +32,8 @@ class SkeletonOptions:
     # Largest accepted error of the interpolated kernel at positions not used to build the skeleton,
     # relative to the kernel's largest value.
     max_error: float = 1e-12
-    # Sizes that are tried in turn. They are numbers of nodes on each zone, to find how many modes
-    # the kernel has there. They are also numbers of positions among which the skeleton is chosen.
+    # Numbers of nodes on each zone, tried in turn until they resolve the kernel's modes there. From
+    # the third on, also numbers of positions, tried in turn, among which the skeleton is chosen.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
     # Number of the skeleton's positions for which the number of modes on each zone is computed.
     sampled_places: int = 8

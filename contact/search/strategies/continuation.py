@@ -129,7 +129,7 @@ def _by_zones(
 def _by_gaps(
     context: SolveContext, problem: Problem, control: Control, zones: Array
 ) -> Outcome | Failure:
-    """The contact from the gaps between extrapolated zones, with the gaps as the unknown."""
+    """The contact with the gaps as the unknown, from the gaps between the guessed `zones`."""
     period = problem.repeat_length
     form = GapForm(problem, context.cache.relief(problem))
     newton = NewtonSettings(

@@ -28,7 +28,7 @@ class GapOptions:
     # For contact fractions from 0.5 to 0.9, both zones and gaps work as the unknown. Above about
     # 0.7, gaps need fewer modes.
     wide_contact: float = 0.7
-    # The threshold for several asperities with kinks in their valleys. No load closes a gap over a
+    # `wide_contact` for several asperities with kinks in their valleys. No load closes a gap over a
     # kink, and narrow gaps are lost if the zones are the unknown.
     wide_contact_with_kinks: float = 0.25
 
@@ -92,7 +92,7 @@ def record_as_before(plan: Plan, before: Solution) -> None:
 
 
 def record_unknowns(context: SolveContext, solved: SolvedZones | SolvedGaps) -> None:
-    """Make the plan state the unknowns of the solution that is kept, zones or gaps."""
+    """Record in the plan whether the kept solution has zones or gaps as its unknowns."""
     plan, module = context.plan, context.scene.law.routes.module
     decided = plan.decisions.get("unknowns")
     way = "gaps" if isinstance(solved, SolvedGaps) else "zones"

@@ -133,7 +133,7 @@ def extrapolated(previous: tuple[CurvePoint, ...], at: float) -> tuple[Array, in
 
 
 def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
-    """The last points with equal units and different values of the control, newest first."""
+    """The last points with the same units and distinct control values, newest first."""
     last, known = previous[-1], [previous[-1]]
     for one in reversed(previous[:-1]):
         if (

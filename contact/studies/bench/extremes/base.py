@@ -39,5 +39,5 @@ class Extreme:
 
     @property
     def decidable(self) -> bool:
-        """Whether the rounded data determine the number of zones."""
+        """Whether the allowed error is below `hair`, so that only one number of zones is right."""
         return self.allowed < self.hair
