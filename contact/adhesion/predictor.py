@@ -50,9 +50,9 @@ class Predictor(Kept):
 
     A drive is the residual of an end in the direction of its motion.
 
-    farthest: largest way of each end (2n,). driven: drive onward at the start and at the places
-    on its way (2n, 1 + places). by_others: drive added by a unit motion of each other end (2n,
-    2n). creep: way of an end that is hardly driven (2n,).
+    farthest: largest distance that each end may move (2n,). driven: drive of each end at the start
+    and at the places on its path (2n, 1 + places). by_others: drive of each end added by a unit
+    motion of each other end (2n, 2n). creep: distance moved by an end whose drive is small (2n,).
     """
 
     farthest: Array
@@ -64,7 +64,7 @@ class Predictor(Kept):
     def of(cls, curve: Curve, here: State, fields: ZoneFields, sign: float) -> Predictor:
         """The predictor at the state `here`, for outward (sign 1) or inward (-1) motions of ends.
 
-        `farthest` is so small that the places on each way resolve the features of the profile.
+        `farthest` is so small that the places on a path resolve the features of the profile.
         """
         wanted = curve.problem.end.intensity
         assert wanted is not None

@@ -275,9 +275,9 @@ class Sphere(Power):
 
 @dataclass(frozen=True)
 class Cone(Power):
-    """A cone f = slope r.
+    """A cone f = m r with the `steepness` m.
 
-    g = pi slope x/2, P = pi E* slope a^2/2, p = (E* slope/2) arcosh(a/r). I. N. Sneddon (1965), doi
+    g = pi m x/2, P = pi E* m a^2/2, p = (E* m/2) arcosh(a/r). I. N. Sneddon (1965), doi
     10.1016/0020-7225(65)90019-4.
 
     Parameters

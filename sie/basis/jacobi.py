@@ -46,8 +46,9 @@ class SweepOptions:
     rho^n while all other solutions grow as rho^(-n) (W. Gautschi, SIAM Review 9, 1967, 24-82).
     """
 
-    # Growth rho^(-n) of round-off up to which the recurrence runs towards larger n.
-    # Half of it halves the largest errors, and adds a third to the longest downward recurrence.
+    # The recurrence runs towards larger n as long as round-off grows by less than this factor
+    # rho^(-n). Half this factor halves the largest errors, and adds a third to the longest downward
+    # recurrence.
     max_growth: float = 10.0
     # Up to this number of points, one downward recurrence serves all points. More points are
     # divided into groups with similar numbers of steps. One step has an overhead as large as the
@@ -63,7 +64,7 @@ class Family:
     """The polynomials p_n or q_n of the head of this file, for one alpha.
 
     alpha, rest: alpha and 1 - alpha, each without cancellation, real or complex. bounded: whether
-    it is q_n.
+    the polynomials are the q_n.
     """
 
     alpha: Any
@@ -85,7 +86,7 @@ class Family:
         return Family(self.rest, self.alpha, self.bounded)
 
     def recurrence(self, count: int) -> tuple[Array, Array]:
-        """(a_n, b_n) for n = 0 ... count - 1; b_0 is zero."""
+        """(a_n, b_n), n < `count`, of the recurrence at the head of this file; b_0 is zero."""
         return _recurrence(self, count, self.is_complex)
 
     def at_one(self, count: int) -> Array:
@@ -135,7 +136,7 @@ class Family:
 
 
 def _cached(count: int, *tables: Array) -> tuple[Array, ...]:
-    """The first `count` entries of tables that are kept, as views that cannot be written to."""
+    """The first `count` entries of cached tables, as views that cannot be written to."""
     for table in tables:
         table.flags.writeable = False
     return tuple(table[:count] for table in tables)

@@ -363,8 +363,8 @@ def rho_of(left: Number, less: Number) -> Number:
 def series(moments: Array, left: Number, less: Number) -> Number:
     """Sum of m_l rho^l / sqrt(zeta^2 - 1), the transform of sum m_l T_l / sqrt(1 - t^2).
 
-    moments: along the first axis, with further axes none or those of the points. left, less:
-    zeta + 1 and zeta - 1.
+    moments: the m_l along the first axis; further axes, if any, are those of the points. left,
+    less: zeta + 1 and zeta - 1.
     """
     rho = rho_of(left, less)
     value = np.zeros_like(rho)

@@ -33,10 +33,10 @@ class SamplingOptions:
     # tolerance. It is the sum of some hundred coefficients, each within the tolerance.
     margin: float = 100.0
     # Distance from an end, in half widths, at which the exponent of the function is measured. The
-    # next term changes the exponent there by about the distance itself.
+    # next term of the expansion at the end changes the exponent by about this distance.
     end_distance: float = 1e-4
-    # Deviation of this exponent from -1/2, 1/2, 3/2, ... that is reported. It is a hundred times
-    # the effect of the next term.
+    # A deviation of this exponent from -1/2, 1/2, 3/2, ... above this is reported. The limit is
+    # some hundred times the effect of the next term.
     exponent_deviation: float = 0.02
 
 

@@ -277,16 +277,16 @@ class GradedState(Answered):
     def density_error(self) -> float:
         """Estimated error of the density on these zones.
 
-        It is the sum of two: the error of the density times sqrt(1 - t^2) over its `size`, and the
-        error of charges over the largest one. The density next to a narrow gap may exceed that on
-        the rest of the zones by orders of magnitude, charges do not.
+        It is the sum of two relative errors: that of the density times sqrt(1 - t^2), and that of
+        the charges F_k. Next to a narrow gap the density may be orders of magnitude larger than on
+        the rest of the zones; charges are not.
         """
         errors, sizes, charges = self._errors
         return _ratio(errors.max(), sizes.max()) + _ratio(charges.max(), self.charge_sizes.max())
 
     @cached_property
     def zone_errors(self) -> Array:
-        """The same on each zone (Z,), relative to its own largest density and charge."""
+        """`density_error` of each zone (Z,), relative to its own largest density and charge."""
         errors, sizes, charges = self._errors
         of_charges = zip(charges, self.charge_sizes, strict=True)
         pairs = zip(zip(errors, sizes, strict=True), of_charges, strict=True)

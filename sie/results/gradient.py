@@ -82,8 +82,8 @@ class Gradient:
     Attributes
     ----------
     values : tuple of ndarray
-        Derivatives by the values of the rows of each condition, those on the ends last. For the
-        condition of unknown value they are not defined, and zero.
+        Derivatives by the values of each condition's rows; conditions on the ends come last. For
+        the condition whose value is unknown they are not defined, and set to zero.
     ends : (n, 2) array
         Derivatives by the positions of the fixed ends; zero for free ends.
     intensities : (2, n) array

@@ -116,7 +116,7 @@ class SecondKindDensity(DensityBase):
 
     @cached_property
     def _split(self) -> list[Split]:
-        """The series of each zone in a form that keeps its digits beside bounded ends."""
+        """The density on each zone as a `Split`, which keeps its digits close to bounded ends."""
         zero = self._vanishing
         return [
             basis.split(c, bool(left), bool(right))

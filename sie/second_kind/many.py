@@ -40,7 +40,7 @@ from sie.trees.krylov import gmres
 from sie.trees.panels import panels_over
 from sie.trees.tree import TERMS, Pairs, Tree
 
-# From the number of modes of a zone to the distances 1 + t and 1 - t of points on it.
+# A function from the number of modes of a zone to distances 1 + t and 1 - t of points on it.
 PointsOf = Callable[[int], tuple[Array, Array]]
 
 
@@ -199,7 +199,7 @@ class FieldSums:
         return np.asarray(far)
 
     def near_potential(self) -> Any:
-        """Sparse matrix from the unknowns to the potential in the middle, by `far.near` pairs."""
+        """Sparse matrix from the unknowns to the potential of near zones in each zone's middle."""
         zones, layout, pairs = self.zones, self.layout, self.far.near
         other = ~((pairs.target == pairs.source) & (pairs.shift == 0.0))
         target, source, shift = pairs.target[other], pairs.source[other], pairs.shift[other]

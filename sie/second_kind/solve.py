@@ -73,7 +73,7 @@ def solve_moved(state: SecondKindState, outward: Array) -> SecondKindState:
 def _solve_once(
     equation: Equation, zones: Zones, m: Index, sizes: Sizes, fewer: SecondKindState | None
 ) -> SecondKindState:
-    """The solution with m modes on each zone; `fewer`: an earlier one with fewer modes."""
+    """The solution with m modes on each zone; `fewer`: an earlier one with fewer modes, if any."""
     layout = Layout(m, len(equation.columns))
     parts = known_parts(equation.forcing, zones, equation.kernel.period)
     system = SecondKindRows(equation, zones, layout, parts)
@@ -103,7 +103,7 @@ def _solve_once(
     y = solver(right)
     terms = np.hypot(root_of_squares(matrix, y), np.abs(right))
     last = matrix[:, layout.offset + m].copy()
-    # A zone's own last coefficient is no error of its own rows.
+    # The last coefficient of a zone causes no error in the rows of the same zone.
     last[np.arange(int(m.sum())), np.repeat(np.arange(len(m)), m)] = 0.0
     solver = replace(solver, size_of_rows=terms, last=last)
     sizes.solves += 1
@@ -113,7 +113,7 @@ def _solve_once(
 
 
 def _solve_iterated(system: SecondKindRows, sizes: Sizes, last: ManyState | None) -> ManyState:
-    """The solution by fast sums and GMRES; last: that with fewer modes, if there is one."""
+    """The solution by fast sums and GMRES; `last`: an earlier one with fewer modes, if any."""
     solver, values, scale = _iteration(system, sizes, last)
     rows = solver.rows
     right = np.concatenate((rows.right, values))

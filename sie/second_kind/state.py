@@ -230,7 +230,7 @@ class SecondKindState(Answered):
 
     @cached_property
     def _end_residuals(self) -> Array:
-        """As `_residuals`, next to both ends of each zone (Z, points).
+        """`_residuals` at points next to both ends of each zone (Z, points).
 
         There all missing coefficients of the fields of near zones add up.
         """
