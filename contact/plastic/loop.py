@@ -43,7 +43,8 @@ OPTIONS = LoopOptions()
 # The width falls as exp(-pi E* s / 2 H) with the slope s of the profile at the end of contact.
 NARROW_RIM = (
     "between a plateau and a gap the pressure falls from its limit to zero over less than numbers "
-    "tell: the profile is too steep there for so small a hardness"
+    "tell: the profile is too steep there for so small a hardness, or a contact beside it is about "
+    "to open or to meet another one: try a larger hardness or another load"
 )
 
 
