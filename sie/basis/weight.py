@@ -84,7 +84,9 @@ class Weight:
         """sin(pi alpha) 2^(2p - 1), which is 1 for p = 1/2."""
         if self.kappa is None:
             return 1.0
-        root = np.sqrt(1 + self.kappa**2) if self.is_complex else np.hypot(1.0, self.kappa)
+        kappa = self.kappa
+        product = (1 + 1j * kappa) * (1 - 1j * kappa)
+        root = np.sqrt(product) if self.is_complex else np.hypot(1.0, kappa)
         return 4**self.exponent / (2 * root)
 
     def edge_scale(self, w: Any) -> Any:

@@ -298,8 +298,11 @@ class SecondKindState(Answered):
         fixed seed. The largest change of the density is taken. Near an end, a coefficient of order
         k counts `AT_ENDS` k times.
         """
-        signs = np.random.default_rng(0).standard_normal((self.solver.size, ERRORS.samples))
+        signs: Any = np.random.default_rng(0).standard_normal((self.solver.size, ERRORS.samples))
         signs[:, 0] = 1.0
+        if self.density.zones.weight.is_complex:
+            # Each row errs in its real and in its imaginary part.
+            signs = signs + 1j * np.random.default_rng(1).permuted(signs, axis=0)
         changes = self.solver(self._row_errors[:, None] * signs)
         weights = np.maximum(1.0, AT_ENDS * np.arange(self.system.layout.given.shape[1]))
         sizes = [root_of_squares(self.system.layout.padded(one) * weights) for one in changes.T]
