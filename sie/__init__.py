@@ -128,7 +128,8 @@ __all__ = [
 _HOMES = {
     "sie.basis.data": "Array Complex Index Kept Mask nearest_image record wrapped",
     "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",
-    "sie.basis.zones": "BOUNDED FREE SINGULAR End Zones bounded_with_value free_with_intensity free_with_value",
+    "sie.basis.zones": "BOUNDED FREE SINGULAR End Zones bounded_with_value free_with_intensity "
+    "free_with_value",
     "sie.states.solve": "SingularSystem solve_fixed",
     "sie.states.state": "State",
     "sie.density.density": "Density",

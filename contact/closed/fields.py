@@ -146,11 +146,12 @@ class ClosedFields(ZoneFields):
     def max_pressure(self) -> float:
         if self._is_singular:
             return math.inf
-        return maximum(
+        highest = maximum(
             lambda angle: self.pressure_at(-1, np.cos(angle)),
             np.linspace(0.0, math.pi, SAMPLES_PER_DEGREE * self.zone.nodes + 1),
             levels=7,
         )[1]
+        return float(highest)
 
     @property
     def pressure_bound(self) -> float:  # type: ignore[override]

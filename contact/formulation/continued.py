@@ -158,7 +158,7 @@ def polylogarithms(exponent: Complex) -> Pair:
 
     For |u| > 1 it is the sum of w^k/k^n if |w| is small. Otherwise, for |u| < 2 pi,
 
-        Li_2 = zeta(2) - u (1 - ln u) + ...,    Li_n = sum_{k != n - 1} zeta(n - k) (-u)^k / k! + ...
+        Li_2 = zeta(2) - u (1 - ln u) + ...,   Li_n = sum_{k != n - 1} zeta(n - k) (-u)^k / k! + ...
 
     (A. Erdelyi et al., Higher Transcendental Functions I, 1953, 1.11 (9); DLMF 25.12.12).
     """

@@ -2,7 +2,7 @@ r"""Plane stresses in a half-plane y > 0 from the tractions on its surface.
 
 The pressure p and the shear q (along +x) on the surface have the transforms
 
-    G(z) = (1/pi) int p(xi) K(z - xi) dxi,     H(z) = (1/pi) int q(xi) K(z - xi) dxi,     z = x + iy,
+    G(z) = (1/pi) int p(xi) K(z - xi) dxi,    H(z) = (1/pi) int q(xi) K(z - xi) dxi,    z = x + iy,
 
 with K(z) = 1/z, or (pi/L) cot(pi z/L) in periodic contact. With tension positive,
 
@@ -11,7 +11,8 @@ with K(z) = 1/z, or (pi/L) cot(pi z/L) in periodic contact. With tension positiv
     s_xy =      - y Im G' +   Im H + y Re H'.
 
 On the surface Im G = -p and Im H = -q. This is the Kolosov-Muskhelishvili form of Flamant's
-integrals (N. I. Muskhelishvili, Some Basic Problems of the Mathematical Theory of Elasticity, 1953).
+integrals (N. I. Muskhelishvili, Some Basic Problems of the Mathematical Theory of Elasticity,
+1953).
 """
 
 from dataclasses import dataclass, field, replace

@@ -48,8 +48,8 @@ class YieldOptions:
     max_ratio: float = 8.0  # of the control, in one step of the search for a bracket
     max_solves: int = 80
     # Relative error of the load at which a tip comes into contact. A gap below the round-off of the
-    # heights counts as closed, and the zones that a tip begins with are as narrow: two searches from
-    # different loads differed by 2e-6.
+    # heights counts as closed, and the zones that a tip begins with are as narrow: two searches
+    # from different loads differed by 2e-6.
     touch_error: float = 1e-5
     least_ratio: float = 1e-6  # of the control: down to this a corner or a tip bears load
 
@@ -100,7 +100,8 @@ class Yield:
     >>> import contact
     >>> cylinder = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), load=1e3)
     >>> found = contact.solve(cylinder).first_yield(1e6, nu=0.3)
-    >>> round(1e6 / found.solution.max_pressure, 8), round(found.y / found.solution.zones[0, 1], 6)
+    >>> depth = float(found.y / found.solution.zones[0, 1])
+    >>> round(1e6 / found.solution.max_pressure, 8), round(depth, 6)
     (0.55751622, 0.704292)
     """
 

@@ -202,7 +202,8 @@ class Slip(sie.Kept):
             if self.slides
             else f"{zones} zone{'s' * (zones > 1)} of {quantity(width, 'm')} stick"
         )
-        loads = f"P = {quantity(self.solution.load, 'N/m')}, Q = {quantity(self.tangential_load, 'N/m')}"
+        load, shear = (quantity(v, "N/m") for v in (self.solution.load, self.tangential_load))
+        loads = f"P = {load}, Q = {shear}"
         return f"{self.model}, friction {self.friction:g}, {loads}: {what}; error {self.error:.1e}"
 
     def plot(self) -> Any:
@@ -213,7 +214,8 @@ class Slip(sie.Kept):
         return str(require(_FIGURES).to_html(self))
 
     def zone_table(self) -> Any:
-        """One row for each interval that sticks or slips: ends and width [m], and "stick" or "slip".
+        """One row for each interval that sticks or slips: ends and width [m], and "stick" or
+        "slip".
 
         A pandas.DataFrame if pandas is installed, else a dictionary of arrays.
         """

@@ -39,8 +39,8 @@ from sie import Array, Mask, record
 class RollingOptions:
     """Numbers of the search for the zones that stick, and of its checks."""
 
-    # Width of a zone that sticks in which a slip of the wrong sign was found, divided by that of the
-    # zone of contact. Newton's method narrows and widens it.
+    # Width of a zone that sticks in which a slip of the wrong sign was found, divided by that of
+    # the zone of contact. Newton's method narrows and widens it.
     new_width: float = 0.1
     # A zone narrower than this, by that of its zone of contact, vanishes. The sign of the slip then
     # decides whether it does: 1e-9 to 1e-3 give the same answers.

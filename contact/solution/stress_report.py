@@ -85,7 +85,7 @@ def stress_report(
 def grid(
     report: StressReport, lo: float, hi: float, depth: float, shape: tuple[int, int] = (300, 140)
 ) -> tuple[Array, Array, Stress]:
-    """Places x (n,), depths y (m,) and the stresses (m, n) there; depths are dense at the surface."""
+    """Places x (n,), depths y (m,), denser at the surface, and the stresses (m, n) there."""
     x = np.linspace(lo, hi, shape[0])
     y = depth * np.linspace(0.0, 1.0, shape[1]) ** 2
     return x, y, report.stress(x, y[:, None])

@@ -99,8 +99,8 @@ def path(
         raise SceneError.of(
             "law",
             scene.law.name,
-            "one without a limit of the pressure: events of plateaus are not followed; contact.solve "
-            "with `near`, or contact.sweep, solve one load after the other",
+            "one without a limit of the pressure: events of plateaus are not followed; "
+            "contact.solve with `near`, or contact.sweep, solve one load after the other",
         )
     if name == "approach":
         what, given = ("control", control) if stiffness is None else ("stiffness", stiffness)

@@ -169,7 +169,10 @@ def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
     """The checked kinds of `count` ends, from one kind for all ends or one for each end."""
     kinds = (ends,) * count if isinstance(ends, End) else inputs.several(ends)
     if not all(isinstance(kind, End) for kind in kinds):
-        known = "sie.FREE, sie.SINGULAR, sie.BOUNDED, sie.free_with_intensity(K) or sie.free_with_value(v)"
+        known = (
+            "sie.FREE, sie.SINGULAR, sie.BOUNDED, sie.free_with_intensity(K) or "
+            "sie.free_with_value(v)"
+        )
         raise ValueError(f"{side}: kinds of ends are {known}, got {inputs.shown(ends)}")
     if len(kinds) != count:
         raise ValueError(f"{side}: {len(kinds)} kinds of ends for {count} zones")

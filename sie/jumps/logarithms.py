@@ -85,7 +85,7 @@ class Plateaus:
 def _in_gap(
     i: int, left: tuple[End | None, float], right: tuple[End | None, float]
 ) -> list[tuple[float, float, float]]:
-    """The plateaus (begin, end, value) in the gap after zone i, between two (kind, place) of ends."""
+    """Plateaus (begin, end, value) in the gap after zone i, between two (kind, place) of ends."""
     (one, begin), (other, end) = left, right
     out = []
     if one is not None and one.value != 0.0 and one.until is not None:

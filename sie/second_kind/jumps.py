@@ -1,8 +1,11 @@
 """Parts of the density in closed form, for an equation with kappa: jumps of g, values at ends.
 
 If g, or its derivative of the order k, jumps by J at a place s of a zone, the density contains
-J w^k / k! (t - s)^k J_s, with the half width w and J_s of `sie.basis.power_jump`. If the density has
-the value v at an end, it contains v times the density of `sie.basis.value_mode`.
+
+    J w^k / k! (t - s)^k J_s,
+
+with the half width w and J_s of `sie.basis.power_jump`. If the density has the value v at an end,
+it contains v times the density of `sie.basis.value_mode`.
 """
 
 import math
@@ -149,7 +152,9 @@ class KnownJumps(Kept):
         return float(left @ self.factors), float(right @ self.factors)
 
     def moments(self, length: int) -> Array:
-        """Chebyshev coefficients of the density as seen from outside, see `JacobiFunctions.moments`."""
+        """Chebyshev coefficients of the density as seen from outside, see
+        `JacobiFunctions.moments`.
+        """
         return np.asarray(self.factors @ self.closed.moments(length, self.order))
 
 
