@@ -95,11 +95,13 @@ NUMBER = re.compile(r"-?\d+\.(\d+)(?:e([+-]?\d+))?")
 BLOCKS = re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
 
 
-def missed(block: str, capsys: pytest.CaptureFixture[str]) -> tuple[list[str], dict[str, Any]]:
+def missed(
+    block: str, capsys: pytest.CaptureFixture[str], known: dict[str, Any] | None = None
+) -> tuple[list[str], dict[str, Any]]:
     """Numbers in the comments of a block that its line does not print, to the digits that are
-    given; the names it leaves.
+    given; the names it leaves. known: names of a block before it.
     """
-    names: dict[str, Any] = {}
+    names = dict(known or {})
     lacking: list[str] = []
     for statement in ast.parse(block).body:
         exec(compile(ast.Module([statement], []), "README.md", "exec"), names)
@@ -121,12 +123,15 @@ def test_a_python_example_of_the_readme_prints_what_it_says(
     assert len(NUMBER.findall(block.partition("print")[2])) >= 1
     lacking, names = missed(block, capsys)
     assert lacking == []
+    for later in (other for other in BLOCKS if package == "contact" and "import" not in other):
+        lacking, _ = missed(later, capsys, names)
+        assert lacking == [] and NUMBER.search(later)
     tol = float(re.search(r"tol=([\de.-]+)", block)[1])  # type: ignore[index]
     assert names["solution" if package == "contact" else "found"].error <= tol
 
 
 def test_every_python_block_of_the_readme_is_one_of_these() -> None:
-    assert len(BLOCKS) == 2
+    assert len(BLOCKS) == 3
 
 
 def test_a_number_that_is_not_printed_is_noticed(capsys: pytest.CaptureFixture[str]) -> None:
