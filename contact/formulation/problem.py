@@ -264,7 +264,7 @@ class Problem(sie.Kept):
 
     @property
     def skew(self) -> complex:
-        """Factor 1 / (1 + i kappa) of what a given slope of the surface adds to the transform."""
+        """Factor 1 / (1 + i kappa) of the transform of a slope in the pressure; 1 for kappa = 0."""
         return 1 / (1 + 1j * self.kappa) if self.kappa else 1.0
 
     @cached_property

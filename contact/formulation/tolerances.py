@@ -57,15 +57,24 @@ class Tolerances:
     # Distance from an end of an interval of tension, relative to the width of the interval. The
     # certificate compares the gap with the reach only at places farther away than this.
     reach_distance: float = 1e-9
-    gap_margin: float = 100.0  # factor on the gap that the density's error causes on the zones
+    # Safety factor in the bound of the gap on the zones. This gap is caused by the error of the
+    # density and by round-off.
+    gap_margin: float = 100.0
 
     # Factor on an error estimate that neglects terms of its own order, as for a truncated series.
     margin: float = 10.0
-    closed_form_rounding: float = 1e-13  # of full contact, and of surfaces that do not touch
-    singular_end: float = 8.0  # pressure at a singular end, divided by the mean pressure
-    unresolved_distance: float = 1e-7  # of the period: no statement about pressures nearer to a gap
-    tip_distance: float = 0.01  # of the half width: no statement about pressures nearer to a tip
-    max_kernel_lengths: float = 3000.0  # width of a zone: 20,000 unknowns, more than 5 s
+    # Relative round-off of the closed forms of full contact and of surfaces that do not touch.
+    closed_form_rounding: float = 1e-13
+    # Factor of the stated error if the pressure is infinite at an end of a zone. It is the pressure
+    # next to such an end, divided by the mean pressure.
+    singular_end: float = 8.0
+    # No error of the pressure is stated closer to a gap than this fraction of the period.
+    unresolved_distance: float = 1e-7
+    # No error of the pressure is stated closer to a tip than this fraction of the half width.
+    tip_distance: float = 0.01
+    # Largest width of a zone, divided by the length over which the kernel varies. At this width
+    # there are 20,000 unknowns, and the solution takes more than 5 s.
+    max_kernel_lengths: float = 3000.0
 
     # Bound of the pressure's relative error, divided by the relative error of a tension's ends.
     # Pressures are compared at equal normalised positions in a zone. The ratio is bounded for two

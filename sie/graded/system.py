@@ -177,7 +177,7 @@ class GradedSystem(Rows, Kept):
     def gaps_from(self, zone: int, shift: float) -> tuple[Array, Array]:
         """Distances of a zone from all zones moved by `shift`, to its left and to its right (Z,).
 
-        They are negative on the other side, and for the zone itself.
+        A distance is negative if the other zone is on the other side, or is the zone itself.
         """
         zones = self.zones
         ahead = difference(np.full(len(zones), zones.a[zone]), zones.b, shift)

@@ -367,10 +367,10 @@ def residual_errors(
 ) -> Array:
     """Relative error of the density on each zone (n,), from residuals at THETA (n, points).
 
-    rounding: round-off of the jumps' closed forms, which the residuals include; separated: on which
-    zones the points distinguish the first modes from the others. Of the others only the largest
-    residual is known. It causes an error of the density of up to this value times the number of
-    modes.
+    rounding: round-off of the jumps' closed forms, which the residuals include. separated: mask of
+    the zones on which the points separate the first modes of the residual from the others. Of the
+    others only the largest value is known. The error of the density is up to this value times the
+    number of modes.
     """
     values, amplitudes_of = separated_modes()
     low = residuals @ amplitudes_of.T
