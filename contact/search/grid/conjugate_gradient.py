@@ -59,6 +59,9 @@ class GridOptions:
     # times the one before, but not below the wanted tolerance. While many points still join or
     # leave the contact, a precise pressure would be wasted.
     first_tolerance: float = 1e-2
+    # Solves in a row, under a cap of the pressure, in which no fewer points change than before.
+    # Ends of plateaus and contacts are then known to a cell, which is all a first guess needs.
+    max_repeats: int = 8
 
     @property
     def rate_tolerance(self) -> float:
@@ -436,7 +439,7 @@ class _Run:
         if guess is not None and np.isfinite(cap):
             capped = guess >= cap
             mask &= ~capped
-        fewest = self.influence.n
+        fewest, repeats = self.influence.n, 0
         # Each solve reduces the error of a zone end by a fixed factor. For n points, about log2(n)
         # solves therefore suffice.
         for _ in range(OPTIONS.max_stalled + int(4 * np.log2(self.influence.n))):
@@ -479,6 +482,10 @@ class _Run:
             # the solve then cause the changes.
             if changes <= 2 or changes > 0.7 * fewest:
                 tol = finer
+            # With a cap a few points may change back and forth for ever.
+            repeats = repeats + 1 if changes >= fewest and np.isfinite(cap) else 0
+            if repeats > OPTIONS.max_repeats:
+                break
             fewest = min(fewest, changes)
             mask = (mask & ~drop) | add
             p = np.clip(p, 0.0, cap)
