@@ -117,11 +117,12 @@ def _causes(worst: _Worst) -> dict[str, float]:
     state, zone = worst.state, worst.zone
     zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
     fall = float(modes.decay(zones, equation.kernel)[zone])
-    # Round-off of positions over the zone's half width, without the 4 `EPS` that every number has.
+    # Round-off of positions, relative to the zone's half width, above the 4 `EPS` that is always
+    # there.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
-    # The right side is a cause only if its coefficients no longer decay, or if their number is at
-    # its limit. The field of other zones is a cause only if the number of modes is at its limit, or
-    # if more modes do not help.
+    # The right side counts as a cause only if its coefficients no longer decay, or if their number
+    # is at its limit. "fields" counts only if the number of modes is at its limit, or if more modes
+    # do not help.
     unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.OPTIONS.max_nodes
     grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
     return {
