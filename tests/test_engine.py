@@ -212,9 +212,12 @@ def test_a_cut_is_born_where_the_other_well_reaches_the_level() -> None:
 
 
 def test_what_is_not_in_the_contract_is_refused_as_its_page_says() -> None:
-    for kappa in (1j, lambda x: x):
-        with pytest.raises(ValueError, match="kappa must be a finite number"):
+    for kappa, message in ((lambda x: x, "kappa must be a finite number"), (1j, "-1 < beta < 1")):
+        with pytest.raises(ValueError, match=message):
             sie.Equation(sie.cauchy(), np.ones_like, sie.Total(1.0), kappa=kappa)
+    complex_kappa = sie.Equation(sie.cauchy(), np.ones_like, sie.Total(1.0), kappa=0.3j)
+    with pytest.raises(ValueError, match="ends cannot be free"):
+        sie.solve(complex_kappa, sie.Zones.of([[-1.0, 1.0]]))
     with pytest.raises(ValueError, match="a smooth kernel alone"):
         sie.Equation(sie.Smooth(lambda x, xi: np.log(np.abs(x - xi))), np.ones_like)
     with pytest.raises(ValueError, match="strictly ascending"):
