@@ -69,7 +69,7 @@ class TestSolve:
         assert set(read) == {
             "zones", "load", "mean_pressure", "max_pressure", "approach", "contact_fraction", "zone_loads", "zone_widths",
             "stiffness", "mean_gap", "tilt", "moment", "rotational_stiffness", "error", "certificate", "plan", "warnings",
-            "zone_peaks", "scene", "trace", "units", "version",
+            "zone_peaks", "scene", "tangential_load", "trace", "units", "version",
         }  # fmt: skip
         assert read["zones"] == expected.zones.tolist()
         assert read["mean_pressure"] == pytest.approx(2e7, rel=1e-12)
