@@ -167,7 +167,7 @@ def fields_of(curve: CohesiveCurve, here: State) -> CohesiveFields | SeparatedFi
 
 
 def scaled_second_variation(here: CohesiveState) -> Array:
-    """Scaled Hessian of the energy for outward motions of the free ends of the tension.
+    """Dimensionless Hessian of the energy by outward motions s of the tension's free ends.
 
     It is d^2 energy/ds_i ds_j times the square roots of the widths of both intervals, divided by
     twice the work of adhesion w.

@@ -179,7 +179,7 @@ def _changed_intervals(curve: CohesiveCurve, here: CohesiveState, sign: float) -
 def _on_new_intervals(
     curve: CohesiveCurve, here: CohesiveState, table: Array, sign: float
 ) -> CohesiveState:
-    """The state, to rough accuracy, with tension on the changed intervals `table`."""
+    """The state near `here` with tension on other intervals `table`, to rough accuracy."""
     zones = curve.fitted(here.zones, table)
     if sign > 0:
         zones = _filled(curve, zones, table)
@@ -258,7 +258,7 @@ def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) ->
 def intervals_left(
     curve: CohesiveCurve, value: float, zones: Array, gap_samples: tuple[Array, Array]
 ) -> Array:
-    """The intervals of tension that remain once the gap somewhere exceeds the reach.
+    """Intervals of tension about the zones, from a state with tension on the whole period.
 
     Raises ContactLost where no contact is left.
     """
@@ -270,9 +270,10 @@ def intervals_left(
 def _widened(
     curve: CohesiveCurve, table: Array, zones: Array, covered: EndsCovered, by: float
 ) -> Array:
-    """The intervals of tension; strips whose ends are covered by contact are widened.
+    """The intervals of tension, widened at the ends that contact covers.
 
-    by: the factor by which these strips are widened.
+    A strip is the part of an interval between its end and the nearest contact. by: the factor by
+    which the strips at covered ends are widened.
     """
     width, gaps, zones = np.diff(table, axis=1)[:, 0], curve.gaps(table), curve.fitted(zones, table)
     strips = np.column_stack((width, width))
@@ -295,7 +296,7 @@ def _widened(
 
 
 def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """Old and new intervals; two become one if the gap is below the reach all between them.
+    """Old and new intervals; two merge if the gap between them is below the reach everywhere.
 
     None if nothing changed.
     """

@@ -135,7 +135,7 @@ class CohesiveState(State):
 
     @property
     def gains(self) -> Array:
-        """Ones (2n,): an end's residual is proportional to the energy's derivative by that end."""
+        """1 for each end (2n,): residuals are proportional to derivatives of the energy by ends."""
         return np.ones(len(self.residual))
 
 
@@ -228,8 +228,8 @@ class CohesiveCurve(Curve):
         try:
             here = self.from_zones(table, value, zones, tolerance, same_rates)
         except EndsCovered:
-            # `known_state` may have lost zones, so that its other zones are too wide. The known
-            # state with the most zones is tried instead.
+            # The zones taken from `known_state` cover ends of the tension. They are too wide if
+            # this state had lost other zones. So the known state with the most zones is tried.
             more = max(
                 (one for one in self.known if one.table.shape == table.shape),
                 key=lambda one: len(one.zones),

@@ -96,8 +96,8 @@ class TractionLoaded(Problem):
 
     @cached_property
     def forcing(self) -> sie.Forcing:
-        # The slope is singular at the ends of the intervals of tension (`ends`). These places lie
-        # outside the zones. `trusted`: `sie` would otherwise check every new forcing once more.
+        # The slope is singular at the ends of the intervals of tension (`ends`), which lie outside
+        # the zones. `trusted` saves the checks that `sie` makes of every new forcing.
         bare, ends = super().forcing, self.pulling.table
         return replace(
             bare,

@@ -81,7 +81,7 @@ class Events:
 
     @property
     def first(self) -> float:
-        """Value of the control at which separated surfaces first come together."""
+        """Control value at which approaching surfaces first touch: zero load or approach."""
         return 0.0
 
     @property

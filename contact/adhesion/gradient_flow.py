@@ -202,7 +202,7 @@ def _chord(here: State, ahead: State, most: float = 0.5) -> Array:
 
 
 def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, inf); the state follows from the longest allowed implicit Euler step.
+    """(state after the longest implicit Euler step within the limits, inf for its move).
 
     It is taken where some ends are driven back while others advance, as under a fixed approach.
     """

@@ -164,7 +164,7 @@ class LoadingPath:
         )
 
     def _let_go(self, step: Step) -> Jump:
-        """The jump of ends that leave sharp corners."""
+        """The event at which ends leave their sharp corners and jump inward."""
         last = step.end.at
         assert step.after is not None
         return self.law.jump(

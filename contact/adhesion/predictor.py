@@ -112,7 +112,10 @@ class Predictor(Kept):
         return np.maximum(1.0, self.first)
 
     def step(self, limit: Array) -> Array:
-        """Distance (2n,) each end moves, at most its limit, so that a small residual remains."""
+        """Distance (2n,) that each end moves.
+
+        The end stops where its predicted residual is small, or at its limit.
+        """
         soft = self.first < MOVES.small_drive
         left = np.where(soft, 0.5 * np.maximum(self.first, 0.0), MOVES.small_drive * self.size)
         return np.minimum(

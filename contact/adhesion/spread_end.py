@@ -126,7 +126,7 @@ class SpreadEnd:
 
         primitive: an antiderivative of ln|2 sin(pi y/L)| by y, with L = `period`.
         """
-        # The mean of ln|2 sin(pi y/L)| over a period is zero, so the antiderivative is periodic.
+        # The mean of ln|2 sin(pi y/L)| over a period is zero, so its antiderivative is periodic.
         x = nearest_image(x, self.middle, period)
         rate = np.log(2 * np.pi / period**3)
 

@@ -100,7 +100,7 @@ class Surroundings:
     density: float = 0.0
 
     def outside(self, x: ArrayLike) -> Array:
-        """sqrt(A^2 - x^2), or 0 beyond the circle's radius A; minus A if there is a kernel.
+        """sqrt(A^2 - x^2) for x below the circle's radius A, else 0; less A if there is a kernel.
 
         The constant of the kernel contains this A.
         """
@@ -129,9 +129,9 @@ class Surroundings:
 
 
 def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:
-    """Neighbours on shifted lattices: spots within `cut` spacings, a mean pressure beyond.
+    """Neighbours on shifted lattices: single spots up to `cut` spacings, then a mean pressure.
 
-    For an infinite `cut` all spots keep their places.
+    If `cut` is infinite, all neighbours are single spots.
     """
     density = lattice.density * len(shifts)
     radii, counts = lattice.rings(shifts, min(cut, _NEAR_RINGS) if isinf(cut) else cut)

@@ -155,9 +155,9 @@ class Linear:
         return nodes, -2.0 * weights * profile.line(nodes)
 
     def displaced(self, j: int, x: Array, e: Array) -> Array:
-        """Matrix rows for w_j + g_j (transforms of displacement and profile), from the rows `e`.
+        """Matrix rows for w_j(x) + g_j(x), the transforms of displacement and profile of kind j.
 
-        The rows `e` are those for e_j, the effect of the neighbours.
+        e: the rows for e_j(x), the effect of the neighbours.
         """
         rows = -e
         rows[:, self.at_delta] += 1.0

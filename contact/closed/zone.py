@@ -202,8 +202,8 @@ def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | No
         )
         return np.log(approach / present), give * half * rate / present, lost
 
-    # Without a period, the approach grows with the half width of the zone up to about twice the
-    # datum, and falls beyond.
+    # Without a period, the approach grows with the half width up to about twice the datum, and
+    # falls for wider zones.
     longest = min(problem.top, math.inf if datum is None else datum)
     return _newton(problem, 0.25 * longest, residual)
 

@@ -83,7 +83,7 @@ class Control:
         raise NotImplementedError
 
     def unit(self, units: Units) -> float:
-        """SI value of the unit in which the control's scaled value is counted."""
+        """Value in SI units of the unit of the control's scaled `value`."""
         return float(getattr(units, self.counted_in))
 
     def described(self, units: Units) -> str:

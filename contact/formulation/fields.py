@@ -91,7 +91,7 @@ def moved_ends(
 
 
 def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
-    """Outward motions (2, Z) of the ends as `density` is added to `on`; 0 for fixed ends.
+    """Outward motions (2, Z) of the ends per multiple of `density` added to `on`; 0 if fixed.
 
     The motion of an end is 2 K / A, with the intensity K of `density` and the edge slope A of `on`
     (another factor than 2 with kappa, see `sie`).

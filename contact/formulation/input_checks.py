@@ -30,8 +30,8 @@ class InputCheckOptions:
 
 
 _OPTIONS = InputCheckOptions()
-# Number of parts of the widest zone. On each part, the rise of the height is compared with the
-# integral of the slope. The integral has `_PARTS` Gauss nodes on each part.
+# Number of parts of the widest zone, and of Gauss nodes on each part. On each part, the rise of the
+# height is compared with the integral of the slope.
 _PARTS = CLAIMS.panels
 
 
@@ -46,14 +46,14 @@ def height_rounding(problem: Problem, table: Array) -> str:
     here, rise, largest = _differences(problem, middle, half)
     if not here > _OPTIONS.counts * rise:
         return ""
-    # If the heights have enough digits to contradict the slope, the difference is not round-off.
-    # Then the height or the slope is wrong.
+    # If the difference exceeds the noise of the heights, it is no round-off. Then the height or the
+    # slope is wrong.
     at = middle + half * np.linspace(-1, 1, _PARTS)
     scale = np.full(at.shape, half / _PARTS)
     if verdicts(problem.shape, problem.slope, at, scale).contradicted.any():
         return ""
-    # Compare height and slope on wider intervals, up to 1/sqrt(EPS) times the zone's width. If they
-    # agree on one of these, the difference on the zone is round-off.
+    # If height and slope agree on a wider interval, their difference on the zone is round-off. The
+    # widest interval is 1/sqrt(EPS) times as wide as the zone.
     for power in range(2, int(0.5 * -np.log(EPS) / np.log(VERDICTS.ratio)) + 1):
         wider = VERDICTS.ratio**power
         there, risen, _ = _differences(problem, middle, wider * half)
@@ -91,5 +91,6 @@ def _differences(problem: Problem, middle: float, half: float) -> tuple[float, f
         )
     if not (np.isfinite(difference).all() and math.isfinite(rise)):
         return 0.0, 0.0, 0.0
-    # The median ignores the few parts on which the profile bends too sharply for the quadrature.
+    # A few parts on which the profile bends too sharply for the quadrature hardly change the
+    # median.
     return float(np.median(np.abs(difference))), rise, largest

@@ -39,7 +39,7 @@ MISMATCH = "contact.formulation.mismatch"
 
 
 def minus_one(x: Array) -> Array:
-    """The slope -1 at all places x: the column whose unknown amplitude corrects the tilt."""
+    """The slope -1 at places x, which a unit tilt adds; the unknown tilt is its amplitude."""
     return np.full(np.shape(x), -1.0)
 
 

@@ -121,7 +121,10 @@ class OneZoneClosure:
         return self.problem.period
 
     def _at_width(self, control: Control, width: float) -> _AtWidth:
-        """The strip and the profile alone at one width; the latter's load sets the pressure."""
+        """The contacts of the strip and of the profile alone at one width.
+
+        The load of the profile alone, divided by the period, is the strip's nominal pressure.
+        """
         of_width = HalfWidth(0.5 * width) if self.first is None else Width(width)
         start = _widened(self.first if self.last is None else table_of(self.last), width)
         alone = self.alone(self.isolated, of_width, start)

@@ -40,9 +40,9 @@ def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> 
     """The contact zones of a strip whose centre is the middle of these zones."""
     problem, load = scaled.problem, scaled.control.load
     if load is not None and not context.single and not problem.interaction.follows_isolated:
-        # Under a given load the nominal pressure is known and becomes part of the right side. There
-        # it gets as many modes as it needs near the border of the strip. As a term of unknown
-        # amplitude, it would get only the modes of the zones.
+        # Under a given load the nominal pressure is known, and its term joins the right side. The
+        # right side gets as many modes as it needs near the border of the strip. A term of unknown
+        # amplitude would get only the modes of the zones.
         problem = problem.with_amplitude(load / problem.repeat_length)
     if start is not None:
         problem = about(problem, start)

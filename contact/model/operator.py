@@ -335,9 +335,9 @@ class Operator(sie.Kept):
 
     @cached_property
     def strip_rest(self) -> Rest | None:
-        """The function that gives the smooth part of the potential of a strip and its images.
+        """Function for the smooth part of the potential of a uniform strip load and its images.
 
-        It is defined up to a constant, and None on a half-plane.
+        The potential is defined up to a constant. None on a half-plane.
         """
         if self.is_own or self.smooth_part.is_zero:
             return None
@@ -394,9 +394,8 @@ def _rest(kernel: sie.Kernel, period: float | None, lag: Array, width: float = 0
     found = _smooth_rest(kernel, period, lag)
     near = np.flatnonzero(np.abs(lag) < _OPTIONS.near_cells * width)
     if len(near):
-        # Within a cell, the smooth part may vary like a logarithm if a singularity lies nearer to
-        # the surface than the width of a cell. Then the value at the middle of the cell does not
-        # represent the cell.
+        # The smooth part may have a singularity nearer to the surface than the width of a cell.
+        # Then it varies like a logarithm within the cell, so that its mean is not its middle value.
         places, weights = _crowded_nodes()
         found[near] = (
             _smooth_rest(kernel, period, (lag[near][:, None] + width * places).ravel()).reshape(

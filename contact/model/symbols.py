@@ -98,7 +98,7 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
 
 
 def _waves(sums: Sum, period: float, x: Array, xi: Array) -> Array:
-    """A trigonometric sum at x - xi, with the given period."""
+    """Values of the trigonometric sum `sums` at x - xi; its own argument is in periods."""
     turns = np.asarray((x - xi) / period)
     return sums(turns.ravel()).reshape(turns.shape)
 

@@ -11,8 +11,8 @@ class SearchOptions:
     # first rounds for very many zones. Zones or gaps narrower than this fraction of their
     # neighbours are lost in rough solutions.
     rough: float = 1e-3
-    # Relative error of the solution on the finest grid, and of solutions under trial loads. Trial
-    # loads are used to find the load that gives a wanted approach or contact fraction.
+    # Relative error of the solution on the finest grid. Solutions under trial loads have the same
+    # error: they serve to find the load that gives a wanted approach or contact fraction.
     intermediate: float = 1e-6
     # Factor by which a tolerance is reduced if the result magnifies the error that it allows. This
     # is so for gaps next to wide zones, and for differences of two solutions.

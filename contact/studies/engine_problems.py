@@ -103,7 +103,7 @@ class Design:
 
     @property
     def heights(self) -> Array:
-        """The factor of P |Y| on each zone (n,), without the sign `orientation`."""
+        """Absolute ratio of the density to P |Y| on each zone (n,); its sign is `orientation`."""
         return np.asarray(-np.sin(np.pi * self.powers[:, 1]))
 
     def y(self, distance: Array) -> Array:

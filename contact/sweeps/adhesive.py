@@ -428,9 +428,9 @@ class _PathRun:
         if scaled < min(first, 0.0) or value < 0.0 == first:
             return PathState(scaled)
         if self.context.spring_compliance is not None or value < 0.0:
-            # With a spring, the contact without adhesion may be wider than the adhesive contact at
-            # the same approach of the spring's far end. Then the path cannot start from the contact
-            # without adhesion, but starts from separate surfaces.
+            # With a spring, the contact without adhesion may be wider than the adhesive one at the
+            # same position of the spring's far end. So the path starts from separate surfaces, not
+            # from the contact without adhesion.
             *_, found = self.history.to(PathState(min(-1.0, 2.0 * first)), scaled)
             assert isinstance(found, PathState)
             return found

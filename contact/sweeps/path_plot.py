@@ -35,7 +35,10 @@ _MARKS = {
 
 
 def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> Any:
-    """A matplotlib figure: contact over the load and, if it is defined, approach over the load."""
+    """A matplotlib figure of the contact fraction, or of the width in contact, against the load.
+
+    If all approaches are finite, a second panel shows the approach against the load.
+    """
     table = {name: np.array(values, dtype=float) for name, values in columns(solutions).items()}
     fraction, width = table["contact_fraction"], table["total_width"]
     curves = [

@@ -161,7 +161,7 @@ class PowerJump(Kept):
         return [self.total * moment / (j + 1) for j, moment in enumerate(self._weights(count))]
 
     def _weights(self, count: int) -> list[Array]:
-        """Integrals of (t - s)^j w over pi, j = 0 ... count - 1."""
+        """Integrals of (t - s)^j w by t, divided by pi, with the weight w, for j < `count`."""
         by_t = _monomials(self.weighted, count)[:, 0]
         return [
             np.asarray(sum(m * f for m, f in zip(by_t[: j + 1], self._binomial(j), strict=True)))
@@ -174,10 +174,10 @@ class PowerJump(Kept):
         return [math.comb(order, j) * (-place) ** (order - j) for j in range(order + 1)]
 
     def edge_slopes(self, order: int = 0) -> tuple[Array, Array]:
-        """Edge slopes A at the left and the right end, for the half width 1.
+        """Edge slopes A of (t - s)^k J_s, k = `order`, at the left and the right end.
 
-        At a small distance d the density is A d^gamma, gamma = 1 - alpha at the left end and alpha
-        at the right one.
+        The half width is 1. At a small distance d the density is A d^gamma, with gamma = 1 - alpha
+        at the left end and alpha at the right one.
         """
         w = self.weighted
         scale = w.sine**2 / np.pi
@@ -234,7 +234,7 @@ class PowerJump(Kept):
         return self._near_and_far(points, away, (order, 1))
 
     def _near_and_far(self, points: Points, away: Number | None, what: tuple[int, int]) -> Number:
-        """Transform or slope; far away it is a sum over moments, where closed forms cancel.
+        """Transform or slope, by closed forms or, far away where they cancel, by moments.
 
         what: (order, 1 for the slope and 0 for the transform).
         """

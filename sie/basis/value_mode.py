@@ -92,7 +92,7 @@ class ValueMode:
         return np.asarray(value if self.at_left else self.total - value)
 
     def edge_slopes(self) -> tuple[float, float]:
-        """Factors A of d^gamma at the left and the right end, for the half width 1.
+        """Factors A of the terms A d^gamma of V at the left and the right end, half width 1.
 
         gamma is 1 - alpha at the left end and alpha at the right one. At the end with the value 1,
         A d^gamma is added to this value.

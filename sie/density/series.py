@@ -277,7 +277,7 @@ class Series(DensityBase):
 
     @cached_property
     def sharp_totals(self) -> Array:
-        """Coefficient of T_0 / sqrt(1 - t^2) of the jumps with a closed form of the potential (Z,).
+        """Coefficient (Z,) of T_0 / sqrt(1 - t^2) due to jumps whose potential is a closed form.
 
         See `ForcingJumps.sharp_potential`.
         """

@@ -144,7 +144,7 @@ class SingularDensities(Rows):
 
 
 class AppliedMotions(Applied):
-    """The quantities that conditions use, for a response and for singular densities together."""
+    """Quantities of side conditions, summed over a response and over singular densities."""
 
     singular: SingularDensities
 

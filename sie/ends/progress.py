@@ -128,7 +128,7 @@ class Progress:
         return Convergence(certain and (rests or growth > 0) and known, error, rounding)
 
     def _moves_by_rounding(self, delta: Array, width: Array, noise: Array) -> float:
-        """Largest recent move divided by the last move; 0 unless round-off causes the moves."""
+        """Largest recent move over the last move if round-off causes the moves, else 0."""
         move, rounding_step = self.trace[-1].move, self.options.rounding_step
         quiet = delta < np.clip(100 * noise, rounding_step * width, 1e-2 * width)
         by_rounding = (self.stalled >= 2 and move < 1e-3 * rounding_step) or (
@@ -140,7 +140,7 @@ class Progress:
         return max(step.move for step in recent) / max(move, 1e-300)
 
     def _scatter(self) -> float:
-        """Second last move divided by the last move; 0 unless round-off caused the second last.
+        """Second last move over the last move if round-off caused the second last, else 0.
 
         Near the solution a move is at most about a constant times the square of the move before.
         A small move beyond that shows the round-off of the data. The last move may be smaller than

@@ -235,12 +235,12 @@ def bordered(
     slope: Array,
     largest: tuple[float, float] = (np.inf, np.inf),
 ) -> tuple[Array, float]:
-    """(steps of the ends, change of the open value) that satisfy the condition on the ends.
+    """Damped steps of the ends and change of the open value, which meet the end condition.
 
     delta: steps (2, Z) at the present value; slope: steps caused by a unit change of the value;
-    largest: largest steps inward and outward, relative to the width of the zone. The damped steps
-    satisfy the condition. Otherwise an end with almost no edge slope, as in a zone that is about to
-    vanish, would determine the value alone.
+    largest: largest steps inward and outward, relative to the width of the zone. If undamped steps
+    met the condition, an end with almost no edge slope would determine the value alone. A zone that
+    is about to vanish has such ends.
     """
     miss, by_left, by_right = equation.end_conditions[0].residual(zones)
     gradient, width = np.array([by_left, by_right]), zones.b - zones.a

@@ -300,9 +300,9 @@ class Forcing(Kept):
         return len(self.jumps.of_order_zero[0]) > 0
 
     def jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
-        """The jumps inside zones, and the poles that stand for algebraic points (powers).
+        """The jumps inside zones, and the poles whose sums replace algebraic points |x - s|^p.
 
-        They include the logarithms of plateaus beside the zones.
+        If ends have prescribed values, the logarithms of the plateaus beside the zones are added.
         """
         jumps = self.jumps
         if len(jumps) or jumps.algebraic is not None:

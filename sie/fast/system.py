@@ -328,9 +328,9 @@ class IterativeSystem(System):
 
 @record
 class Applied(Rows):
-    """The quantities that conditions use, for one array of unknowns y.
+    """Values for given unknowns y of the quantities that side conditions use.
 
-    It implements `conditions.Rows`, with values for y as the single column of each matrix. edges:
+    It implements `conditions.Rows`. Each matrix has one column with the values for y. edges:
     intensities K at the left and right ends of the solved zones (2, n), if they are not to be
     computed from y.
     """

@@ -158,7 +158,7 @@ class PanelSums:
         return self.panels.moments(self.sources, np.concatenate(weights))
 
     def at_targets(self, moments: Array) -> tuple[Array, Array]:
-        """(transform at each solved zone's inner nodes, potential at its middle)."""
+        """(transform at the inner nodes, potential at the middle) of each solved zone."""
         transform = self.panels.at(self.targets, moments, False)
         if self.panels.kernel.regular_potential is None:  # then no condition asks for potentials
             return transform, np.zeros(len(self.zones.solved))
@@ -195,7 +195,7 @@ class ZoneSums:
 
     @property
     def size(self) -> int:
-        """Number of closed forms that are evaluated in one sum."""
+        """Number of terms of one sum: entries of the near matrix, and terms of far series."""
         return int(self.near.transform.nnz) + len(self.far.far) * TERMS
 
     def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
@@ -224,9 +224,9 @@ class ZoneSums:
             count = min(m, TERMS)
             u[:, :count] += far[group, :count]
             rows[place] = u
-            # The potential of U_{k-1} rises like T_k / k. The mean of T_k / k is 0, and its value
-            # in the middle is cos(k pi / 2) / k. So the mean relative to the middle is minus this
-            # value.
+            # The potential of U_{k-1} is T_k / k up to a constant. The mean of T_k / k is 0, and
+            # its value at the middle is cos(k pi / 2) / k. So `to_mean` is the mean of the
+            # potential minus its value at the middle.
             k = np.arange(2, m + 1, 2)
             to_mean = -np.cos(0.5 * np.pi * k) / k
             mean[group] += zones.half[solved[group]] * (u[:, 1::2] @ to_mean)

@@ -126,7 +126,7 @@ class GradedDensity(DensityBase):
 
     @property
     def nodes(self) -> GradedSystem:
-        """The system whose nodes are the sources of fields."""
+        """The system of `fine`; its nodes are the quadrature nodes for fields of the density."""
         return self.fine[0]
 
     @cached_property
@@ -291,9 +291,9 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """(largest density, its largest change if the left end moves, if the right end moves).
+        """(largest density, its largest rate by motions of the left end, of the right end).
 
-        See `Density.sensitivity`. All are multiplied by sqrt(1 - t^2), and taken at the nodes.
+        See `Density.sensitivity`. All are absolute values at the nodes, times sqrt(1 - t^2).
         """
         out = np.zeros((3, len(self.zones)))
         for zone in range(len(self.zones)):
@@ -301,7 +301,7 @@ class GradedDensity(DensityBase):
         return out[0], out[1], out[2]
 
     def _changes_on(self, zone: int) -> list[Array]:
-        """The three quantities of `sensitivity` at the nodes of a zone.
+        """The quantities at the nodes of a zone whose largest values are those of `sensitivity`.
 
         The slope of the density is a central difference in s, whose steps are resolved beside gaps.
         """

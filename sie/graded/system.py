@@ -421,7 +421,9 @@ class GradedSystem(Rows, Kept):
         return out
 
     def powers_for(self, unknowns: Array) -> Array:
-        """Powers (2, zones) of the distances from both gaps that divide F before its series.
+        """Powers 0 or 1 (2, zones) of the distances from both gaps, by which F is divided.
+
+        The series is that of the quotient.
 
         Round-off of a series is relative to its largest value. Next to a narrow gap, F may be as
         large as on the rest of the zone, or fall in proportion to the distance. The errors of the

@@ -195,7 +195,7 @@ class ExteriorLogarithms(PerZone):
         )
 
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """Sum over logarithms k of the transform, its derivative by zeta, or the potential.
+        """Transform, its derivative by zeta, or potential, summed over the logarithms k.
 
         The potential is divided by the half width w and lacks the term c_0 log(w).
         """

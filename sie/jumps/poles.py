@@ -100,8 +100,8 @@ class AlgebraicPoints:
     def weights(self) -> Complex:
         """For each algebraic point, the common factor of the coefficients of the point's poles."""
         p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
-        # With angles in degrees, the zeros of sine and cosine are exact, so that a polynomial has
-        # no poles.
+        # `cosdg` and `sindg` (angles in degrees) are exactly zero at their zeros. So the weights
+        # are exactly zero if the point is that of a polynomial.
         odd, even = cosdg(90.0 * p) * (right - left), sindg(90.0 * p) * (right + left)
         return np.asarray((odd + 1j * even) / np.pi)
 
@@ -356,7 +356,7 @@ class Poles(PerZone):
 
     # The methods below give values at complex points (see `sie.density.plane`).
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """Sum over poles k of the transform, of the transform's derivative, or of the potential.
+        """Transform, the transform's derivative by zeta, or potential, summed over the poles k.
 
         The potential is divided by the half width w and lacks the term c_0 log(w).
         """

@@ -465,9 +465,9 @@ class ForcingJumps(PlacedJumps):
         )
 
     def left_out(self, x: Array) -> Array:
-        """Terms of the right side that its given values omit at points x (n,).
+        """Sum at points x (n,) of the logarithms of the right side that its given values lack.
 
-        Those of plateaus do not count: they are minus the transform of the plateaus.
+        It is 0 if there are plateaus: their logarithms are minus the transform of the plateaus.
         """
         if self.logarithms is None or self.plateaus is not None:
             return np.zeros(x.shape)
@@ -479,7 +479,7 @@ class ForcingJumps(PlacedJumps):
         return None if self.logarithms is None else self.logarithms.plateaus
 
     def primitive_left_out(self, x: Array) -> Array:
-        """The antiderivative at points x of all omitted terms, those of plateaus included."""
+        """Antiderivative at points x of the sum of all logarithms, those of plateaus included."""
         if self.logarithms is None:
             return np.zeros(x.shape)
         return self.logarithms.primitive_at(x.ravel()).reshape(x.shape)

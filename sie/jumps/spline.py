@@ -298,7 +298,7 @@ class QuadraticSpline(Kept):
 
 @record
 class ConjugateSpline(Kept):
-    """The bounded density whose transform is a spline minus the spline's mean over arccos(t).
+    """The bounded density whose transform is a spline minus its mean over theta = arccos(t).
 
     spline: the spline g from one end of the zone to the other, as a function of the distance from
     the left end in half widths. Its value and slope are zero at both ends.

@@ -98,7 +98,7 @@ class SecondKindDensity(DensityBase):
 
     @property
     def jumps(self) -> ForcingJumps:
-        """Closed forms of jumps for kappa = 0: none."""
+        """The jumps with the closed forms for kappa = 0: an empty set."""
         return ForcingJumps.none()
 
     @property

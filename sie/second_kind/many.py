@@ -112,7 +112,7 @@ class FieldSums:
 
     @property
     def size(self) -> int:
-        """Number of closed forms that are evaluated in one sum."""
+        """Number of terms of one sum: entries of the near matrix, and terms of far series."""
         return int(self.near.nnz) + len(self.far.far) * TERMS
 
     @cached_property
@@ -122,7 +122,7 @@ class FieldSums:
 
     @cached_property
     def near_between(self) -> Any:
-        """The matrix like `near` for points between the nodes."""
+        """Sparse matrix from the unknowns to the same field as `near`, at the angles THETA."""
         return self._near(between_nodes)
 
     def _near(self, points: PointsOf) -> Any:
@@ -220,7 +220,10 @@ class FieldSums:
         return sparse.coo_array((np.concatenate(data), places), shape=shape).tocsr()
 
     def projected(self, at_nodes: Array, far: Array | None = None) -> Array:
-        """Coefficients in D_(k-1) of values at the nodes, plus U coefficients of a far field."""
+        """Coefficients of a field in the polynomials D_(k-1), k = 1 ... m, for each zone in turn.
+
+        The field is the sum of its part with values `at_nodes` and of the series `far` in U_(k-1).
+        """
         out, first = np.empty(len(at_nodes)), np.cumsum(self.layout.m) - self.layout.m
         for basis, m, group, _ in self.groups:
             place = first[group][:, None] + np.arange(m)
@@ -277,9 +280,9 @@ class ManyRows(Rows):
 
     @cached_property
     def held(self) -> tuple[Index, Array | None]:
-        """(zone of each condition, values of p_k, k > 0, at the bounded end of each zone).
+        """(zone of each condition, values of p_k, k > 0, at the bounded fixed end of each zone).
 
-        The values are None if the conditions are those on totals.
+        The values are None if the conditions prescribe the totals of the zones.
         """
         left, right = self.zones.fixed_bounded
         if not left and not right:

@@ -511,7 +511,10 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def mean_openings(self) -> Array:
-        """Mean over each wide zone of the opening, the integral of the slack (slits' unknown)."""
+        """Mean over each wide zone of the opening, which is the integral of the slack.
+
+        The slack is the unknown function in a slit. The weight of the mean is 1 / sqrt(1 - t^2).
+        """
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slits, self.series, strict=True):
             out[here.zone] = here.mean_row @ np.concatenate(row) + (

@@ -184,13 +184,16 @@ class SlitKink(Kept):
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the integral of psi (see `slope`), over its half width."""
+        """Mean over the wide zone of the opening due to psi (see `slope`), in its half widths.
+
+        The opening is the integral of psi from the slit's left end. The weight of the mean is
+        1 / sqrt(1 - t^2).
+        """
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi
 
-    # psi is the part of the slack (the slit's unknown) that the jump causes. The methods below give
-    # the density on the wide zone that psi causes.
+    # The methods below give the density on the wide zone that psi (see `slope`) causes.
     @cached_property
     def edge(self) -> tuple[float, float]:
         """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the density due to psi."""
@@ -236,7 +239,7 @@ class SlitKink(Kept):
         )
 
     def in_slit(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """sqrt(1 - t^2) times the density caused by the jump and by psi (see `slope`), in the slit.
+        """Density in the slit due to the jump and to psi (see `slope`), times sqrt(1 - t^2).
 
         The density is (h/pi)(t - s)^q kappa + P[psi]. from_left, from_right: distances from the
         wide zone's ends; z: the same places in the coordinate of this slit.

@@ -331,7 +331,7 @@ def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
 def _within(
     jumps: ForcingJumps, zone: int, start: Array, length: Array
 ) -> tuple[Index, ForcingJumps]:
-    """(indices of the jumps in a zone's slits, jumps at spline knots in the zone's slits).
+    """Jumps in the slits of a zone: (indices of those in `jumps`, those at spline knots).
 
     start, length: distance of each slit from the zone's left end and width of the slit, both
     divided by the zone's half width.

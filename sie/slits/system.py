@@ -109,9 +109,8 @@ class SlitSystem(Kept):
             count = min(self.system.g.shape[1], len(c))
             c[: m + 1] = -self.system.taken[here.zone, : m + 1]
             c[m + 1 : count] = -self.system.g[here.zone, m + 1 : count]
-            # The slack is the unknown in a slit. The unknown coefficients of the density include
-            # those of the slack. The part of the slack that jumps in slits cause is known, and is
-            # subtracted here.
+            # The unknown coefficients of the density include those of the slack, the unknown
+            # function in a slit. The slack's part due to jumps is known, and is subtracted here.
             seen = np.where(
                 np.arange(here.modes + 1) <= m, here.slack_of_kinks[: here.modes + 1], 0.0
             )
@@ -435,7 +434,7 @@ class SlitState(Answered):
 
     @cached_property
     def _residuals(self) -> Array:
-        """Residual of the equation at a few points of each given zone (n, LOOKS).
+        """Residual of the equation at the angles THETA of each given zone (n, LOOKS).
 
         It is multiplied by sqrt(1 - t^2) of the wide zone.
         """
@@ -446,7 +445,7 @@ class SlitState(Answered):
 
     @cached_property
     def _wide_sines(self) -> Array:
-        """sqrt(1 - t^2) of the wide zone at a few points of each given zone (n, LOOKS)."""
+        """sqrt(1 - t^2) of the wide zone at the angles THETA of each given zone (n, LOOKS)."""
         zones, geometry, t = self.density.zones, self.geometry, np.cos(THETA)
         left = geometry.start[:, None] + (zones.half[:, None] * (1 + t))
         right = geometry.rest[:, None] + (zones.half[:, None] * (1 - t))

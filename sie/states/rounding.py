@@ -93,7 +93,7 @@ def _of_levels(state: Solved) -> Array | float:
     w = zones.half
     # Let w be the half width, and R the conformal radius between neighbours that are grounded
     # half-lines. Then an error e of a zone's level changes its coefficient c_0 by e / (w log(2R /
-    # w)). Neighbours that are not wider than the zone keep less of their level. So the smaller
+    # w)). Neighbours no wider than the zone screen it less than half-lines. So the smaller
     # logarithm log(R / 2w) is used, and at least 1. The intensity K changes by `edge_scale` times
     # the change of c_0.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))

@@ -170,8 +170,8 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     if panels is not None and not any(
         column.resolution.modes is None for column in state.equation.columns
     ):
-        # A zone with the number of modes that the panels prescribe gets no more modes: it resolves
-        # the kernel's regular part to round-off.
+        # With `panels.modes` modes a zone resolves the kernel's regular part to round-off, so that
+        # it gets no more modes.
         few &= m < panels.modes(zones.half)
     if not state.equation.grows or not few.any():
         return None

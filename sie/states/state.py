@@ -399,9 +399,9 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
         return np.zeros(len(layout.m))
     last = _last_of_fields(system, y)
     top = coefficient_sizes(density)
-    # A last coefficient of the field is the sum of a coefficient of the right side and an unknown.
-    # Within the round-off of this sum, the coefficient is set to zero. This matters for a zone with
-    # a small share of a load that its neighbours bear.
+    # Each of the last coefficients is the sum of a coefficient of the right side and an unknown. A
+    # coefficient within the round-off of this sum counts as zero. This matters for a zone that
+    # bears a small part of its neighbours' load.
     rounding = 8 * 2.2e-16 * row_sizes(g)
     if system.field_sizes is not None:
         rounding[system.zones.solved] += 8 * 2.2e-16 * (system.field_sizes @ np.abs(y))

@@ -187,7 +187,7 @@ class PiecewiseTransform:
         return np.asarray(out)
 
     def _near(self, cell: Index, from_left: Array, from_right: Array) -> Array:
-        """Closed-form terms at points, from the jumps near the cell that contains each point.
+        """Sum at each point of the closed forms of the jumps near the point's cell.
 
         Points are given by their cells and their distances from both ends of these.
         """

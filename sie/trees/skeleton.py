@@ -35,7 +35,8 @@ class SkeletonOptions:
     # Numbers of nodes on each zone, tried in turn until they resolve the kernel's modes there. From
     # the third on, also numbers of positions, tried in turn, among which the skeleton is chosen.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
-    # Number of the skeleton's positions for which the number of modes on each zone is computed.
+    # The number of modes on each zone is that of the kernel seen from about this many positions of
+    # the skeleton.
     sampled_places: int = 8
 
 
@@ -123,7 +124,7 @@ class Skeleton(Kept):
 
 
 class Seen:
-    """Points (n,) with the skeleton's matrices for these points as sources and as targets."""
+    """Points (n,), and the matrices that link them as sources or targets to the skeleton."""
 
     def __init__(self, skeleton: Skeleton, x: Array) -> None:
         self.skeleton, self.x = skeleton, x

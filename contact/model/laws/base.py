@@ -208,10 +208,10 @@ class Law(Named, sie.Kept):
         return parameters
 
     def without_range(self, share: float) -> "Law | None":
-        """A law without range whose work of adhesion is `share` times this law's; or None.
+        """A law of zero range with `share` times this law's work of adhesion; None if undefined.
 
         The narrower the strips of tension are, the closer are contacts under this law to those
-        under the returned law. None if there is no such law.
+        under the returned law.
         """
         return None
 

@@ -48,8 +48,8 @@ class CheckOptions:
 CHECKS = CheckOptions()
 # Number of halvings of a step until it is round-off relative to the first step.
 _HALVINGS = int(-np.log2(ROUND_OFF))
-# Step of the differences that show the second derivative, relative to the checked interval. A
-# corner is examined from distances that decrease to this fraction of the first one.
+# Step of the differences that estimate the second derivative, relative to the checked interval. A
+# corner is examined at distances that decrease to this fraction of the first one.
 BEND_STEP = np.sqrt(ROUND_OFF)
 
 

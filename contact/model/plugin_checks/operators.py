@@ -125,8 +125,8 @@ def _require_regular(kernel: sie.Kernel) -> None:
         "is not odd in x - xi: what a load does elsewhere, one elsewhere does here",
     )
     nodes, weights = np.polynomial.legendre.leggauss(5)
-    # The differences have the step 2 `half`. With a longer step the quadrature would be less
-    # accurate, with a shorter one the differences would lose digits to round-off.
+    # The rise of the potential over 2 `half` is compared with the integral of the smooth part. Over
+    # a longer distance the quadrature is less accurate; over a shorter one the rise loses digits.
     half = 0.5 * np.sqrt(CHECKS.same)
     rise = potential(_LAGS + half, zero) - potential(_LAGS - half, zero)
     within = half * np.asarray(regular(_LAGS[:, None] + half * nodes, zero)) @ weights

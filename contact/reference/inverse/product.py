@@ -72,7 +72,10 @@ class CutProduct:
         return 0.25 * (self.zones[-1, 1] - self.zones[0, 0])
 
     def _sum(self, first: int, last: int) -> Any:
-        """Sum of the lengths of intervals first .. last - 1, wrapped around if last < first."""
+        """Sum of the lengths of the intervals first ... last - 1.
+
+        If last < first, they go on from interval 0 after the last one.
+        """
         if first <= last:
             return np.sum(self.steps[first:last])
         return np.sum(self.steps[first:]) + np.sum(self.steps[:last])
@@ -259,7 +262,7 @@ class CutProduct:
         return np.asarray(np.prod(factors, axis=1))
 
     def magnitude(self, i: int, dl: Array, dr: Array) -> Array:
-        """|X M| at points of interval i, before the product X M is scaled to carry the load."""
+        """|X M| (head of this module) at points of interval i, not scaled to carry the load."""
         ends = self.root(i, dl, dr)
         return ends * np.abs(
             np.prod(self._factors(*self._root_distances(i, dl, dr, self.roots)), axis=-1)

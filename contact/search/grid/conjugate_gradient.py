@@ -477,9 +477,8 @@ class _Run:
             if tol == self.tol and not np.any(add) and within:
                 converged = solved
                 break
-            # The next solve is more precise if few points change, as the contact set is then almost
-            # right. It is also more precise if the number of changes hardly decreases, as errors of
-            # the solve then cause the changes.
+            # The tolerance is reduced in two cases. If few points change, the contact set is almost
+            # right. If the number of changes hardly falls, errors of the solve cause the changes.
             if changes <= 2 or changes > 0.7 * fewest:
                 tol = finer
             # With a cap a few points may change back and forth for ever.
@@ -568,9 +567,9 @@ class _Run:
                 if inf.is_periodic:
                     raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
                 if slope * load > OPTIONS.first_tolerance * depth:
-                    # The level (displacement plus height in contact) still rises with the load, so
-                    # this is not the largest approach. The solutions were too inexact, as happens
-                    # for a nearly incompressible layer.
+                    # The level (displacement plus height in contact) still rises with the load: the
+                    # bracket closed at a load below that of the largest approach. The solutions
+                    # were too inexact, as happens for a nearly incompressible layer.
                     return replace(state, converged=False)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
             guess = state.pressure

@@ -41,9 +41,9 @@ class TiltOptions:
 
     @property
     def farthest(self) -> float:
-        """Largest distance at which the lowest place is searched, in half widths of a window.
+        """Largest distance, in half widths of a window, at which the lowest place is searched.
 
-        For a shape that states no length and becomes level it is a length [m].
+        For a shape that becomes level and has no length of its own, it is a length [m].
         """
         return self.farther**3
 
@@ -132,8 +132,8 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
         missed = abs(best.centre - centre) > best.fineness
         lo, hi = _hull(search.windows.values() or [search.limits])
         if missed and known is None and best.window != search.limits and not lo <= centre <= hi:
-            # The centre of a load lies between the outermost points of contact. Here all contacts
-            # lie on one side of the wanted `centre`, so that wider limits are of no use.
+            # The centre of a load lies within the window of its contact. All windows lie on one
+            # side of the wanted `centre`, so that wider limits are of no use.
             break
         if missed and len(search.windows) > 1:
             # A search interval about one asperity may have missed another asperity. The search is

@@ -38,8 +38,8 @@ class ContinuationOptions:
     curves of many zones take a tenth longer.
     """
 
-    # Largest ratio of successive values of the control. Above this ratio, the length and slope
-    # units of the last solution are unsuitable.
+    # Largest ratio of successive values of the control. Above this ratio, the units of length and
+    # slope chosen for the last solution are far from the size of the new one.
     max_ratio: float = 16.0
     max_changes: int = 4  # zones that come or go; with more a grid is faster
 

@@ -76,7 +76,7 @@ class Formulation(Protocol[Kind]):
         """Raise WrongTopology if Newton's result, found from `table`, can lead to no solution."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> Any:
-        """Fields of the intervals under the total load that Newton's method found with them."""
+        """Fields of the intervals `free` that Newton's method found, under the load it found."""
 
     def certificate(self, fields: Any, control: Control, few: float = 0.0) -> Certificate:
         """The check of signs on the whole line. few: fraction of all ends that are unconverged."""
@@ -313,7 +313,7 @@ class _Loop(Generic[Kind]):
         return table, True
 
     def _checked(self, free: sie.Free, number: int) -> Round[Kind]:
-        """The round of a Newton result, with the fields and the check of the fields' signs."""
+        """The `Round` with a Newton result, its fields, and the check of the fields' signs."""
         newton = self.newton
         fields = self.form.fields(self.control, free, newton.tolerance)
         if self.formal:
