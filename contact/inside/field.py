@@ -23,9 +23,9 @@ from sie import Array, nearest_image
 class FieldErrorOptions:
     """Factors of the bound of the stresses' errors."""
 
-    # Kernels of s_xx and s_yy have the integral 1, and those of the derivatives up to 2.
+    # Kernels of s_xx and s_yy have the integral 1, and those of the derivatives up to 2. The same
+    # factor bounds the effect of the two ends of a zone, near which the pressure is a square root.
     of_pressure: float = 2.0
-    of_ends: float = 2.0  # derivative of sqrt(1 - t^2) near an end, and two ends
     # Kernels of the shear have no absolute integrals: their transform of an error as rough as the
     # pressure's is larger than the error.
     of_shear: float = 8.0
@@ -94,7 +94,7 @@ def error_at(fields: Fields, x: Array, y: Array, normal: Transform, error: float
     rounding = OPTIONS.rounding_margin * np.finfo(float).eps
     steep = _near_ends(fields, x, y, error)
     return np.asarray(
-        error * (OPTIONS.of_pressure * size + OPTIONS.of_ends * size * np.sqrt(steep))
+        error * OPTIONS.of_pressure * size * (1 + np.sqrt(steep))
         + error * local * (OPTIONS.of_pressure + (steep if _singular(fields) else 0.0))
         + rounding * (local + size)
     )

@@ -44,9 +44,8 @@ class YieldOptions:
     bound_margin: float = 1.1  # for peaks of the pressure between its samples
     refined: int = 48  # places that are refined
     near_best: float = 0.8  # least stress of a refined place, in units of the largest
-    steps: int = 40  # of a refinement; each halves its step unless it moves
     max_ratio: float = 8.0  # of the control, in one step of the search for a bracket
-    max_solves: int = 80
+    max_steps: int = 80  # limit of refinements and of loads tried, which end by themselves
     # Relative error of the load at which a tip comes into contact. A gap below the round-off of the
     # heights counts as closed, and the zones that a tip begins with are as narrow: two searches
     # from different loads differed by 2e-6.
@@ -301,7 +300,7 @@ def _refined(body: Body, criterion: Criterion, x: Array, y: Array, size: Array) 
     dx, dy = (part.ravel() for part in np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]))
     step = 0.25 * size
     smallest = 1e-4 * size
-    for _ in range(OPTIONS.steps):
+    for _ in range(OPTIONS.max_steps):
         around_x = x + step * dx[:, None]
         around_y = np.maximum(y + step * dy[:, None], 0.0)
         value = criterion.at(body, around_x, around_y)
@@ -386,7 +385,7 @@ class _Search:
         return point
 
     def solve(self, level: float) -> Point:
-        if self.solves >= OPTIONS.max_solves:
+        if self.solves >= OPTIONS.max_steps:
             raise OutOfRange(
                 f"first yield is not found by {self.solves} contacts: the largest stress does not "
                 "reach the strength, or changes slowly with the load"

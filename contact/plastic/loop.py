@@ -31,7 +31,6 @@ class LoopOptions:
 
     # Newton's method ends at once where a zone vanishes. Then one interval goes in each round.
     max_rounds: int = 40
-    max_newton_steps: int = 40  # as `sie.NewtonOptions`
     # Width of a new plateau over that of the interval in which the pressure is too high. That of a
     # crack under the excess is 1; a plateau that is too narrow grows faster than one that is too
     # wide shrinks.
@@ -100,9 +99,7 @@ class PlasticLoop:
         problem = self.problem
         try:
             zones = spots.zones(problem, self.limit)
-            options = sie.NewtonOptions(
-                max_steps=OPTIONS.max_newton_steps, limits=problem.corners, released_end=problem.end
-            )
+            options = sie.NewtonOptions(limits=problem.corners, released_end=problem.end)
             return sie.find_ends(
                 problem.equation(self.control), zones, self.tolerance, options, start
             )

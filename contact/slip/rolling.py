@@ -27,11 +27,13 @@ from contact.formulation.problem import Problem
 from contact.formulation.quadrature import chebyshev_nodes
 from contact.inside.field import unit_pressure
 from contact.model.checks import finite, one_of
+from contact.search.options import SEARCH
 from contact.slip.checks import friction_of, require_similar, tangential_load_of
 from contact.slip.result import Slip, Term, stated_error
 from contact.slip.zones import parted
 from contact.solution.solution import Solution
 from contact.solver import tolerance
+from contact.verify.minima import SAMPLING
 from sie import Array, Mask, record
 
 
@@ -39,16 +41,9 @@ from sie import Array, Mask, record
 class RollingOptions:
     """Numbers of the search for the zones that stick, and of its checks."""
 
-    # Width of a zone that sticks in which a slip of the wrong sign was found, divided by that of
-    # the zone of contact. Newton's method narrows and widens it.
-    new_width: float = 0.1
     # A zone narrower than this, by that of its zone of contact, vanishes. The sign of the slip then
     # decides whether it does: 1e-9 to 1e-3 give the same answers.
     vanished_width: float = 1e-6
-    # The load on what sticks, or the creepage, is approached from full stick. If Newton's method
-    # fails, half of the way is gone first, this often in all.
-    max_attempts: int = 60
-    samples: int = 48  # in each interval, at which the signs are checked
     # Signs are wrong beyond this part of the largest value: errors of the equation's solution.
     sign_tolerance: float = 1e-6
     # Effect of the given contact's error on zones that stick.
@@ -229,8 +224,9 @@ class Rolling:
         condition: the load on these zones, or theta, at a part of the way from full stick.
         """
         widths = np.diff(self.zones)[:, 0]
+        # If Newton's method fails, half of the way is gone first.
         done, part = 0.0, 1.0
-        for _ in range(OPTIONS.max_attempts):
+        for _ in range(SEARCH.max_loads):
             equation = self._equation(condition(part))
             near = self._near(equation, widths)
             if near is None:
@@ -271,7 +267,7 @@ class Rolling:
                 wrong = self._slips_wrongly(free.density, theta, found) & (found == 0.0)
                 if not wrong.any():
                     return free, found
-                widths = np.where(wrong, OPTIONS.new_width * width, found)
+                widths = np.where(wrong, SEARCH.doubtful_part * width, found)
                 continue
             vanished = (widths > 0.0) & (found < OPTIONS.vanished_width * width)
             widths = np.where(vanished, 0.0, widths)
@@ -301,7 +297,7 @@ class Rolling:
                 ) from error
             found = error.best
         sticks = found.zones.table
-        nodes = chebyshev_nodes(OPTIONS.samples)
+        nodes = chebyshev_nodes(SAMPLING.min_points)
         at = (sticks.mean(axis=1, keepdims=True) + 0.5 * np.diff(sticks) * nodes).ravel()
         part, units = found.density(at), self.problem.units
         pressure = self.solution.fields.pressure(units.x(at)) / units.pressure
@@ -325,7 +321,7 @@ class Rolling:
             slip[:, 1] -= widths
         else:
             slip[:, 0] += widths
-        nodes = chebyshev_nodes(OPTIONS.samples)
+        nodes = chebyshev_nodes(SAMPLING.min_points)
         x = slip.mean(axis=1, keepdims=True) + 0.5 * np.diff(slip) * np.append(nodes, [-1.0, 1.0])
         slope = self.problem.slope(x)
         rate = -slope - theta

@@ -13,7 +13,14 @@ import numpy as np
 
 from contact.model.units import prefix, quantity
 from contact.solution.plotting import new_figure, summary
-from contact.solution.sampling import on_zones, positions, top_pressure, window, zones_within
+from contact.solution.sampling import (
+    POINTS,
+    on_zones,
+    positions,
+    top_pressure,
+    window,
+    zones_within,
+)
 from contact.solution.solution import Solution
 from contact.solution.stress_report import StressReport, depth_of, grid
 from sie import Array, record
@@ -30,7 +37,6 @@ class StressFigureOptions:
     close_up: float = 0.12  # of the width: smaller surroundings have a column of their own
     reach: float = 1.6  # of a column, in widths of the zone, to both sides and down
     zones: int = 400  # of which a column of the whole has its own points
-    screen_points: int = 2000
     singular_part: float = 0.995  # of the points are below the highest contour, at sharp corners
     round_place: float = 1e-6  # places closer to 0 than this part of the depth are 0
 
@@ -151,7 +157,7 @@ def _top(report: StressReport, show: str, values: list[Array]) -> float:
 
 def _draw_pressure(axes: Any, report: StressReport, column: _Column) -> None:
     solution, (lo, hi) = report.solution, (column.lo, column.hi)
-    x = positions(solution, lo, hi, OPTIONS.screen_points)
+    x = positions(solution, lo, hi, POINTS.screen_points)
     pressure, top = solution.pressure(x), top_pressure(solution)
     along = (x - column.origin) * column.unit[0]
     scale, letter = prefix(top)

@@ -29,8 +29,9 @@ class PlaneOptions:
     # The coefficients follow from values on a circle of this radius. Between the two radii, the
     # terms of the series fall to round-off.
     circle: float = 1.2
-    terms: int = 128  # (series_reach / circle)^128 is 1e-16
-    nodes: int = 256  # (circle / 1.5)^256, the aliasing, is far below round-off
+    # Twice as many values are taken on the circle. (series_reach / circle)^128 is 1e-16, and the
+    # aliasing, (circle / 1.5)^256, is far smaller.
+    terms: int = 128
 
 
 OPTIONS = PlaneOptions()
@@ -121,12 +122,13 @@ class HilbertRest(Kept):
     def _coefficients(self, what: What) -> list[complex]:
         """Coefficients of the power series of the field, the highest power first."""
         if what not in self._kept:
-            turns = np.arange(OPTIONS.nodes) / OPTIONS.nodes
+            count = 2 * OPTIONS.terms
+            turns = np.arange(count) / count
             circle = self.period * OPTIONS.circle * np.exp(2j * np.pi * turns)
             regular = self.kernel.regular_of(what)
             assert regular is not None
             values = self._summed(regular, self.middle + circle)
-            terms = np.fft.fft(values)[: OPTIONS.terms] / OPTIONS.nodes
+            terms = np.fft.fft(values)[: OPTIONS.terms] / count
             self._kept[what] = terms[::-1].tolist()
         return self._kept[what]
 
