@@ -46,8 +46,8 @@ class SolverOptions:
 
     # Above this size, BLAS runs on one thread, because several threads would wait for each other.
     one_blas_thread: int = 2**6
-    # Above this size, the process keeps freed memory. Otherwise the system would clear the pages of
-    # this memory again and again.
+    # Above this size (see `_features`), the process keeps freed memory. Otherwise the system would
+    # clear the pages of this memory again and again.
     keep_memory: int = 2**17
 
 

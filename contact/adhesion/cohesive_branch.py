@@ -315,9 +315,10 @@ def _touch_intervals(scaled: ScaledScene, curve: CohesiveCurve) -> tuple[Array, 
 def _receded(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The contact reached as ends recede from an interval wider than the advancing contact.
+    """The contact that is left after the ends of a wide interval of tension have receded.
 
-    The ends of that interval, and of wider ones, are driven inward.
+    The interval is wider than that of the advancing contact. Its ends, and the ends of wider
+    intervals, are driven inward.
     """
     if np.isfinite(curve.problem.corners[0]):
         # The interval extends from one sharp corner to the other corner.
@@ -348,7 +349,7 @@ def _receded(
 
 
 def _receded_from_all(context: SolveContext, curve: CohesiveCurve, value: float) -> State | None:
-    """The contact reached from tension on the whole period, as the intervals recede.
+    """The contact reached from tension on the whole period, as the tension intervals recede.
 
     None if contact is lost. Raises Closed where the gap stays below the reach.
     """

@@ -128,7 +128,7 @@ class CohesiveEvents(Events):
             try:
                 at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
             except EndsCovered:
-                # A zone of contact covers a new end, so the new ends are put closer to the place.
+                # A zone of contact covers a new end, so the new ends are put closer to `place`.
                 if half < ACCURACY.neutral:
                     raise
                 half *= 0.1

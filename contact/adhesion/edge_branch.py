@@ -196,7 +196,7 @@ def advancing(context: SolveContext, scaled: ScaledScene, curve: Curve, value: f
 
 
 def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:
-    """The zones without adhesion; under adhesion, all ends of these zones tend to advance."""
+    """Scaled zones of the contact without adhesion; adhesion drives all their ends outward."""
     found = start_contact(context)
     if len(found.zones) == 0:
         raise Closed

@@ -101,7 +101,7 @@ class Events:
         )
 
     def reopening(self, here: PathState, value: float) -> Jump | None:
-        """The jump by which closed surfaces open as the control falls to a value.
+        """The jump at which closed surfaces open while the control decreases to `value`.
 
         None here, since closed surfaces stay closed under adhesion without range.
         """
@@ -115,7 +115,7 @@ class Events:
         return None
 
     def grown(self, table: Array, value: float) -> PathState:
-        """The path state reached after the ends of given zones advance and come to rest."""
+        """The path state reached when the ends of given zones have advanced to an equilibrium."""
         try:
             try:
                 return self._at_rest(grown(self.curve, table, value))
@@ -130,7 +130,7 @@ class Events:
             return PathState(value, closed=True)
 
     def shrunk(self, table: Array, value: float) -> PathState:
-        """The path state reached after the ends of given zones recede and come to rest.
+        """The path state reached when the ends of given zones have receded to an equilibrium.
 
         Under a fixed approach of a period, a lost zone lets the surface come closer elsewhere, so
         that zones may begin there.

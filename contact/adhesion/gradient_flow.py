@@ -316,7 +316,7 @@ def _damped_step(here: State, sign: float, limit: Array) -> Array:
     It solves (mu D - J) ds = r with the diagonal matrix D of the weights. mu exceeds the largest
     growth rate and is as small as the limits allow.
     """
-    # An end that tends to move against the flow does not move until the other ends have moved on.
+    # An end whose residual has the sign opposite to `sign` does not move in this step.
     free = sign * here.residual > -ACCURACY.coarse
     weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
     growth = max(here.growth_of(np.flatnonzero(free)), -above)

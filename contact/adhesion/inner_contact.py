@@ -282,7 +282,8 @@ def _pinned(pulled: TractionLoaded, zones: Array, k: Array) -> tuple[Mask, Mask]
 def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
     """Newton steps of the ends that leave a sharp corner.
 
-    A narrow strip of width (pi K/(2 s))^2 under the tension s has the intensity -K.
+    A narrow strip of width (pi K/(2 s))^2 under the tension s has the intensity -K. Without tension
+    the ends step inward.
     """
     stress = pulled.pulling.stress if len(pulled.pulling.table) else 0.0
     return (

@@ -104,7 +104,7 @@ def below(
 def joined(
     table: Array, joins: Mask, new: list[tuple[float, float]], period: float | None
 ) -> Array:
-    """Old and new intervals; an old one is united with the next one where `joins` is set."""
+    """The intervals `table` and `new`; a row of `table` with `joins` is united with the next."""
     joins = joins.copy()
     if period is None:
         joins[-1] = False

@@ -143,7 +143,7 @@ class LoadingPath:
         return end
 
     def _aside(self, lost: SymmetryLost) -> Jump:
-        """The jump where a symmetry is lost, to one of two sides that are mirror images."""
+        """The jump where mirror symmetry is lost, to one of two states that mirror each other."""
         try:
             after = self.law.shrunk(pushed_off(lost.at), lost.at.value)
         except NotConverged:

@@ -346,8 +346,8 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
     radii = np.zeros(len(kinds))
     for j in active:
         over = delta - kinds[j].depth
-        # If `over` is not positive, this level would not touch without interaction. It then starts
-        # with a small radius.
+        # `over` is the approach minus the depth. If it is not positive, this level does not touch
+        # without interaction, and starts with a small radius.
         radii[j] = first_radius(kinds[j].profile.line, over, scale) if over > 0 else 0.05 * scale
     while room(kinds, radii) < 0.1:
         radii *= 0.9

@@ -141,8 +141,8 @@ class Linear:
         self.at_delta = len(self.active) * (m + 1)
         self.size = self.at_delta + 1
         # The transform w of the displacement is a smooth part minus g, the transform of the
-        # profile, which need not be smooth. `smooth`: nodes and doubled weights for the smooth
-        # part. `rough`: nodes for g, and doubled weights times -g.
+        # profile, which need not be smooth. `smooth`: nodes of the smooth part, and twice their
+        # weights. `rough`: nodes of g, and -2 g times their weights.
         self.smooth = {j: (radii[j] * self.unit, 2.0 * radii[j] * self.weight) for j in self.active}
         self.rough = {j: self._rough(j) for j in self.active}
         every = np.eye(self.size + 1)

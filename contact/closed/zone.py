@@ -265,8 +265,8 @@ def _newton(
         half = choose(fails | (longer >= problem.top), half, longer)
     g = values.dot(nodal.matrix)
     size_of = np.abs(g) / column(scale)
-    # All coefficients after the last one above round-off are dropped. None is left if the kink
-    # makes the whole slope.
+    # All coefficients after the last one above round-off are dropped. No coefficient
+    # is left if the kink alone makes up the slope.
     above = ((size_of if size_of.ndim == 1 else size_of.max(axis=0)) > EPS).nonzero()[0]
     count = int(above[-1]) + 1 if len(above) else 0
     tail = tail + (size - count) * EPS * scale

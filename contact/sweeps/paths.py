@@ -306,7 +306,7 @@ class _Path:
 
 
 def _just_beyond(change: Change, side: Solution, other: Solution) -> float | None:
-    """A load just beyond the event, predicted by the ends' rates; None if outside the two loads.
+    """A load just beyond the event, from the ends' rates; None if not between the two loads.
 
     The load is predicted from the solution `other`. The square of the width of a zone (a gap) is
     linear in the logarithm of the load as the zone appears (the gap closes). Its rate gives the

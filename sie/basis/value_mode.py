@@ -63,7 +63,7 @@ class ValueMode:
         return 1.0 if self.at_left else -1.0
 
     def _sides(self, left: Any, right: Any) -> tuple[Array, Array]:
-        """Distances from the end with the value 1, and from the other one."""
+        """Distances from the end where the density is 1, and from the other end."""
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         return (left, right) if self.at_left else (right, left)
 

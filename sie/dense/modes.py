@@ -37,10 +37,10 @@ class ModeOptions:
     # Largest number of nodes of a zone. A zone whose last coefficients have nearly decayed may have
     # more nodes, as long as the table of all zones has at most `memory_pairs` numbers.
     max_nodes: int = 8192
-    # Coefficients below this fraction of the largest one have nearly decayed. Coefficients that no
-    # longer decrease count as noise only if they are below this fraction. A kernel's coefficients
-    # no longer decrease if 1.5 times as many modes do not halve them. Even for a kernel as rough as
-    # |x - xi|, that many modes more than halve the coefficients.
+    # Coefficients below this fraction of the largest one have nearly decayed. Only below it do
+    # coefficients count as noise if they no longer decrease, that is, if 1.5 times as many modes do
+    # not halve them. A kernel as rough as |x - xi| passes: that many modes more than halve its
+    # coefficients.
     nearly_decayed: float = 1e-5
     # First number of nodes of a zone. It is larger if the right side is singular close to the zone,
     # so that the coefficients decay to round-off. Also the number of leading coefficients from
@@ -112,7 +112,7 @@ class Growth:
         grew = m > self.m
         kept = np.where(grew, self.tails[1:], self.tails[:2])
         # Only zones with more modes than the right side has coefficients are judged. With fewer
-        # modes, the last coefficients may contain the right side, and not only noise.
+        # modes, the last coefficients may belong to the right side and not to noise.
         noisy = grew & (m > own) & (tails < OPTIONS.nearly_decayed) & (tails > 0.5 * kept[0])
         # The factor four is a margin, since the noise differs between solutions.
         return Growth(

@@ -182,8 +182,8 @@ class Series(DensityBase):
                 for i, theta in zip(bent.tolist(), even, strict=True)
             ]
             out[1:] += bounded.largest_changes(bent, near_kinks)[1:]
-        # The density's part (alpha + beta t) / sqrt(1 - t^2) is not in `bounded`. It changes too:
-        # if one end is fixed and the other end moves, the load spreads over another width.
+        # The density's part (alpha + beta t) / sqrt(1 - t^2) is left out of `bounded`, but changes
+        # too: if one end is fixed and the other end moves, the load spreads over another width.
         alpha, beta = self.singular
         out[1:] += (np.abs(alpha) + np.abs(beta)) / interval.root_weight(
             OPTIONS.end_distance, 2 - OPTIONS.end_distance

@@ -55,7 +55,7 @@ class TwoLevelPreconditioner:
             self._small[:, k] = self._scalars(column)
 
     def _responses(self) -> Array:
-        """Changes of the unknowns by a unit of the levels' common constant and of each amplitude.
+        """Changes of the unknowns per unit of the levels' common constant and of each amplitude.
 
         The constant is the one that levels may share. If there is one, its column is the first.
         """

@@ -166,7 +166,7 @@ class IterativeSystem(System):
 
     @cached_property
     def springs(self) -> Array:
-        """Factor of the coefficient c_0 over that of the level, in each zone's own condition.
+        """Coefficient of c_0 divided by the coefficient of the level, in each zone's own condition.
 
         It is 0 if the condition contains no level, or differences of levels.
         """

@@ -160,7 +160,10 @@ class GradedDensity(DensityBase):
         return self._bounded(self.divided)
 
     def _bounded(self, c: Array) -> tuple[Array, Array, Array]:
-        """(alpha, beta, u) of (alpha + beta s) / X + X sum u_k U_k; c: coefficients of T_l / X."""
+        """(alpha, beta, u) of (alpha + beta s) / X + X sum u_k U_k; c: coefficients of T_l / X.
+
+        With `bounded_ends`, the unbounded terms are set to zero at moving bounded ends.
+        """
         alpha, beta, u = chebyshev.bounded_part(c)
         if self.bounded_ends:
             left, right = self.zones.moves & self.zones.bounded
@@ -475,7 +478,7 @@ class GradedPlane:
         return out if density.closed is None else out + density.closed.plane(z, what)
 
     def _upper(self, x: Array, y: Array, what: What) -> Complex:
-        """A field at points x + i y, y >= 0, of one period."""
+        """The field `what` at points x + i y, y >= 0, of one period."""
         density = self.density
         out = np.zeros(len(x), dtype=complex)
         for shift in density.kernel.poles:

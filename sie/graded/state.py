@@ -232,7 +232,7 @@ class GradedState(Answered):
 
     @cached_property
     def _change_series(self) -> Array:
-        """Samples of random changes of each zone's series by errors of the rows (samples, Z, n)."""
+        """Changes of each zone's series caused by random errors of the rows (samples, Z, n)."""
         system, chance = self.system, np.random.default_rng(0)
         errors, rows = np.hypot(EPS * self.row_sizes, self.residuals), self.conditions_from
         if any(speaks_of_levels(one, system.zones) for one in self.equation.conditions):

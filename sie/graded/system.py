@@ -75,7 +75,7 @@ def gradings_of(zones: Zones, kernel: Kernel) -> list[Grading]:
 
 
 def resolving_sizes(gradings: list[Grading]) -> Index:
-    """Number of modes of each zone that resolve functions singular at the distance pi/B from it."""
+    """Modes of each zone that resolve functions singular at the distance pi / `stretch` in s."""
     stretch = np.array([one.stretch for one in gradings])
     return even_sizes(-np.log(EPS) / np.arcsinh(np.pi / stretch) + OPTIONS.extra_modes)
 
@@ -229,7 +229,10 @@ class GradedSystem(Rows, Kept):
         return out
 
     def potentials(self, zone: int, places: Places) -> Array:
-        """Potential at places of a zone for a unit of each F_k, without log|s - s'| of its own."""
+        """Potential at places of a zone, for F_k = 1 at each source.
+
+        The term log|s - s'| of the zone's own sources is left out.
+        """
         kernel, own = self.equation.kernel, self.own(zone)
         out = np.zeros((len(places.u), self.nodes))
         for shift in kernel.poles:
@@ -322,8 +325,8 @@ class GradedSystem(Rows, Kept):
 
     def intensities(self) -> tuple[Linear, Linear]:
         left, right = self._zero_rows(), self._zero_rows()
-        # Next to a bounded end the charges F vanish with the distance from the gap. So F is
-        # extrapolated to the end after it is divided by this distance.
+        # The charges F tend to zero next to a bounded end. So F is divided by `Grading.scale`, then
+        # extrapolated to the end and multiplied by the scale there.
         powers = np.isfinite(self.zones.intensities).astype(float)
         for place, zone in enumerate(self.zones.solved.tolist()):
             n, grading = int(self.sizes[zone]), self.gradings[zone]

@@ -125,7 +125,7 @@ class SecondKindState(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each zone, see `SecondKindRows.levels`."""
+        """Level of each zone: potential minus primitive of g (see `SecondKindRows.levels`)."""
         rows, constants = self.system.levels()
         return np.asarray(rows @ self.unknowns + constants)
 
@@ -182,11 +182,11 @@ class SecondKindState(Answered):
 
     @property
     def unresolved(self) -> bool:
-        """Whether a zone has many modes, whose last coefficients have hardly decayed."""
+        """Whether coefficients of a zone with `search_modes` or more modes have hardly decayed."""
         many = self.system.layout.m >= OPTIONS.search_modes
         return bool(np.any(many & (self.tails > modes.OPTIONS.nearly_decayed)))
 
-    # The stated error.
+    # The methods below estimate the stated error.
     @cached_property
     def zone_sizes(self) -> Array:
         """The largest coefficient of the density on each zone (Z,)."""

@@ -315,7 +315,7 @@ class SlitKink(Kept):
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
-        """Derivatives of `outside_slit` by the angle from the end, at the wide zone's two ends."""
+        """Derivatives of `outside_slit` by the angle, measured from each end of the wide zone."""
         if self.order == HIGHEST:
             lefts, rights, _, _ = self.seen
             return -float(self._over_root @ (1 / lefts)), float(self._over_root @ (1 / rights))

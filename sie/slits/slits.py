@@ -246,7 +246,7 @@ class Slit(Kept):
     modes: int
 
     def angle(self, left: Array, right: Array) -> Array:
-        """Angle theta, in the wide zone with t = cos(theta), of places in the slit.
+        """Angle theta of places in the slit; t = cos(theta) is the wide zone's coordinate.
 
         left, right: distances from the slit's ends, in half widths of the slit.
         """
@@ -267,7 +267,7 @@ class Slit(Kept):
 
     @cached_property
     def theta(self) -> Array:
-        """Angles theta, in the wide zone with t = cos(theta), of the slit's Gauss nodes."""
+        """Angles theta of the slit's Gauss nodes; t = cos(theta) is the wide zone's coordinate."""
         return self.angle(*chebyshev.gauss_sides(self.nodes))
 
     @cached_property
@@ -466,8 +466,8 @@ class Slits(Kept):
 
         out = self._rows(values)[:, 0]
         for i, kink in self.kinks:
-            # The integral of the slack (the unknown in a slit) over the slit is zero. The jump
-            # causes a known part psi of the slack. The integral of psi therefore goes to the right
+            # The slack (the unknown in a slit) has the integral zero over the slit. Its part psi,
+            # which the jump of `kink` causes, is known. So the integral of psi goes to the right
             # side.
             out[self.offset[i]] -= kink.total
         return out

@@ -15,8 +15,8 @@ from sie.states.base import Solved, coefficient_sizes
 from sie.states.options import LOOKS, OPTIONS, THETA
 from sie.states.rounding import density_rounding, intensity_rounding, truncation_through_rows
 
-# Upper bound of |T_k / sqrt(1 - t^2)| / k without the singular parts at the ends. It is reached
-# near an end.
+# Maximum over t of |T_k - T_(k mod 2)| / (k sqrt(1 - t^2)) for large k, reached near an end. The
+# difference of the polynomials is zero at both ends, so that the quotient has no singular part.
 AT_ENDS = 0.73
 # Round-off of a sum of n coefficients close to a free end, divided by n^1.5 times the largest error
 # of a coefficient. This round-off is 0.42 n^1.5 times the mean error of a coefficient, which is a

@@ -133,7 +133,7 @@ class Panels(Kept):
 
     @cached_property
     def tail(self) -> float:
-        """Largest of the last coefficients in either variable, relative to the largest coefficient.
+        """Largest of the last coefficients in x or xi, relative to the largest coefficient.
 
         Neighbouring panels are sampled first, and all others only if these coefficients have
         decayed.

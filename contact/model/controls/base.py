@@ -80,7 +80,7 @@ class Control(Named):
     falls: ClassVar[bool] = False
 
     def signed(self, scene: Any) -> bool:
-        """Whether the value may be zero or negative in a scene (`contact.Scene`)."""
+        """Whether the control's value may be zero or negative in a scene (`contact.Scene`)."""
         return False
 
     def check(self, scene: Any) -> None:

@@ -98,7 +98,7 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
             for side in (1, -1)
         )
         size = np.maximum(np.abs(right), np.abs(left)).max(axis=1)
-        # The round-off of each place changes the values there.
+        # The round-off of each place changes the function's values close to it.
         moved = np.abs(places) / h * np.maximum(np.ptp(right, axis=1), np.ptp(left, axis=1))
         for order in (1, 2, 3):
             m = order - first

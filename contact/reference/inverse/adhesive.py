@@ -352,9 +352,9 @@ def second_variation(design: AdhesiveDesign) -> Array:
     smooth = _low_modes(design, modes) @ _low_coefficients(design, strength, unit).T
     regular = modes @ design._smooth.astype(float) + poles @ q
     change = (sigma / root)[:, None] * (strength * poles + smooth)  # change of k at end i by end j
-    # Change of k at the moved end itself. In X R, the term after k/sqrt|factor| is proportional to
-    # sqrt|factor|. Its derivative by the end is proportional to 1/sqrt|factor|, with half of its
-    # coefficient. The derivatives of the other factors cancel.
+    # Change of k at the moved end itself. In X R, the term after k/sqrt|factor| is b sqrt|factor|.
+    # The derivative of this term by the end is proportional to (b/2)/sqrt|factor|. The derivatives
+    # of the other factors cancel.
     own = outward * root * regular / (2.0 * unit) + np.diagonal(smooth) / root
     np.fill_diagonal(change, sigma * own)
     return np.asarray(2.0 * design.work * change / k[:, None] * outward, dtype=float)

@@ -121,7 +121,7 @@ class Influence:
 
     @property
     def yields(self) -> float:
-        """Displacement under the uniform pressure 1 on a period; 0 for a single body."""
+        """Displacement caused by a uniform pressure of 1 on the period; 0 without a period."""
         return float(self._compliance[0]) if self.is_periodic else 0.0
 
     @classmethod
@@ -511,7 +511,7 @@ class _Run:
         return p + fixed, u + moved, level, error, solved
 
     def compliance(self, state: GridState) -> float:
-        """The rate d level / d load, where the level is displacement plus height in the contact.
+        """The rate d level / d load; the level is displacement plus height at points in contact.
 
         The motion of the ends has no effect at first order, as the pressure is zero there.
         """

@@ -85,7 +85,7 @@ class Formulation(Protocol[Kind]):
         """New intervals (n, 2), changed where pressure or gap has the wrong sign."""
 
     def solved(self, round: Round) -> Kind:
-        """The solution made from a round whose signs passed the check."""
+        """The solution from a round of the loop in which pressure and gap have the right signs."""
 
     def is_slight(self, found: Kind) -> bool:
         """Whether the number of intervals depends on a pressure or gap as small as its error."""

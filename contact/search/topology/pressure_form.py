@@ -166,7 +166,7 @@ class PressureForm:
         return table
 
     def solved(self, round: Round[SolvedZones]) -> SolvedZones:
-        """The solution made from a round whose signs passed the check."""
+        """The solution from a round of the loop in which pressure and gap have the right signs."""
         return SolvedZones(
             round.free,
             round.fields,
