@@ -58,7 +58,7 @@ def _curve_without_range(curve: CohesiveCurve, zones: Array, share: float) -> Cu
 def _with_range(
     curve: CohesiveCurve, short: Curve, tips: State, margin: float
 ) -> CohesiveState | None:
-    """A state under the cohesive law, built from an equilibrium without range (JKR).
+    """A state under the cohesive law, built from an equilibrium of a law without range.
 
     All its ends are driven one way. margin: fraction of the work left out, or added if negative.
     None where the ends are driven both ways.

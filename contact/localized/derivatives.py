@@ -21,7 +21,7 @@ from sie import Array, Mask, record
 
 @dataclass(frozen=True)
 class DerivativeOptions:
-    """Options of the derivatives, which are used in Newton's method and in small stated errors."""
+    """Options of the derivatives in `ContactRates`."""
 
     # Tolerance of the densities. Divided by 2 * shift, it is still far below shift^2, the relative
     # error of a central difference.

@@ -397,8 +397,8 @@ class DesignedContact(GivenZones):
         power_sums = np.array([np.sum(exponents * np.exp(-1j * k * angle)) for k in range(n + 1)])
         phase = np.exp(0.5j * np.sum(exponents * angle))
         coefficients = phase * exp_of_power_sums(power_sums)
-        # `coefficients[k]` is the factor of w^(k - n) in X M above the real axis. For k = n it is the
-        # constant term, 2i/E* times the mean pressure. The mean pressure is positive, which fixes
+        # `coefficients[k]` is the factor of w^(k - n) in X M above the real axis. The constant term
+        # has k = n and is 2i/E* times the mean pressure. The mean pressure is positive, which fixes
         # the sign of the square root X.
         coefficients *= np.sign(coefficients[n].imag) * self._extended_scale
         return self._of_slope(coefficients[n - 1 :: -1])

@@ -120,7 +120,7 @@ class GapForm:
         return united(parts, self.problem.repeat_length, True, self.what)
 
     def solved(self, round: Round[SolvedGaps]) -> SolvedGaps:
-        """The solution from a round of the loop in which pressure and gap have the right signs."""
+        """The solution made from the last round of the loop."""
         free, fields, control = round.free, round.fields, round.control
         return SolvedGaps(
             free,

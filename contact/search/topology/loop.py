@@ -85,7 +85,7 @@ class Formulation(Protocol[Kind]):
         """New intervals (n, 2), changed where pressure or gap has the wrong sign."""
 
     def solved(self, round: Round) -> Kind:
-        """The solution from a round of the loop in which pressure and gap have the right signs."""
+        """The solution made from the last round of the loop."""
 
     def is_slight(self, found: Kind) -> bool:
         """Whether the number of intervals depends on a pressure or gap as small as its error."""

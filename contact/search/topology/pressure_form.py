@@ -166,7 +166,7 @@ class PressureForm:
         return table
 
     def solved(self, round: Round[SolvedZones]) -> SolvedZones:
-        """The solution from a round of the loop in which pressure and gap have the right signs."""
+        """The solution made from the last round of the loop."""
         return SolvedZones(
             round.free,
             round.fields,
