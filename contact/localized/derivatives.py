@@ -21,7 +21,7 @@ from sie import Array, Mask, record
 
 @dataclass(frozen=True)
 class DerivativeOptions:
-    """Options of the derivatives in `ContactRates`."""
+    """Options of the derivatives that this module computes."""
 
     # Tolerance of the densities. Divided by 2 * shift, it is still far below shift^2, the relative
     # error of a central difference.
