@@ -88,7 +88,7 @@ class SpreadEnd:
     def in_plane(self, z: Complex, period: float | None) -> tuple[Complex, Complex]:
         """The potential `log` (or `periodic_log`) and its derivative at z (n,), Im z >= 0.
 
-        With a period, whole periods are added to z only in the imaginary part of the potential.
+        With a period, only the imaginary part of the potential changes if z moves by a period.
         """
         if period is None:
             return self._alone(z)
@@ -96,7 +96,8 @@ class SpreadEnd:
         z = z - turns * period
         value: Complex = np.asarray(-1j * np.pi * turns)
         slope: Complex = np.zeros(len(z), dtype=complex)
-        # Near the zone and its next images these are subtracted from the mean over the zone.
+        # At `near` points the logarithms of the zone and its next images are added in closed form,
+        # and only the smooth remainder is averaged over the zone.
         near = np.flatnonzero(z.imag < period)
         far = np.flatnonzero(z.imag >= period)
         angle = np.pi * (np.arange(_SMOOTH_NODES) + 0.5) / _SMOOTH_NODES

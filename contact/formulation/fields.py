@@ -76,10 +76,10 @@ def moved_ends(
     response: sie.AnyDensity | None = None,
     tolerance: float = 0.0,
 ) -> Array:
-    """Derivatives of the ends' outward motions (2, Z) by a side condition's value; 0 if fixed.
+    """Outward motions (2, Z) of the ends per unit of a side condition's value; 0 if fixed.
 
-    It is 2 K / A, with the intensity K of the response and the edge slope A, as in a Newton step.
-    For ends of prescribed intensity it follows from the rates of the intensities. response: the
+    A motion is 2 K / A, with the intensity K of the response and the edge slope A, as in a Newton
+    step. For ends of prescribed intensity it follows from their rates. response: the
     solution for a unit of the condition's value, if it is known already. tolerance: tolerance of
     the iteration that finds the response.
     """

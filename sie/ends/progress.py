@@ -99,8 +99,8 @@ class Progress:
     ) -> Convergence:
         """Record a Newton step, and decide whether the ends have converged.
 
-        corners: distance of the nearest kink from each end (2, Z), over which the density changes;
-        value: value of the open condition; opened: whether there is one.
+        corners: distance of each end from the nearest kink (2, Z); value: value of the open
+        condition (whose value is an unknown); opened: whether there is one.
         """
         width, delta, options = zones.b - zones.a, np.abs(motion.delta), self.options
         relative = delta / width

@@ -274,7 +274,7 @@ def damped(zones: Zones, equation: Equation, delta: Array, options: NewtonOption
     far = zones.rims & (np.abs(delta[1] - delta[0]) > 2 * options.max_growth * width)
     if not far.any():
         return plain
-    # A rim may move by many of its widths at once, as the load beside it asks for.
+    # A rim is the transition zone beside a plateau. It may move by many of its widths in one step.
     shift = np.clip(0.5 * (delta[1] - delta[0]), -room[0], room[1])
     widens = np.clip(
         0.5 * delta.sum(axis=0), -options.max_shrink * width, 0.5 * outward.min(axis=0)

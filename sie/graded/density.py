@@ -141,7 +141,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def powers(self) -> Array:
-        """Powers (2, Z) that divide psi before its series, see `GradedSystem.powers_for`."""
+        """Powers (2, Z) of the scale by which psi is divided, see `GradedSystem.powers_for`."""
         return self.system.powers_for(self.unknowns)
 
     @cached_property

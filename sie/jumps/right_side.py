@@ -453,8 +453,8 @@ class ForcingJumps(PlacedJumps):
     def sharpest(self, zone: int) -> tuple[Array, Array]:
         """(distances from the left end, heights) of points where a zone's density is steepest.
 
-        The density is steepest close to them. They are the jumps of the lowest order in the zone,
-        if it is 0 or 1, and algebraic points with exponents below 1, whose height is infinite.
+        They are the jumps of the lowest order in the zone, if it is 0 or 1, and algebraic points
+        with exponents below 1, whose height is infinite.
         """
         k = self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
         k = k[(self.order[k] == self.order[k].min(initial=2)) & (self.order[k] < HIGHEST)]

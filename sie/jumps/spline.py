@@ -313,11 +313,9 @@ class ConjugateSpline(Kept):
     ) -> "tuple[ConjugateSpline, Array, Array] | None":
         """(spline, zeros, place and height of an added jump); None if g has other jumps.
 
-        The zeros are the jumps that remain: none.
-
-        The spline is g less a function of two quadratic pieces that has the values and slopes of g
-        at both ends. The added jump is that of the second derivative where the two pieces meet. The
-        result is None if g has other jumps than the given ones.
+        The zeros stand for the jumps that remain without the spline: none. The spline is g minus a
+        function of two quadratic pieces that has the values and slopes of g at both ends. The added
+        jump is that of this function's second derivative where the two pieces meet.
         """
         left = np.zeros_like(jumps)
         inner = np.minimum(knots, 2 - knots) > HALF_DIGITS

@@ -35,8 +35,8 @@ class SkeletonOptions:
     # Numbers of nodes on each zone, tried in turn until they resolve the kernel's modes there. From
     # the third on, also numbers of positions, tried in turn, among which the skeleton is chosen.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
-    # The number of modes on each zone is that of the kernel seen from about this many positions of
-    # the skeleton.
+    # The kernel's modes on each zone are counted with the kernel's other argument at about this
+    # many positions of the skeleton.
     sampled_places: int = 8
 
 
@@ -101,7 +101,7 @@ class Skeleton(Kept):
         return out
 
     def spread(self, x: Array) -> Seen:
-        """The points x, with the skeleton's matrices for x as sources or as targets."""
+        """The points x, and the matrices that link them as sources or targets to the skeleton."""
         return Seen(self, x)
 
     def shares(self, xi: Array) -> Array:

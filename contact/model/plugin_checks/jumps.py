@@ -28,8 +28,8 @@ class CheckOptions:
     unchanged: largest relative change of a jump between two distances from which it is estimated.
         Also the largest relative round-off of such an estimate, and the largest relative error of a
         declared jump that is small.
-    jump: smallest jump of the slope that is a kink, over the largest slope. Smaller changes may be
-        a steep slope. Twice this part of a declared power may be missing.
+    jump: smallest jump of the slope that counts as a kink, relative to the largest slope. Smaller
+        changes may be a steep slope. Twice this fraction of a declared power may be missing.
     same: largest relative difference of two values that agree.
     stands_out: deviation from a smooth function, over the median deviation, above which a place is
         examined. 16 to 256 find the same corners.

@@ -59,7 +59,8 @@ class GridOptions:
     # times the one before, but not below the wanted tolerance. While many points still join or
     # leave the contact, a precise pressure would be wasted.
     first_tolerance: float = 1e-2
-    # Solves in a row, under a cap of the pressure, in which no fewer points change than before.
+    # Number of successive solves, under a cap of the pressure, in which the number of points that
+    # change reaches no new minimum.
     # Ends of plateaus and contacts are then known to a cell, which is all a first guess needs.
     max_repeats: int = 8
 
@@ -445,7 +446,7 @@ class _Run:
         for _ in range(OPTIONS.max_stalled + int(4 * np.log2(self.influence.n))):
             before = self.iterations
             if not mask.any():
-                # One point at least is elastic, as it takes the rest of the load.
+                # At least one point stays in `mask`: it bears what the capped points do not.
                 last = np.flatnonzero(capped)[np.argmax(self.shape[capped])]
                 mask[last], capped[last] = True, False
             p, u, level, error, solved = self._on_sets(load, mask, capped, p, tol)
@@ -464,7 +465,7 @@ class _Run:
             add = self.allowed & ~mask & ~capped & (gap < -error_of_gap)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))
             if np.isfinite(cap):
-                # Points above the cap are held at it, and those that open there are set free.
+                # Points above the cap join the capped ones. Capped points that open leave them.
                 above, freed = mask & (p > cap), capped & (gap > error_of_gap)
                 rest = load - cap * self.influence.h * np.count_nonzero((capped | above) & ~freed)
                 above &= rest > 0.0
@@ -481,7 +482,7 @@ class _Run:
             # right. If the number of changes hardly falls, errors of the solve cause the changes.
             if changes <= 2 or changes > 0.7 * fewest:
                 tol = finer
-            # With a cap a few points may change back and forth for ever.
+            # With a cap a few points may join and leave the capped ones in turn for ever.
             repeats = repeats + 1 if changes >= fewest and np.isfinite(cap) else 0
             if repeats > OPTIONS.max_repeats:
                 break

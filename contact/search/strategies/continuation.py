@@ -34,7 +34,7 @@ from sie import Array
 class ContinuationOptions:
     """Limits beyond which extrapolated zones are not tried as a first guess.
 
-    Insensitive: 2 to 8 changes take the same time on curves of 5 to 80 values. Without this limit
+    With `max_changes` from 2 to 8, curves of 5 to 80 values take the same time. Without this limit
     curves of many zones take a tenth longer.
     """
 

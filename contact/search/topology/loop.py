@@ -330,8 +330,7 @@ class _Loop(Generic[Kind]):
         if self.newton.tolerance > self.wanted:
             return self._after_rough(here)
         if not here.free.converged:
-            # If the check of signs fails, its intervals of wrong sign show where intervals are
-            # missing.
+            # If the check of signs fails, intervals are missing where it found wrong signs.
             is_missing = not here.certificate.holds
             self.newton = replace(self.newton, allow_loss=is_missing)
             zones = here.free.density.zones
