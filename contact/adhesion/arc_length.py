@@ -547,7 +547,7 @@ def _unit(curve: Curve, at: State) -> float:
         # At a turning point, the ends move while the control does not change. So the unit is set to
         # its lower bound `least`.
         return least
-    # One unit of the control may change the residual r of a pinned end by no more than max(1, |r|).
+    # A unit of the control changes the residual r of a pinned end by at most max(1, |r|).
     driven = np.where(
         whole.pinned,
         (whole.by_value - whole.rates @ moves) / np.maximum(1.0, np.abs(whole.residual)),

@@ -405,10 +405,10 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
 
 
 def _closing(gap: Array, place: Index, rounding: float) -> Mask:
-    """Mask of the samples next to a zone whose gap is round-off, up to the first open gap.
+    """Mask of the samples between a zone and the nearest open sample, if their gap is round-off.
 
-    Samples are sorted by interval and place. The gap closes as d^(3/2) there, and has the sign of
-    the pressure's slope.
+    Samples are sorted by interval and place. At a small distance d from a zone, the gap grows as
+    d^(3/2), and has the sign of the pressure's slope.
     """
     index, first_of = np.arange(len(gap)), np.flatnonzero(np.diff(place, prepend=-1))
     number = np.repeat(np.arange(len(first_of)), np.diff(first_of, append=len(gap)))

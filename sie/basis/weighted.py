@@ -371,7 +371,7 @@ class JacobiFunctions(Kept):
         of: Callable[["JacobiFunctions", float, Number, Number], Number],
         shape: tuple[int, ...] = (),
     ) -> Number:
-        """A transform at all points, from a function for points of the right half plane.
+        """Transform at any points, by a function `of` that serves points of the right half plane.
 
         of(weighted, sign, zeta - 1, zeta + 1): for the sign -1 it is called with the mirrored
         densities at -zeta; the transform there is minus that at zeta. Logarithms and roots take
@@ -473,7 +473,7 @@ def _to_u(kappa: float, count: int) -> Array:
 def _moments(kappa: complex, count: int, length: int) -> Array:
     size = max(count, length)
     a, b = JacobiFunctions(kappa).recurrence(size)
-    # In terms of p_0 / sqrt(2) and p_n the matrix of t is symmetric.
+    # In the basis p_0 / sqrt(2), p_1, p_2, ... the matrix of the multiplication by t is symmetric.
     b = b.copy()
     b[1:2] *= math.sqrt(2.0)
     out = np.zeros((length, count), dtype=a.dtype)

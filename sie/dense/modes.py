@@ -84,11 +84,11 @@ def enough(kernel: Kernel, tolerance: float) -> float:
 
 @record
 class Growth:
-    """Last coefficients of the other zones' field on each zone, in solves with more and more modes.
+    """Decay of the other zones' field on each zone, in solves with more and more modes.
 
-    m: numbers of modes of the last solution (Z,); tails: sizes of the last coefficients with the
-    last three numbers of modes, the newest last (3, Z); floor: noise of a user's functions, which
-    more modes do not reduce (Z,).
+    m: numbers of modes of the last solution (Z,); tails: sizes of the field's last coefficients
+    with the last three numbers of modes, the newest last (3, Z); floor: noise of a user's
+    functions, which more modes do not reduce (Z,).
     """
 
     m: Index

@@ -92,7 +92,7 @@ class Plane:
     # The methods below give the part of the fields that the kernel's poles cause, without the
     # regular part.
     def poles(self, x: Array, y: Array, whats: Sequence[What]) -> list[Complex]:
-        """Fields at x + i y that the kernel's poles cause, summed by the tree."""
+        """Fields at x + i y that the kernel's poles cause, summed by a tree (`sie.trees`)."""
         return fields_of_tree(
             self.nested.tree, self.series, self.density.kernel, (x, y), whats, self.of_zones
         )

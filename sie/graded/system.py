@@ -49,7 +49,7 @@ class GradedOptions:
     # No gap counts as wider than this multiple of its zone, so that the coordinate is defined next
     # to infinite gaps. From there on the coordinate is nearly linear.
     max_grading_gap: float = 1.0
-    # Number of modes of a zone beyond those that its kernel needs, for the right side.
+    # Number of modes of a zone that the right side gets in addition to those that the kernel needs.
     extra_modes: int = 8
     # If the modes of a zone do not suffice, their rate of decay gives the number for the next
     # solution. It is multiplied by this margin.

@@ -261,9 +261,7 @@ class Combined(Profile):
         return self._added(self._in_cells(PlacedBody.jump_rows))
 
     def _in_cells(self, rows_of: Callable[[PlacedBody], Array]) -> Array:
-        """Rows of both bodies, whose first column is a place. Each row of a body is repeated in all
-        cells of that body.
-        """
+        """Rows of both bodies, each in all cells of its body; their first column is a place."""
         parts = [self._repeated(rows_of(one), one.body.period) for one in self._placed.values()]
         return np.concatenate(parts)
 
