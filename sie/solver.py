@@ -329,7 +329,7 @@ class Solution:
         return replace(self)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Solution":
-        # Copies need no functions with a name, unlike pickles.
+        # `__getstate__` is avoided, since it raises for functions that cannot be pickled.
         return replace(
             self, **{one.name: copy.deepcopy(getattr(self, one.name), memo) for one in fields(self)}
         )

@@ -51,9 +51,10 @@ def certified(
     here: CohesiveState | None,
     fields: CohesiveFields | None = None,
 ) -> Certificate:
-    """The frictionless contact's certificate, with checks of the tension's reach and stability.
+    """The certificate `plain`, with checks of the gap at the tension's ends and of stability.
 
-    here: None where the tension acts everywhere, on these fields.
+    plain: certificate of the contact without tension. here: the state; None if the tension acts
+    everywhere. fields: needed only if `here` is None.
     """
     stress = curve.stress * curve.problem.units.pressure
     least = plain.smallest_pressure - stress

@@ -361,7 +361,7 @@ def _intervals_cut(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
 
 
 def _outside(curve: CohesiveCurve, table: Array) -> list[tuple[float, float]]:
-    """Stretches (left, right) without tension; with a period, the last one crosses its border."""
+    """Intervals (left, right) without tension; the last may cross the border of the period."""
     if curve.problem.round is not None:
         return [(a, b) for a, b in gaps_between(table, curve.problem.round)]
     return list(zip(np.append(-np.inf, table[:, 1]), np.append(table[:, 0], np.inf), strict=True))

@@ -506,8 +506,8 @@ class CohesiveCurve(Curve):
             fields.density.total - pulled.pulling.total,
             float(fields.level),
         )
-        # If an interval ends where its zone ends, this end is pinned at a sharp corner. Its gap is
-        # 0, its residual 1, and its rates are 0.
+        # An interval that ends where its zone ends is pinned at a sharp corner. The gap there is 0,
+        # so that the residual 1 - gap / reach is 1.
         at = table.T.ravel()
         is_open, residual = ~np.isin(at, zones), np.ones(len(at))
         residual[is_open] -= fields.formal_gap(at[is_open]) / self.reach
@@ -546,8 +546,9 @@ class CohesiveCurve(Curve):
         if self.control.load is not None:
             values[first, :-1], values[first, -1] = self.stress, 1.0
         else:
-            # Under a fixed approach, the side condition of each zone has minus the control's value
-            # on its right side. `values` holds the derivatives of the right sides.
+            # Under a fixed approach, the right side of each zone's side condition is minus the
+            # value of `inner_control`. `values` holds its derivatives by the free ends and by
+            # `value`.
             values[first : first + len(density.zones)] = np.append(
                 np.full(len(free), -self.yields * self.stress), -1.0
             )

@@ -379,9 +379,10 @@ def _own(pulled: TractionLoaded, zones: Array) -> Array:
 
 
 def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
-    """(zones joined across closed gaps, entry of `first` for the leftmost part of each zone).
+    """(zones joined across closed gaps, `first` of these zones).
 
-    first: the widths of the zones when the search began.
+    first: the widths of the zones when the search began. A joined zone keeps that of its leftmost
+    part.
     """
     gap = zones[1:, 0] - zones[:-1, 1]
     width = np.diff(zones, axis=1)[:, 0]
@@ -529,8 +530,7 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
     rounding = fields.gap_rounding + allowed_overlap(on_zones=on_zones)
     free, tension = ~density.locate(x)[2], fields.problem.pulling
     if len(tension.table):
-        # Where surfaces overlap outside the intervals of tension, the intervals grow, but no zone
-        # begins.
+        # New zones begin only inside the intervals of tension.
         free &= tension.holds(x)
     for s, e in runs_of((gap < -rounding) & free):
         lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]

@@ -38,9 +38,10 @@ def grown(curve: Curve, table: Array, value: float, rest: float = ACCURACY.resti
 
 
 def _driven_outward(curve: Curve, here: State, overlaps: Array) -> Array:
-    """The zones of a state, and new zones where the surfaces overlap.
+    """The zones of a state and narrow new zones in `overlaps`, without those that would recede.
 
-    A new zone whose ends the other new zones drive inward is left out.
+    A new zone is left out if the residuals of both ends are negative. If this is true of all new
+    zones, all are kept.
     """
     while True:
         table = with_new(here.table, overlaps)

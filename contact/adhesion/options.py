@@ -33,8 +33,8 @@ class MoveOptions:
     # Length of a short step of an end. Ends whose residual is small make such steps against the
     # direction of the flow. Other short steps lead away from an unstable equilibrium.
     short_move: float = 0.02
-    # Factor by which a failed step is shortened. It is also the smallest factor by which a
-    # safeguarded length or residual may fall in one step.
+    # Factor by which a failed step is shortened. It is also the least ratio of a step length, unit
+    # or residual to its last value, where such a ratio is bounded.
     least_part: float = 0.3
     # A length or growth rate counts as small below this fraction of the value with which it is
     # compared.
@@ -45,9 +45,9 @@ class MoveOptions:
     # If the residuals of both ends of a gap or zone exceed this, the gap or zone vanishes before
     # the ends come to rest.
     hard_drive: float = 0.5
-    # A gap has closed if it is narrower than this fraction of its zones. A zone is lost if it is
-    # narrower than this fraction of its former width. In either case the residuals of the ends must
-    # exceed `hard_drive`.
+    # A gap has closed if it is narrower than this fraction of the narrower zone next to it. A zone
+    # is lost if it is narrower than this fraction of its former width. In the gradient flow, the
+    # residuals of both ends must also exceed `hard_drive`.
     vanished: float = 0.01
     # Width of a new zone, divided by the width of the overlap, interval or period in which the zone
     # begins.

@@ -108,7 +108,7 @@ class Predictor(Kept):
 
     @property
     def size(self) -> Array:
-        """Unit (2n,) of each residual's error: the larger of 1 and the residual at the start."""
+        """Scale (2n,) of each residual's tolerance: the residual at the start, at least 1."""
         return np.maximum(1.0, self.first)
 
     def step(self, limit: Array) -> Array:

@@ -122,9 +122,9 @@ class Octave:
 
 @record
 class PowerFit:
-    """Power law value (r / radius)^exponent for r f' of the shape f, used below `radius`.
+    """Power law `value` (r / `radius`)^`exponent` of the function r f'(r), for r < `radius`.
 
-    relative_error: error of its derivative over the derivative.
+    relative_error: error of the power law's derivative, divided by this derivative.
     """
 
     radius: float
@@ -136,7 +136,7 @@ class PowerFit:
     def of(cls, octave: Octave) -> "PowerFit | None":
         """Power law with an octave's value and slope at the lower end; None unless both are > 0.
 
-        Its deviation in the rest of the octave is taken as its error below the octave.
+        The deviation of the power law from the octave is taken as its error below the octave.
         """
         r = 0.5 * octave.half
         value, slope = (
@@ -203,8 +203,8 @@ class Octaves:
         The power law is used if it is more accurate.
         """
         if k > self._highest:
-            # If octave k is the highest one so far, a power law may start from it. So octaves that
-            # were computed with errors are computed again.
+            # A power law fitted to the new highest octave k may serve the octaves below. So those
+            # that are not exact are computed again.
             self._highest, self._power = k, None
             self._known = {one: octave for one, octave in self._known.items() if octave.is_exact}
         if k not in self._known:

@@ -96,7 +96,7 @@ def why_not_closed(law: Law, E_star: float) -> str:
 
 
 def _refusal(law: Law, E_star: float) -> str:
-    """The reason why a law has no closed form; empty if it only requires positive pressure."""
+    """The reason why a law has no closed form, as a message; empty if it has one."""
     if law.routes.module is not None:
         return f"the law {law.name} is solved by {law.routes.module}"
     if not law.equilibria.unique:

@@ -53,9 +53,9 @@ class ConjugateOptions:
     # residual is the sum of the Fourier terms of f' that are left out. The factor 2 allows for
     # larger values between the samples.
     residual_margin: float = 2.0
-    # The same ratio if the Fourier terms fall as slowly as those of a jump, by half per octave. At
-    # 1e-5 periods from a corner the transform is 4 times the jump, but the samples of the residual
-    # may show only a quarter of the jump.
+    # Replaces `residual_margin` if the Fourier terms fall as slowly as those of a jump, by half per
+    # octave. At 1e-5 periods from a corner the transform is 4 times the jump, but the samples of
+    # the residual may show only a quarter of the jump.
     jump_margin: float = 16.0
     # Fourier terms that do not decay are noise if they are below this fraction of the largest slope
     # or term. Larger terms may come from an undeclared kink.
@@ -234,8 +234,8 @@ def slope_parts(profile: Profile, length: float) -> SlopeParts:
     """The parts of the slope f': closed forms of the declared jumps and points, and the rest."""
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
-    # `Pieces` needs jumps of f''' with the sum 0. So the jump -`over` is added at the first place.
-    # A cubic Bernoulli polynomial with the jump `over` at this place compensates it.
+    # `over` is the sum of the jumps of f'''. `Pieces` needs the sum 0, so the jump -`over` is added
+    # at the first place. A cubic Bernoulli polynomial with the jump `over` there compensates it.
     first, over = jumps[:1, 0], np.full(len(jumps[:1]), jumps[orders == 2, 2].sum())
     at, heights = np.append(jumps[:, 0], first), jumps[:, 2, None] * (orders[:, None] == [0, 1, 2])
     of_jumps = Pieces.of(

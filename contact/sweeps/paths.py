@@ -61,8 +61,9 @@ class PathOptions:
     # If the ratio of an end's rates at two loads exceeds this, the motion of the end between the
     # loads cannot be predicted from the rates.
     max_rate_ratio: float = 1.5
-    # Largest relative error of a motion that is predicted by rates. The actual error is several
-    # times smaller for smooth ends and loads that differ by less than a third.
+    # Bound of the relative error of an end's motion that is predicted from its rates. If the rates
+    # are smooth and the loads differ by less than a third, the actual error is several times
+    # smaller.
     rate_error: float = 0.1
 
     @property

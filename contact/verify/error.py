@@ -91,7 +91,7 @@ class SolvedZones(Solved):
 
 
 def _error_of_body(found: SolvedZones) -> float:
-    """Additional relative error if the body is not a half-plane but, for example, a thin layer.
+    """Relative error due to the smooth part of the body's kernel; 0 for a half-plane.
 
     The smooth part of a thin layer's kernel nearly cancels that of the half-plane. The sum is so
     small that rounding and neglected modes are large relative to it.

@@ -395,7 +395,7 @@ def values_on(
         no_edge = (a == 0) & (b == 0)
         if not np.all(root):
             no_edge |= (left == 0) & vanishing[0][row] | (right == 0) & vanishing[1][row]
-        # If the points t are the same in all intervals, the sines of one row of angles are enough.
+        # If all intervals have the same points t, the angles of the first row serve for all rows.
         l, r = (
             (left[:1], right[:1])
             if left.ndim == 2 and left.strides[0] == 0 == right.strides[0]

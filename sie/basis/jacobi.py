@@ -302,6 +302,8 @@ def _downward(
 ) -> Iterator[tuple[int, Number]]:
     """Yield (n, f_n / f_(n-1) - 1) for n = last ... 1.
 
+    f_n is the transform F_n divided by the value p_n(1) or q_n(1) of its polynomial.
+
     For points on the line and real alpha all terms have one sign, so that nothing cancels.
     """
     up, down = family.steps(last + 1)

@@ -112,9 +112,9 @@ class Kernel(Kept):
         return {}
 
     def regular_of(self, what: What) -> Regular | None:
-        """The regular part that belongs to a field; None if the kernel has no regular part.
+        """Regular part of the kernel of the field `what`; None if the kernel has none.
 
-        Raises ValueError if the part of this field is not given.
+        Raises ValueError if the kernel has a regular part, but not for this field.
         """
         if self.regular is None:
             return None

@@ -72,7 +72,7 @@ class Moved:
 
     @classmethod
     def of(cls, state: State, d: Array) -> "Moved":
-        """The direct effect of outward motions d (2, Z, ...) of the left and right ends."""
+        """The direct effect on the density of outward motions d (2, Z, ...) of the ends."""
         zones, layout = state.density.zones, state.system.layout
         needs_half(zones.weight, "motions of ends with prescribed intensities")
         more = (1,) * (d.ndim - 2)

@@ -415,13 +415,13 @@ class _Search:
         )
 
     def _unresolved(self, state: AnyState) -> str:
-        """The reason to give up because modes do not resolve the equation; empty if they do."""
+        """Message that the modes do not resolve the equation; empty if they do."""
         if not ((self.equation.grows or self.equation.second_kind) and state.unresolved):
             return ""
         return _UNRESOLVED if self.equation.grows else _HARDLY_RESOLVED
 
     def _reason(self, state: AnyState, motion: NewtonStep, border: DomainLimit) -> str:
-        """The reason why the search is given up, as a message."""
+        """Message: the reason why the search ends without a solution."""
         if unresolved := self._unresolved(state):
             return unresolved
         if border.reached:

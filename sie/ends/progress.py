@@ -84,8 +84,8 @@ class Progress:
     def left_to_solve(self) -> float:
         """Tolerance of the next solution: `forcing` times the cube of the last relative move."""
         last = self.trace[-1].move if self.trace else 1.0
-        # If some ends may stay unconverged, the ends with the largest moves are ignored here,
-        # because their zones may vanish.
+        # If a fraction of the ends may stay unconverged, `most` leaves out this fraction of the
+        # zones: those with the largest moves, which may vanish.
         last = self.most if self.options.unresolved_fraction else min(last, self.initial_error)
         return self.options.forcing * last**3
 
@@ -218,8 +218,8 @@ class Progress:
         narrowest = np.minimum(width, self.first_width)
         closed = self.closing >= 2
         if not options.allow_loss:
-            # Without `allow_loss`, a closed gap ends the search. So only a gap that is narrow
-            # enough to be treated as a slit counts as closed.
+            # Without `allow_loss`, a closed gap ends the search. So a gap counts as closed only if
+            # it is narrow enough to be treated as a slit.
             narrow = gaps < SLITS.max_gap * narrowest
             closed = (self.closing >= options.insistent_steps) & narrow
         closed |= gaps < options.vanished_part * np.minimum(self.first_gap, narrowest)

@@ -297,8 +297,8 @@ class IterativeSystem(System):
                 (root_of_squares(self.g) * np.sqrt(zones.half / zones.half.sum()))[None]
             )[0]
         )
-        # The potentials of two neighbours are the same sums down to the smallest tree node that
-        # contains both zones. Only the round-off below this node is independent.
+        # Far fields reach two neighbours through the smallest tree node that contains both zones.
+        # Their round-off is the same in both potentials. Only the round-off below this node counts.
         apart = np.maximum(slope * self._gaps[2], typical * self.sums.far.targets.tree.parted)
         steps = 2.2e-16 * apart + (
             self._across_gaps[1] if self.integrated and not self.rough else 0.0

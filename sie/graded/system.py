@@ -374,7 +374,7 @@ class GradedSystem(Rows, Kept):
     # The methods below choose the unknowns that are solved for.
     @cached_property
     def source_of(self) -> Index:
-        """For each unknown, the one that it equals: itself, or that of the mirror image."""
+        """Index of each unknown's mirror image if only that is solved for, else its own index."""
         out = np.arange(self.size)
         if self.zones.symmetric:
             mirrored = self.nodes - 1 - np.arange(self.nodes)

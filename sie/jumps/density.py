@@ -118,8 +118,8 @@ class DensityJumps(ForcingJumps):
         """
         s, q, on_right = self.s[k], self.order[k], left > self.left[k]
         inner = np.where(on_right, theta(left, right), theta(right, left))
-        # Integrals from the left end follow by reflection. The signs of t and s change, and for odd
-        # q also that of (tau - s)^q.
+        # For t < s the integral from the left end follows by the reflection t -> -t, s -> -s. If q
+        # is odd, this changes the sign of (tau - s)^q.
         shift = np.where(on_right, s, -s)
         sine, cosine = np.sin(inner), np.cos(inner)
         first = sine - inner * cosine

@@ -399,7 +399,7 @@ class Linearized:
         return equation_right, known_parts(system, view, size)
 
     def unknowns(self, right: Array, outward: Array) -> Array:
-        """The unknowns for given right sides and motions of ends with an intensity (2, Z)."""
+        """The unknowns for a right side and motions `outward` (2, Z) of ends with given K."""
         state = self.state
         if outward.any():
             moved = Moved.of(state, outward[:, :, None])

@@ -13,16 +13,16 @@ from sie.trees import lazy
 class FigureOptions:
     """Points at which a density is drawn, and the range of its values that is shown."""
 
-    # Points of each zone; twice as many change no pixel of a figure of this width.
+    # Number of points of each zone. Twice as many change no pixel of a figure of this width.
     points: int = 400
-    # Most points of all zones together; beyond it, zones have fewer each.
+    # Largest number of points of all zones together. With many zones, each has fewer points.
     max_points: int = 100_000
-    # Least number of points of a zone, at which a semicircle still looks round.
+    # Least number of points of a zone. With this number a semicircle still looks round.
     least_points: int = 12
-    # The range shown is that of this fraction of each half width about the middle of the zone, so
-    # that infinite values at singular ends do not hide the rest.
+    # Fraction of each half width, about the middle of the zone, whose values set the range of the
+    # ordinate. It leaves out the infinite values at singular ends.
     shown: float = 0.98
-    # Width and height in inches, those of one panel of a page.
+    # Width and height in inches.
     size: tuple[float, float] = (5.2, 3.6)
 
 
@@ -30,9 +30,9 @@ OPTIONS = FigureOptions()
 
 
 def draw(density: AnyDensity, ax: Any = None) -> Any:
-    """Draw the density over its zones on matplotlib's `ax`, or on a new figure; the figure.
+    """Draw the density on matplotlib's `ax` or on a new figure; return the figure.
 
-    Of a complex density, real and imaginary part are drawn in two colours.
+    The real and the imaginary part of a complex density are drawn in two colours.
     """
     try:
         figures = lazy.module("matplotlib.figure")

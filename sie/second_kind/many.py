@@ -98,7 +98,7 @@ class FieldSums:
 
     @classmethod
     def of(cls, zones: Zones, kernel: Kernel, layout: Layout) -> Self:
-        """The sums on the given zones, with a new tree."""
+        """The `FieldSums` of the given zones, with a new tree."""
         nested = Nested(Tree.over(zones.a, zones.b, zones.rest))
         return cls(zones, layout, FarSum(nested, nested, kernel))
 

@@ -110,9 +110,9 @@ class SlitKink(Kept):
         return ((1.0,), (-self.zeta, 1.0), (self.zeta**2 - 0.5, -2 * self.zeta, 1.0))[self.order]
 
     def mixed(self, of_powers: Iterable[Any]) -> Any:
-        """half^q times the sum of e_j of_powers[j] over j = 0 ... q, with the jump's order q.
+        """half^q times the sum of e_j `of_powers`[j], j = 0 ... q, with e_j from `_weights`.
 
-        The coefficients e_j are those of `_weights`.
+        q is the order of the jump.
 
         The slack psi is h half^q (z - zeta)_+^q minus h times this sum of the means b_j of (z -
         .)_+^j. The same sum acts on every function derived from the powers.
@@ -150,10 +150,10 @@ class SlitKink(Kept):
 
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
-        """Quadrature rule for integrals over the slit, with psi (see `slope`) as weight.
+        """Quadrature rule (from_left, from_right, angles, weights W): int psi f dt = sum W f.
 
-        (distances from the left end, and from the right end of the wide zone, angles in that zone,
-        weights W); int psi f dt = sum W f.
+        The integral runs over the slit; for psi see `slope`. from_left, from_right: distances of
+        the nodes from the ends of the wide zone; angles: of the nodes in that zone.
         """
         border = float(theta(*self._jump_distances[::-1]))
         beta, weights = legendre(np.array([0.0, border, np.pi]), _NODES)

@@ -151,9 +151,9 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
     after = gaps(pieces, kernel)[1]
     width = pieces.b - pieces.a
     following = np.roll(width, -1)
-    # A narrow gap becomes a slit only where this needs fewer modes. A slit's number of modes
-    # depends on its distance from the far ends of the adjacent zones. A zone's number of modes
-    # depends on the width of the gap next to the zone.
+    # A narrow gap becomes a slit only where this needs fewer modes. A slit needs more modes the
+    # wider it is relative to the adjacent zones. Without slits, a zone needs more modes the wider
+    # it is relative to the gap next to it.
     most = OPTIONS.max_gap * (
         1.0
         if before is None or len(before) != len(pieces)

@@ -266,7 +266,8 @@ def _largest(coefficients: Array) -> Array:
     distance `OPTIONS.end_distance` from an end.
     """
     k = np.arange(max(coefficients.shape[1], 2))
-    # The angles lie closer together near the ends, where high modes add up.
+    # At an end all |T_k| are 1, so that many modes may add up. The angles lie closer together
+    # there.
     theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, SAMPLES.samples)[:, None]) ** 2
     u = bounded_part(coefficients)[2]
     whole = (
@@ -302,8 +303,8 @@ def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> 
     ahead = zones.a[1:] if period is None else np.append(zones.a[1:], zones.a[0] + period)
     between = 0.5 * (ahead + zones.b[: len(ahead)])
     between = between[(between > forcing.within[0]) & (between < forcing.within[1])]
-    # For a single zone, values of the primitive outside the zone do not matter. They may be many
-    # decades larger, for steep powers.
+    # A single zone needs no values outside the zone. If the right side is a steep power, they may
+    # be many decades larger than the values at the ends.
     heights = np.asarray(
         forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between)))
     )

@@ -256,10 +256,7 @@ class State(Solved):
         return np.array([row.max() for row in head]), np.array([row.max() for row in last])
 
     def _some_up_to(self, part: float) -> list[Array]:
-        """A few coefficients of each zone's right side, in descending order of the mode.
-
-        The first one stands at the given fraction `part` of the series.
-        """
+        """A few |coefficients| of each zone's right side, from mode `part` * `kept` downwards."""
         kept = self.kept.tolist()
         return [
             np.abs(row[int(part * k) :: -1][: max(4, k // 8)])

@@ -179,10 +179,11 @@ class FarSum:
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
-        """(matrix for the transform, row for the potential at the middle) of the regular part.
+        """Far field of the kernel's regular part: (matrix to the transform, row to the potential).
 
-        They act from the moments of the source root to the target root. A regular part given by the
-        user is treated by panels instead, and the result is None.
+        Both act on the moments of the root of the source tree. They give the transform at Chebyshev
+        nodes, and the potential at the middle, of the root of the target tree. A regular part given
+        by the user is treated by panels instead, and the result is None.
         """
         kernel = self.kernel
         if kernel.regular is None or not kernel.sure:

@@ -156,8 +156,8 @@ class Panels(Kept):
         with np.errstate(all="ignore"):  # values may overflow while panels are too long
             for start in range(low, high, SUMS.cache_pairs // TERMS):
                 lags = np.arange(start, min(start + SUMS.cache_pairs // TERMS, high))
-                # One of the two panels of each pair is panel 0, so that both panels lie where the
-                # kernel is defined.
+                # The source is panel 0 if d >= 0, and the target is panel 0 if d < 0. So both
+                # panels lie where the kernel is defined.
                 target, source = np.maximum(lags, 0)[:, None], np.maximum(-lags, 0)[:, None]
                 out[lags - low] = self._coefficients(
                     potential, self.place(target) + nodes, self.place(source) + nodes

@@ -394,13 +394,13 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
     # half (`before`). A median of 0 is excluded: such steps were too short to change a height.
     level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
     found = np.where(level, np.max(windows, axis=2), np.inf)
-    # A level window shows the round-off, or at the shortest steps as little as 1/128 of it. So a
-    # window with more than 128 (`part`) times the least value shows no round-off.
+    # The differences in a level window are the round-off, or at the shortest steps as little as
+    # 1/128 of it. So a window with more than 128 (`part`) times the least value is left out.
     found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)
-    # A steep rise of the height can look like large round-off. Therefore the hidden round-off may
-    # be at most 1/sqrt(EPS) times that of the heights' size.
+    # A steep rise of the height can look like large round-off. So the result is at most
+    # 1/sqrt(EPS) times `rounding`, which follows from the size of the heights.
     most = np.max(sizes, axis=(0, 2)) / np.sqrt(EPS)
     return np.asarray(np.minimum(options.margin * largest, most))
 

@@ -277,7 +277,7 @@ class CohesiveDesign:
 
     @cached_property
     def _conditions(self) -> tuple[Array, Array]:
-        """Matrix and right side of the linear conditions for the polynomial M."""
+        """(matrix, right side) of the linear conditions on the coefficients of M (module head)."""
         half = self._frame[1]
         conditions = []
         for strip in self._strips:

@@ -295,8 +295,8 @@ def points_for(width: float, resolution: float | None, most: int) -> tuple[int, 
     if features > OPTIONS.many_features:
         per_feature //= 2
     target = 2 ** int(np.ceil(np.log2(max(4 * OPTIONS.coarsest, per_feature * features))))
-    # A shape whose smallest length is known gets as many points as it needs: even more than `most`,
-    # but at most `MOST_POINTS`.
+    # If the smallest length of the shape is known, as many points as resolve it are allowed. They
+    # may be more than `most`, but not more than `MOST_POINTS`.
     limit = most if resolution is None else max(most, min(target, MOST_POINTS))
     return min(target, limit), limit
 

@@ -25,8 +25,8 @@ from sie import Array
 class GapOptions:
     """Contact fractions above which the gaps are the unknowns, and not the zones."""
 
-    # For contact fractions from 0.5 to 0.9, both zones and gaps work as the unknown. Above about
-    # 0.7, gaps need fewer modes.
+    # Between 0.5 and 0.9 the solution is found with either unknown. Above about 0.7, the gaps need
+    # fewer modes.
     wide_contact: float = 0.7
     # `wide_contact` for several asperities with kinks in their valleys. No load closes a gap over a
     # kink, and narrow gaps are lost if the zones are the unknown.
@@ -181,7 +181,7 @@ def _from_guesses(
     zones: Array | None,
     **newton: bool,
 ) -> SolvedGaps | Failure:
-    """Gaps found from those between known zones, or from where full contact needs tension."""
+    """The solution by gaps, from the gaps between `zones` or where full contact needs tension."""
     tolerance = gap_tolerance(context)
     period, guesses = form.problem.repeat_length, context.cache.gap_guesses(form.problem)
     try:

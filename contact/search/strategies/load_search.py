@@ -111,8 +111,7 @@ class _Bracket:
         self.goal, self.limits = goal, limits
         self.low, self.high = limits.least, math.inf
         self.load = max(first, 2 * limits.least)
-        # The newest solutions on either side of the wanted load, at most three. The newest of all
-        # comes last.
+        # At most three solutions, the newest one last.
         self.solutions: list[Solution] = []
         # Lower and upper bound of the wanted load, from tangents of a quantity that is concave in
         # the load.

@@ -64,10 +64,10 @@ class CurvePoint(sie.Kept):
 
     @cached_property
     def rates(self) -> tuple[Array, Array]:
-        """Derivatives of the ends, and of the least gaps, by ln(value of the control).
+        """Derivatives of the ends and of the minima of the gap by ln(value of the control).
 
-        Returns the outward rates of the ends (n, 2) and the rates at which the least gaps open
-        (k,).
+        Returns the outward rates of the ends (n, 2), and the rates at which the gap grows at its
+        local minima `lowest` (k,).
         """
         fields = self.fields
         assert fields is not None

@@ -35,10 +35,11 @@ Kind = TypeVar("Kind", bound=Solved)
 
 @dataclass(frozen=True)
 class RoughRoundOptions:
-    """First rounds for very many intervals, whose ends are found only to a loose tolerance.
+    """Options for the first rounds with very many intervals, at a loose tolerance of the ends.
 
-    The first guess of so many intervals never has the right number. Rough rounds correct most of it
-    at a fraction of the cost. Their tolerance is that of all rough solutions.
+    The first guess of so many intervals never has the right number of them. Rough rounds correct
+    most of the wrong ones at a fraction of the cost. Their tolerance is that of all rough
+    solutions.
     """
 
     min_intervals: int = 1000
@@ -337,9 +338,9 @@ class _Loop(Generic[Kind]):
             return self.form.corrected(zones, here.certificate) if is_missing else zones.table
         if here.certificate.holds:
             return here
-        # After an iterative solve, the initial error of the next one is the present tolerance. With
-        # the initial error 1, an iterative solve would begin roughly and lose intervals whose
-        # pressure is small.
+        # After an iterative solve, the ends are known to the present tolerance. With
+        # `initial_error` = 1 the next iterative solve would begin roughly, and lose intervals
+        # whose pressure is small.
         known = self.newton.tolerance if here.free.state.iterated else 1.0
         self.newton = replace(self.newton, initial_error=known)
         return self._after_failed_signs(here)

@@ -147,8 +147,8 @@ class PressureForm:
         width = right - left
         middle, half = 0.5 * (left + right), 0.5 * NEW_ZONE * width
         narrow = SEARCH.doubtful_part * width
-        # A zone pinned at the corner may exist where a zone with two free ends would vanish. The
-        # new zone is therefore narrow, and Newton's method moves its free end away from the corner.
+        # A new zone at a corner has one pinned end, and may be much narrower than the overlap. So
+        # it begins narrow, and Newton's method moves its free end away from the corner.
         new = np.where(
             (left <= lo)[:, None],
             np.column_stack((left, left + narrow)),

@@ -32,7 +32,7 @@ OURS = "contact"
 
 @dataclasses.dataclass(frozen=True)
 class SingleZoneLimits:
-    """The processor time that a single scene may take, as docs/benchmarks.md requires."""
+    """Upper bounds of the processor time of a single scene, as docs/benchmarks.md requires."""
 
     seconds_per_zone: float = 5e-4
     dense_solves: float = 0.12  # times 100 dense solves (`scaling.yardstick`), per zone

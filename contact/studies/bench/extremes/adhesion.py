@@ -82,10 +82,9 @@ def _under_tension(
     group: str, name: str, curve: DugdaleCylinder | DugdaleWave, load: float, part: float
 ) -> Extreme:
     here, by_load = curve.at_load(load), _condition(curve, load, part)
-    # `narrow` is a condition number with two factors. An end is rounded relative to the half width
-    # a, but the pressure varies over the narrow interval (a, c) of tension: the first factor is
-    # a/(c - a). The end c depends on the rounded work / stress: the second factor is the condition
-    # number with respect to the work.
+    # `narrow` is the condition number of the narrow interval (a, c) of tension. The ends are
+    # rounded relative to the half width a: this gives the factor a/(c - a). The other factor is the
+    # condition number with respect to the work, since c depends on the rounded work / stress.
     narrow = (
         here.half_width
         / (here.cohesive_end - here.half_width)
