@@ -1,7 +1,7 @@
-"""Nucleation: zones begin at first touch, and where surfaces overlap as others advance.
+"""Nucleation: zones begin at first touch, and where surfaces overlap as other zones advance.
 
-Inside intervals of tension zones begin, merge, split and vanish without a jump, where a gap or a
-pressure is zero.
+Inside intervals of tension, zones begin, merge, split and vanish without a jump. They do so where
+the gap or the pressure becomes zero.
 """
 
 from dataclasses import replace

@@ -78,10 +78,10 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
 
 
 def _may_be_one_zone(scene: Scene, tips: list[float]) -> bool:
-    """Whether one symmetric zone may be the contact: about a tip, or about two that have merged.
+    """Whether the contact may be one symmetric zone, about a tip or about two symmetric tips.
 
-    The signs of the series tell whether two zones have merged. A width does not tell it, as two
-    zones may have the same total width.
+    About two tips it is one zone only if two zones have merged. The signs of pressure and gap tell
+    this if the load or the approach is given. A given width may also be that of two zones.
     """
     if tips == [0.0]:
         return True
@@ -107,7 +107,7 @@ def _refusal(law: Law, E_star: float) -> str:
 
 
 def _is_half_plane(scene: Scene) -> bool:
-    """Whether the equation is that of a plain half-plane, alone or with all periods."""
+    """Whether the equation is that of a plain half-plane, isolated or periodic."""
     kind, operator = type(scene.interaction), scene.operator
     conditions = (
         kind.side_conditions is Interaction.side_conditions

@@ -163,9 +163,7 @@ class DensityJumps(ForcingJumps):
     def of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
         """Potential of density jumps k, divided by w h / pi with the half width w and the height h.
 
-        The term c_0 log(w), with c_0 = total / (pi w), is left out.
-
-        w is the half width of the zone and h the height of the jump; log: log(2 rho).
+        The term c_0 log(w), with c_0 = total / (pi w), is left out. log: log(2 rho).
         """
         up = np.exp(1j * self.phi[k])
         both = potential_series(up, rho) + potential_series(np.conj(up), rho)

@@ -1,4 +1,4 @@
-"""The figure of a density over its zones, by matplotlib, which is imported when it is asked for."""
+"""The figure of a density over its zones; matplotlib is imported only when it is drawn."""
 
 from dataclasses import dataclass
 from typing import Any

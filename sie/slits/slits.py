@@ -129,9 +129,9 @@ class SlitGeometry(Kept):
 def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> SlitGeometry | None:
     """The geometry with narrow gaps as slits of wide zones; None if no gap can be a slit.
 
-    It is None if there are no narrow gaps, or if the equation does not allow slits. before: whether
-    the gap after each zone was a slit in a previous solution on similar zones. Such a gap stays a
-    slit while it is about as narrow.
+    It is None if there are no narrow gaps, or if the equation does not allow slits. before: mask of
+    the zones whose gap on the right was a slit in a previous solution on similar zones. For such a
+    gap the limit of the width is larger (hysteresis).
     """
     kernel = equation.kernel
     # The right side, or a column (a term of unknown amplitude), may be singular between zones. Then

@@ -144,7 +144,7 @@ class Nested:
 
 
 class FarSum:
-    """Field of far zones on targets: a series of the transform, and the potential at the middle."""
+    """Field of far zones: series of the transform, and potential at the middle of each target."""
 
     def __init__(self, sources: Nested, targets: Nested, kernel: Kernel) -> None:
         self.sources, self.targets, self.kernel = sources, targets, kernel

@@ -409,12 +409,12 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
 class DetailOptions:
     """Options for the search for a shape's smallest length, by a Chebyshev series of samples.
 
-    samples: number of slopes whose largest one and mean square are taken, of places where values
-        must be numbers, and of places where claims are checked. A factor of two changes no answer.
+    samples: number of places at which slopes are sampled for their largest value and mean square.
+        It is also the number at which values must be numbers, and at which claims are checked. A
+        factor of two changes no answer.
     max_samples: largest number of heights in a search.
-    counts: smallest term of the slope that counts, over the largest one.
-    counts_of_sharp: smallest term of the slope that counts, over the largest one, where the series
-        of a shape with corners has not converged.
+    counts: terms of the slope's series below this fraction of the largest one are neglected.
+    counts_of_sharp: replaces `counts` if the series has not converged, as for shapes with corners.
     samples_per_length: number of samples in the smallest length of a shape. The smallest length is
         at most the interval divided by this number.
     """
@@ -439,7 +439,7 @@ def detail_of(
 ) -> float:
     """Smallest length over which the height varies between the places lo and hi.
 
-    It is that of the last term of the slope's Chebyshev series that counts.
+    It is that of the last term of the slope's Chebyshev series that is not neglected.
     """
     length, n, counts = hi - lo, options.min_samples, options.counts
     while True:

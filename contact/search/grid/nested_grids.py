@@ -329,9 +329,9 @@ def find_window(
 ) -> tuple[float, float]:
     """An interval of the line (window) that an isolated contact fills to between 19 % and 75 %.
 
-    The search begins with the window `start`, else with `limits`, which it never leaves, and grows
-    or shrinks with the contact. Contact touches the border of the returned window only if it is
-    `limits`. With a level, the load is the first one tried.
+    The search begins with the window `start`, or with `limits` if there is none. The window grows
+    or shrinks with the contact, but never beyond `limits`. Contact touches the border of the
+    returned window only if this window is `limits`. load: if a level is given, a first guess.
     """
     if load is None and level is None:
         raise ValueError("a load or a level")

@@ -1,10 +1,10 @@
 """The loop that finds the number of intervals: Newton on the ends, check of signs, correction.
 
 The intervals are the zones, with the pressure as the unknown, or the gaps, with the slope of the
-gap; a `Formulation` holds what differs. The frictionless problem is convex, so intervals whose
-signs hold on the whole line are the solution. Where a sign fails, the number of intervals is wrong:
-parts of the wrong sign are cut out of an interval, and a new interval begins where the other sign
-fails outside. Intervals that shrink away are dropped, and those that meet are merged.
+gap; a `Formulation` holds what differs. The frictionless problem is convex: if pressure and gap
+have the right sign on the whole line, the intervals are the solution. Otherwise their number is
+wrong. Parts of an interval with a wrong sign are cut out. Outside the intervals, a new interval
+begins where the sign is wrong. Intervals that vanish are dropped, and those that meet are merged.
 """
 
 from __future__ import annotations

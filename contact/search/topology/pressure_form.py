@@ -179,7 +179,7 @@ class PressureForm:
     def is_slight(self, found: Solved) -> bool:
         """Whether a minimum of the pressure, or a gap between zones, is as small as the error.
 
-        For a reference solution the number of zones does not matter.
+        Then the number of zones is doubtful. For a reference solution this does not matter.
         """
         if self.problem.reference:
             return False

@@ -73,7 +73,7 @@ def line_of_size(row: Scaled) -> str:
 
 
 def of(rows: Iterable[Row], scene: str, method: str) -> list[Row]:
-    """Return those rows that one method has for one scene."""
+    """Return the rows of one method for one scene."""
     return [row for row in rows if row.scene == scene and row.method == method]
 
 

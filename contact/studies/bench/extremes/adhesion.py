@@ -122,8 +122,8 @@ def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
 def _condition(curve: Curve, load: float, part: float, by: str = "load") -> float:
     """Condition number of ends and pressures with respect to the load or the attribute `by`.
 
-    It is the change of the result over the relative change of the data, 1e-3 `part`. `part` is the
-    relative distance of the load from a turning point.
+    It is the relative change of the result, divided by that of the load or attribute, 1e-3 `part`.
+    `part` is the relative distance of the load from a turning point.
     """
     change = 1e-3 * part
     other = curve if by == "load" else replace(curve, **{by: getattr(curve, by) * (1 + change)})
