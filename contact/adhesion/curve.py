@@ -376,8 +376,8 @@ class Curve:
             size = float(np.abs(here.newton / here.widths).max())
             if size > ACCURACY.other_equilibrium:
                 break
-            # Each Newton step is taken before its size is tested. After the last one, the error is
-            # about the square of this step.
+            # The loop ends after a step of a `size` below `ACCURACY.neutral`. The error is then
+            # about the square of `size`.
             here = self.at(here.moved(here.newton), here.value)
             if size < ACCURACY.neutral:
                 break

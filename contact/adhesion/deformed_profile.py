@@ -79,7 +79,7 @@ class TractionLoaded(Problem):
     def bearing(
         self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array
     ) -> Array:
-        """Pressure by contact alone, p + s: the sum of pressure and full tension on the zones."""
+        """Contact pressure p + s on the zones: the pressure p plus the full tension s."""
         last, tension = len(density.zones) - 1, self.pulling
         return super().bearing(density, zone, left, right) + tension.stress * tension.lacks(
             zone, last, left, right

@@ -301,8 +301,8 @@ def bounded_step(here: State, sign: float, limit: Array, most_back: Array) -> Ar
         step[far], step[back] = sign * limit[far], -sign * most_back[back]
         free &= ~(far | back)
         if not (far | back).any():
-            # The steps of other ends may have been bounded since an end was put at its bound. If
-            # this end now tends to move back, it is released.
+            # After an end was put at its bound, other ends may have been put at theirs. If the
+            # first end now tends to move back, it is released, but only once.
             driven = np.sign(step) * (residual + rates @ step)
             late = ~(free | released) & (driven < 0.0)
             if not late.any():

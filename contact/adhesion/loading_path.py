@@ -116,7 +116,7 @@ class LoadingPath:
     def _arriving(
         self, step: Step, length: float, last: State, value: float
     ) -> tuple[float, State]:
-        """(length inside a step at which the control has a value, equilibrium at this length)."""
+        """(length inside `step` at which the control equals `value`, equilibrium there)."""
         found = step.arriving(value)
         if found is None:
             length = step.where(

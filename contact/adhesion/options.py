@@ -10,8 +10,8 @@ from dataclasses import dataclass
 class SearchLimits:
     """Limits of loops that usually end much earlier; larger limits only delay a failure."""
 
-    # Largest number of Newton steps, and of halvings or doublings of a number. A double has 64
-    # bits, so that more halvings would change nothing.
+    # Largest number of Newton steps, and of halvings or doublings of a number. More halvings would
+    # change nothing, as 2^-80 is far below round-off.
     max_iterations: int = 80
     # Largest number of steps of a gradient flow, along a curve, or in the growth of intervals on a
     # grid. It is also the largest number of events in a row.

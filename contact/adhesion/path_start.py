@@ -34,11 +34,11 @@ from sie import Array
 
 @dataclass(frozen=True)
 class PathRoute:
-    """The functions of a loading path that depend on the law of adhesion.
+    """Those functions of a loading path that differ between the laws of adhesion.
 
     law: the events. started: the path state at a value of the control, not below first touch.
     fields: the fields of an equilibrium. outcome: the solution at the present state of the path.
-    separation: where a contact under a fixed approach is lost; None if the path to it fails.
+    separation: the state at which contact under a fixed approach is lost; None if it is not found.
     """
 
     law: Events
@@ -49,7 +49,7 @@ class PathRoute:
 
 
 def route_of(context: SolveContext) -> PathRoute:
-    """The functions of a loading path for the context's law of adhesion."""
+    """The `PathRoute` for the law of adhesion of the scene."""
     return _by_cohesive_zone(context) if context.scene.law.tension else _by_edge_intensity(context)
 
 

@@ -81,7 +81,7 @@ class _End:
 
 
 def _end(curve: Curve, here: State, past_cut: Callable[[State], float]) -> _End:
-    """The end of the curve as the control falls.
+    """The end of the curve in the direction in which the control falls.
 
     It is a turning point, a place where an end leaves a sharp corner, or one where an interval is
     cut.

@@ -179,7 +179,7 @@ class ScaledRelief(sie.Kept):
         return x, self(x)
 
     def smooth(self, x: Array) -> Array:
-        """The scaled relief R minus the logarithms of the kinks."""
+        """The scaled relief R without the logarithmic terms of the kinks (`logarithms`)."""
         return np.asarray(self.relief.smooth(self.units.x(x)) / self.units.slope)
 
     def forcing(self, x: Array) -> Array:

@@ -285,7 +285,7 @@ class _Path:
         condition = _Condition(side.fields, change)
         load = condition.problem.units.load
         try:
-            # Each evaluation of the condition starts from the zones of previous evaluations.
+            # `condition` keeps the zones of its evaluations; each new evaluation starts from them.
             known = {side.fields.load / load: condition.of(side.fields)}
             tried: list[tuple[float, ...]] = [
                 (low.load * (1 - part), high.load * (1 + part)) for part in (0.0, *beyond)

@@ -443,7 +443,8 @@ def integral_on(c: Array, row: Index, angle: Array) -> Array:
 def mean_potential(w: Any, datum: Any) -> Any:
     """Mean over the interval, with weight 1/X, of the potential of 1/X, X = sqrt(1 - t^2).
 
-    The mean is zero for T_l / X with l > 0.
+    The mean is zero for T_l / X with l > 0. w: half width. datum: length by which the potential
+    divides distances.
     """
     return w * np.log(w / (2 * datum))
 

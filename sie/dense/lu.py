@@ -49,8 +49,8 @@ class Factored:
         solve = lapack.zgetrs if np.iscomplexobj(self.lu) else lapack.dgetrs
         if right.ndim == 1 or right.size > SUMS.min_matrix_pairs:
             return np.asarray(solve(self.lu, self.pivots, right, trans)[0])
-        # A few right sides are solved one by one. Together, they would make BLAS use several
-        # threads. That takes as long, and the threads would go on spinning for 0.1 s.
+        # A few right sides are solved one by one. Solved together, they would make BLAS use several
+        # threads. This would save no time, and the idle threads would spin for another 0.1 s.
         out = np.empty(right.shape, dtype=self.lu.dtype)
         for i, column in enumerate(right.T):
             out[:, i] = solve(self.lu, self.pivots, column, trans)[0]

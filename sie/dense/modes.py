@@ -114,7 +114,7 @@ class Growth:
         # Only zones with more modes than the right side has coefficients are judged. With fewer
         # modes, the last coefficients may belong to the right side and not to noise.
         noisy = grew & (m > own) & (tails < OPTIONS.nearly_decayed) & (tails > 0.5 * kept[0])
-        # The factor four is a margin, since the noise differs between solutions.
+        # The noise differs from solution to solution. Four times its present size is a margin.
         return Growth(
             m,
             np.array([*kept, tails]),

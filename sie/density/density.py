@@ -172,9 +172,9 @@ class Density(Series):
 
     @property
     def has_series(self) -> bool:
-        """Whether `treecode` exists here, or existed in the object of which this is a copy.
+        """Whether `treecode` exists in this object, or existed in the original of this copy.
 
-        All sums then use it, so that copies give the same last digits.
+        Then all sums use it, so that a copy and its original agree to the last digit.
         """
         return self.__dict__.get("treecode") is not None or "summed" in self.__dict__
 

@@ -291,7 +291,7 @@ def even_angles(count: int) -> Array:
 
 
 def angles_at_kinks(left: Array, height: Array, theta: Array) -> Array:
-    """The angles theta of a zone, and angles on both sides of the zone's largest kinks.
+    """The angles `theta` of a zone, with one more angle on each side of its largest kinks.
 
     left, height: distances of all kinks from the zone's left end, divided by its half width, and
     their heights. Angles too close to a kink are left out. The limit is `end_distance`, or an

@@ -88,7 +88,7 @@ class GradedDensity(DensityBase):
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x lies in a slit, integral of the slit's unknown): there are no slits here."""
+        """(mask of the points x in slits, integral of the slits' unknown): zero in this class."""
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
 

@@ -368,8 +368,8 @@ class ForcingJumps(PlacedJumps):
         )
         square = (phi / 2 + double / 4) - 2 * s * sine + s * s * phi
         mean = np.where(q == 1, square / 2, cubic / 3) / np.pi
-        # Both numbers belong to the primitive of C_q (head of this file) that vanishes at t = 0.
-        # `ends_c` is half the sum of its values at both ends, `mean_c` is its mean over theta.
+        # Let P be the primitive of C_q (head of this file) that vanishes at t = 0. `ends_c` is half
+        # the sum of its values at both ends, `mean_c` is its mean over theta.
         ends_c = np.where(q == 1, phi / 2, -s * phi + sine / 2) / np.pi
         mean_c = np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4) / np.pi
         parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)

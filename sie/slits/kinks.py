@@ -204,10 +204,10 @@ class SlitKink(Kept):
 
     @cached_property
     def polynomial(self) -> tuple[float, float]:
-        """(value at the slit's middle, slope) of the polynomial that multiplies -sqrt(1 - t^2).
+        """(value at the slit's middle, slope) of the polynomial P in -P sqrt(1 - t^2).
 
-        This product is a term of the density that the jump and psi cause. The polynomial is zero
-        for a jump of order 0 and constant for order 1.
+        This is a term of the density that the jump and psi cause. P is zero for a jump of order 0
+        and constant for order 1.
         """
         if self.order == 0:
             return 0.0, 0.0

@@ -496,8 +496,8 @@ class Slits(Kept):
             for j, other in enumerate(self.slits):
                 columns = slice(self.offset[j], self.offset[j + 1])
                 if i == j:
-                    # The first row is the integral of the slack (the unknown in a slit) over the
-                    # slit. The other rows pick the coefficient d_l of U_(l-1).
+                    # The first row gives the integral of the slack (the unknown in a slit) over the
+                    # slit. The other rows give the coefficients d_l of U_(l-1).
                     matrix[self.offset[i], columns] = slit.means(1 / slit.x_root)
                     matrix[rows, columns] = np.eye(slit.modes, slit.modes + 1, 1)
                     continue
@@ -514,9 +514,8 @@ class Slits(Kept):
     def slack_matrix(self) -> Array:
         """Matrix from the series d of all slits to coefficients s_k of the slack on the wide zone.
 
-        The slack is the unknown function in the slits.
-
-        k = 0 ... max(modes, min_slack_modes).
+        The slack is the unknown function in the slits. k runs from 0 to the larger of `modes` and
+        `min_slack_modes`.
         """
         return np.concatenate(
             [slit.slack_matrix(max(self.modes, OPTIONS.min_slack_modes)) for slit in self.slits],

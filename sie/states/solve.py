@@ -153,10 +153,10 @@ def solve_fixed(
 
 
 def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
-    """Numbers of modes coupled to other zones, for another solve; None if the present ones suffice.
+    """Numbers of coupled modes for the next solve; None if the present numbers suffice.
 
-    Modes are added to each zone separately, since to give all zones as many as the worst one would
-    cost too much. Coefficients below the error of an iteration do not count as tails.
+    Each zone gets its own number, since it would cost too much to give all zones as many as the
+    worst one. Coefficients below the error of an iteration are not tails.
     """
     m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
     kernel, sizes = state.equation.kernel, state.sizes

@@ -149,7 +149,7 @@ def interactions(targets: Tree, sources: Tree, shifts: tuple[float, ...]) -> tup
             near.append(
                 Pairs(targets.item[t[both]], sources.item[s[both]], np.full(int(both.sum()), shift))
             )
-            # The larger of the two nodes is split; a leaf is never split.
+            # The wider of the two nodes is split, or the other one if the wider one is a leaf.
             cut_t = ~t_leaf & (s_leaf | (t_half[t] >= s_half[s]))
             cut_s = ~both & ~cut_t
             t, s = (

@@ -130,7 +130,7 @@ def _require_regular(kernel: sie.Kernel) -> None:
     half = 0.5 * np.sqrt(CHECKS.same)
     rise = potential(_LAGS + half, zero) - potential(_LAGS - half, zero)
     within = half * np.asarray(regular(_LAGS[:, None] + half * nodes, zero)) @ weights
-    # The rise of the potential is a difference of two potentials, and has their round-off.
+    # `rise` is a difference of two potentials. Its round-off is therefore relative to their size.
     size = ROUND_OFF * float(np.abs(potential(_LAGS, zero)).max())
     _require_same(rise, within, "smooth part", "is not the derivative in x of its potential", size)
 

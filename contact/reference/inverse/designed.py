@@ -381,9 +381,9 @@ class DesignedContact(GivenZones):
         exponents = np.concatenate([np.full(len(ends), 0.5), np.ones(len(roots))])
         n = len(self.zones)
         if self.period is None:
-            # X M becomes a series in powers of v, where x = middle + half (v + 1/v)/2. Here middle
-            # and half are those of the hull. An end or a root of M is e = middle + half cos(phi).
-            # In units of `CutProduct._unit` = half/2, its factor in X^2 or M is
+            # X M becomes a series in powers of v, with x = middle + half (v + 1/v)/2 and the middle
+            # and half width of `hull`. For an end or root e = middle + half cos(phi), the factor in
+            # X^2 or M is, with unit = half/2,
             #     (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
             points = np.concatenate([ends, roots])
             phi = 2.0 * np.arctan2(np.sqrt(hull[1] - points), np.sqrt(points - hull[0]))

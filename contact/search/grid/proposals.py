@@ -102,9 +102,9 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
 
 
 def _width_error(found: float, width: float, period: float) -> float:
-    """Error of a contact width: ln(contact width / gap width), found minus wanted.
+    """Difference of ln(contact width / gap width) between the width `found` and `width`.
 
-    As a function of the logarithm of the load it is about a straight line.
+    It is nearly linear in the logarithm of the load.
     """
     if not 0.0 < found < period:
         return math.copysign(math.inf, found - width)

@@ -184,7 +184,7 @@ def _window_about_lowest(
 
 
 def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
-    """Origin, unit of length, and search interval [m] of a profile without a period."""
+    """(origin of x, unit of length, search interval) of a profile without a period, in m."""
     profile = scene.profile
     half_width, load = scene.held(Quantity.HALF_WIDTH), scene.given_load
     if half_width is not None:

@@ -205,7 +205,7 @@ def _hull(windows: Iterable[Window]) -> Window:
 def _resting(
     profile: Profile, centre: float, known: Window | None, about: Window
 ) -> tuple[float, Window | None]:
-    """Slope and ends of the edge of the profile's lower convex hull that spans x = `centre`.
+    """(slope, ends) of the edge of the profile's lower convex hull that contains x = `centre`.
 
     The ends are None if one of them is the first or the last sample.
     """
