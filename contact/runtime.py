@@ -108,13 +108,13 @@ def _blas_libraries(scipy_is_loaded: bool) -> Any:
 
 
 def _limit_to_one_thread() -> Any:
-    # numpy and scipy may each bring their own BLAS. The search for these libraries takes
-    # milliseconds, so its result is cached.
+    # numpy and scipy may each bring their own BLAS. To find these libraries takes milliseconds, so
+    # `_blas_libraries` is cached.
     return _blas_libraries("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas")
 
 
 # Context in which BLAS runs on one thread. For matrices of some hundred rows, the threads of BLAS
 # wait for each other as long as they compute. On a quiet machine, a rough trace of 200 zones takes
-# the same time with one thread as with two. On a busy machine, one thread needs a third of the time
-# of two.
+# the same time with one thread and with two. On a busy machine, it takes a third of the time of two
+# threads with one.
 one_blas_thread = SharedState(_limit_to_one_thread, lambda limits: limits.restore_original_limits())

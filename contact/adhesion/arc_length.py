@@ -518,7 +518,8 @@ def _alike(before: CurvePoint, ahead: CurvePoint) -> float:
 def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
     """Whether a step has stayed on the same curve of equilibria.
 
-    It has if its tangents have a small angle, and stability was lost at a turning point only.
+    This holds if the angle between the tangents at both ends is small, and if stability is lost
+    only at a turning point.
     """
     kept = before.at.growth >= 0.0 or ahead.at.growth < 0.0 or before.rises * ahead.rises <= 0.0
     return _alike(before, ahead) >= np.cos(ARC_OPTIONS.longest_step) and kept

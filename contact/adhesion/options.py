@@ -69,13 +69,13 @@ class SampleOptions:
 
     # Least number of sample points between two ends.
     samples: int = 32
-    # Number of sample points of a profile that states no resolution. `sign_samples` is the least
-    # number of points at which the sign of the pressure on a zone is tested.
+    # Number of sample points of a profile that states no resolution.
     profile_samples: int = 2049
+    # Least number of points at which the sign of the pressure on a zone is tested.
     sign_samples: int = 128
-    # Largest numbers of sample points of the profile on a period, and of the gap between two ends.
-    # They bound the memory.
+    # Largest number of sample points of the profile on a period. It bounds the memory.
     max_samples: int = 2**18
+    # Largest number of sample points of the gap between two ends. It bounds the memory.
     max_gap_samples: int = 20000
 
 

@@ -30,9 +30,9 @@ from sie import Array, Kept, Mask, record
 class PredictorOptions:
     """Options of the prediction of the residuals of moving ends."""
 
-    # `places`: number of places on the path of an end, evenly spaced in the square root of the
-    # distance. `places_per_feature`: least number of places for each feature of the profile.
+    # Number of places on the path of an end, evenly spaced in the square root of the distance.
     places: int = 64
+    # Least number of places for each feature of the profile.
     places_per_feature: int = 4
 
 

@@ -55,10 +55,10 @@ def lowered_by_load(
 ) -> State:
     """An equilibrium with few zones under a fixed approach, reached by lowering the load.
 
-    Under a load the zones that are left do not depend on the path, and ends move one way. Under an
-    approach each lost zone makes others advance. The state itself is returned for one zone, under a
-    fixed load, and if the new approach is not lower. lead_to_load(curve, state): an equilibrium
-    near the least load.
+    While the load is lowered, all ends recede, and the remaining zones do not depend on the path.
+    Under a fixed approach, the other zones advance when a zone is lost. The state itself is
+    returned for one zone, under a fixed load, and if the new approach is not lower.
+    lead_to_load(curve, state): an equilibrium near the least load.
     """
     if curve.control.load is not None or len(here.contact) < 2:
         return here

@@ -76,8 +76,9 @@ def most(kernel: Kernel) -> int:
 def enough(kernel: Kernel, tolerance: float) -> float:
     """Size to which a regular part's coefficients must decay, relative to the largest one.
 
-    If the kernel has a length they decay exponentially, so that a lower level costs little. It is
-    useful because the truncation error counts more if the regular part nearly cancels the poles.
+    If `kernel.length` is declared, the coefficients decay exponentially, so that a lower level
+    costs little. The lower level is needed if the regular part nearly cancels the poles, since the
+    truncation error is then relatively large.
     """
     return max(10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance, SUM_ROUNDING)
 

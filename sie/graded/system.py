@@ -348,7 +348,8 @@ class GradedSystem(Rows, Kept):
     def levels(self) -> Linear:
         """Mean of the potential minus the right side's primitive on each solved zone.
 
-        The weight is 1 / sqrt(1 - s^2). For it, the mean of log|s - s'| is -log(2) at every s'.
+        The mean has the weight 1 / sqrt(1 - s^2), with which the mean of log|s - s'| over s is
+        -log(2) for every s'.
         """
         return self._levels
 

@@ -338,7 +338,7 @@ class ForcingJumps(PlacedJumps):
 
     @cached_property
     def _length(self) -> Index:
-        """For each zone, the index of the value of `JumpOptions.far_rho` that applies."""
+        """For each zone, the index of its value in `JumpOptions.far_rho`."""
         return np.searchsorted(OPTIONS.far_jumps, self.grouped.count, side="right")
 
     @cached_property

@@ -288,10 +288,10 @@ class Combined(Profile):
         return rows
 
     def _added(self, rows: Array) -> Array:
-        """Sorted rows of place, order of the derivative, and jump. If two rows have the same place
-        and order, their jumps are added.
+        """The rows (place, order of the derivative, jump), sorted by place.
 
-        Rows whose jumps cancel are left out.
+        If several rows have the same place and order, their jumps are added. A row is left out if
+        this sum is zero within round-off.
         """
         rows = rows[np.lexsort((rows[:, 0], rows[:, 1]))]
         if not len(rows):

@@ -54,9 +54,9 @@ def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
     weight = np.exp(-pi * (t / ALPHA) ** 2)
     level = float(np.mean(height))
     ones = np.ones_like(height)
-    # A straight line is fitted around each point by the sums s0, s1, s2 (of the weight times 1, t,
-    # t^2) and h0, h1 (of the weighted heights times 1, t). A convolution reverses its kernel, hence
-    # the minus signs.
+    # A straight line is fitted around each point. `s0`, `s1`, `s2` are the sums of the weight times
+    # 1, t, t^2, and `h0`, `h1` those of the weighted heights times 1, t. The minus signs of odd
+    # powers are needed because a convolution reverses its kernel.
     s0, s2 = _convolved(ones, weight), _convolved(ones, weight * t**2)
     s1, h0, h1 = (
         -_convolved(ones, weight * t),

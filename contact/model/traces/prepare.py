@@ -369,14 +369,10 @@ def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
 
 
 def taper_ends(x: Array, height: Array, fraction: float) -> Array:
-    """Heights that approach a common height near both ends.
+    """Heights tapered to one common height at both ends, where the slopes become 0.
 
-    The common height is the mean of the heights near both ends.
-
-    The deviation from this mean is multiplied by (1 - cos(pi s))/2. s grows from 0 at an end to 1
-    at the distance `fraction` times the length.
-
-    The slopes at the ends become 0.
+    The common height is the mean of the heights near both ends. The deviation from it is multiplied
+    by (1 - cos(pi s))/2. s grows from 0 at an end to 1 at the distance `fraction` times the length.
     """
     length = x[-1] - x[0]
     s = np.minimum(1.0, np.minimum(x - x[0], x[-1] - x) / (fraction * length))

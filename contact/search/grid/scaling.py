@@ -283,7 +283,7 @@ def _origin_of(profile: Profile, window: Window) -> float:
 
 
 def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) -> float:
-    """The unit of slopes: the largest sampled slope, or a slope from load or adhesion."""
+    """The unit of slopes: the largest sampled slope; for a flat punch, see below."""
     lo, hi = cell
     x = lo + (hi - lo) * (np.arange(32) + 0.4142) / 32
     with np.errstate(over="ignore", invalid="ignore"):
@@ -291,8 +291,8 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     slope = float(np.max(slopes[np.isfinite(slopes)], initial=0.0))
     if slope > 0.0 and not scene.is_flat:
         return slope
-    # The slope of a flat punch, turned or not, does not determine its pressure. The unit of slopes
-    # is therefore chosen from the load and the adhesion; it is at least 1 if no load is given.
+    # The slope of a flat punch, tilted or not, does not determine its pressure. Load and adhesion
+    # determine it, and so give the unit of slopes. Without a given load the unit is at least 1.
     if scene.given_load is None:
         return max(slope, 1.0)
     work = scene.law.tension * scene.law.reach

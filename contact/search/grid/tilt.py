@@ -229,7 +229,7 @@ def _resting(
 
 
 def hull_edge(x: Array, f: Array, at: float) -> tuple[int, int]:
-    """Indices of the two points whose edge of the lower convex hull spans x = `at`."""
+    """Indices of both ends of the edge of the lower convex hull that contains x = `at`."""
     i, j = 0, len(x) - 1
     while True:
         rest = f - (f[j] - f[i]) / (x[j] - x[i]) * x
