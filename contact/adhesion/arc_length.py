@@ -559,7 +559,7 @@ def _unit(curve: Curve, at: State) -> float:
 
 
 def _tangent(at: State, scales: Array) -> Array:
-    """Unit vector (2n + 1,) along the curve, in units of the scales."""
+    """Unit tangent (2n + 1,) of the curve of ends and control, in units of `scales`."""
     return np.asarray(np.linalg.svd(np.column_stack((at.rates, at.by_value)) * scales)[2][-1])
 
 

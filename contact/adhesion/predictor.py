@@ -7,9 +7,9 @@ crack, whose intensity is an Abel integral (J. R. Rice, Int. J. Solids Struct. 8
 
     K(s) = (1/pi) int_0^s h(y)/sqrt(y (s - y)) dy = (2/pi) int_0^(pi/2) h(s sin^2 theta) d theta,
 
-h/sqrt(y) being the slope of the gap, or the pressure, at a distance y. The contribution of the
-other ends is taken linear in their motion. Neither is exact where s is not small compared with the
-zone or the gap: the state at the end of the step shows how wrong it was.
+with the slope of the gap, or the pressure, h/sqrt(y) at the distance y. The contribution of the
+other ends is taken linear in their motion. Both approximations need an s that is small compared
+with the zone or the gap. The state at the end of a step shows the error of the prediction.
 """
 
 from __future__ import annotations

@@ -37,14 +37,13 @@ class ModeOptions:
     # Largest number of nodes of a zone. A zone whose last coefficients have nearly decayed may have
     # more nodes, as long as the table of all zones has at most `memory_pairs` numbers.
     max_nodes: int = 8192
-    # Coefficients below this fraction of the largest one have nearly decayed. Only below it do
-    # coefficients count as noise if they no longer decrease, that is, if 1.5 times as many modes do
-    # not halve them. A kernel as rough as |x - xi| passes: that many modes more than halve its
-    # coefficients.
+    # Coefficients below this fraction of the largest one have nearly decayed. They count as noise
+    # if 1.5 times as many modes do not halve them. Even for a kernel as rough as |x - xi|, 1.5
+    # times as many modes more than halve them.
     nearly_decayed: float = 1e-5
     # First number of nodes of a zone. It is larger if the right side is singular close to the zone,
-    # so that the coefficients decay to round-off. Also the number of leading coefficients from
-    # which the size of the jumps' series is taken.
+    # so that the coefficients decay to round-off. It is also the number of leading coefficients
+    # from which the size of the jumps' series is taken.
     first_nodes: int = 16
     # The decay of a zone's coefficients is judged only if the zone has at least this number of
     # nodes for each jump.

@@ -37,7 +37,7 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
     """Whether zones get graded coordinates: zones with a fixed end next to a narrow gap do.
 
     Ends with a prescribed intensity that is not zero must not move, and there must not be too many
-    unknowns. `TooLarge` is raised if there are and plain coordinates do not suffice either.
+    unknowns. `TooLarge` is raised if there are too many and plain coordinates do not suffice.
     """
     fixed_left, fixed_right = ~zones.moves
     if zones.follow_ends or zones.have_values or not (fixed_left.any() or fixed_right.any()):

@@ -379,7 +379,7 @@ class GradedSystem(Rows, Kept):
         out = np.arange(self.size)
         if self.zones.symmetric:
             mirrored = self.nodes - 1 - np.arange(self.nodes)
-            # Nodes run from right to left on each zone, zones from left to right.
+            # Unknowns are ordered by zone from left to right, and from right to left in each zone.
             zone = len(self.zones) - 1 - self.zone_of
             inner = np.arange(self.nodes) - self.offset[self.zone_of]
             mirrored = self.offset[zone] + self.sizes[zone] - 1 - inner

@@ -246,7 +246,7 @@ def _window_of_shape(profile: Profile) -> Window | None:
 def _deeper_place(profile: Profile, window: Window) -> float | None:
     """A sampled place outside `window`, lower than all samples inside; None if there is none.
 
-    Declared tips are tested, and places at increasing distances.
+    The samples are the declared tips, and places at increasing distances from the window.
     """
     centre, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
     away = half * np.geomspace(1.0, TILT.farthest, TILT.places)

@@ -130,7 +130,7 @@ class GapGuesses:
         return {}
 
     def _over_kinks(self, mean: float) -> Array:
-        """The gaps over kinks in valleys that are too narrow for the samples, one per kink.
+        """The gaps that are too narrow for the samples, one over each kink in a valley.
 
         Gaps too narrow to have two different ends in double precision are left out.
         """
