@@ -167,7 +167,10 @@ def from_pressure(solution, x, y):
         angles = np.arccos(np.clip((np.append(breaks, nearest) - middle) / half, -1, 1))
         inner = np.unique(angles[:-1][(angles[:-1] > 0) & (angles[:-1] < np.pi)])
         angle, weight = rule(cuts_towards(0, np.pi, angles[-1], min(y / half / 8, 0.05), inner))
-        force = weight * half * np.sin(angle) * solution.pressure_at(np.cos(angle), zone)
+        pressure = solution.pressure_at(np.cos(angle), zone)
+        # A node of a panel of the last digits may be rounded to a kink, where the pressure is
+        # infinite.
+        force = weight * half * np.sin(angle) * np.where(np.isinf(pressure), 0.0, pressure)
         total += _summed(middle + half * np.cos(angle), force, x, y, period)
     return total
 
