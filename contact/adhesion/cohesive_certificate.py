@@ -137,8 +137,8 @@ def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> 
     ends = np.abs(np.linalg.solve(here.rates, here.residual)) + np.abs(
         np.linalg.inv(here.rates)
     ) @ np.full(len(here.residual), rounding)
-    # The load of the contact pressure q is the sum of the given load and the force of the tension.
-    # Each of the two has round-off.
+    # The contact pressure q carries the given load and the force of the tension. Here `load` is the
+    # round-off of both.
     load = (
         4.0 * np.finfo(np.float64).eps * (abs(here.load) + curve.stress * float(here.widths.sum()))
     )

@@ -61,7 +61,7 @@ class SpreadEnd:
         return z, np.maximum(np.abs(z), 1.0)
 
     def mean(self, function: Callable[[Array], Array], x: Array) -> Array:
-        """Mean of function(x - xi) over xi in the zone, with the distribution of the spread end."""
+        """Mean of function(x - xi) over xi in (a, b), weighted by 1 / sqrt((xi - a) (b - xi))."""
         angle = np.pi * (np.arange(_SMOOTH_NODES) + 0.5) / _SMOOTH_NODES
         xi = self.middle + self.half * np.cos(angle)
         return np.asarray(function(x[:, None] - xi).mean(axis=1))

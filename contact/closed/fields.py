@@ -177,7 +177,7 @@ class ClosedFields(ZoneFields):
         if not self.scene.operator.has_approach:
             return None
         level = self._even_level
-        # Next to full contact the level of a punch may be below the last digit.
+        # Next to full contact, `level` may round to zero for a flat punch.
         return -math.pi * self._unit / level if level else math.inf
 
     @cached_property

@@ -15,9 +15,10 @@ from sie import Array
 
 
 class Borne(NamedTuple):
-    """Share of the load on a body's unmeasured intervals of one kind.
+    """Share of the load that one body's unmeasured intervals of one kind carry.
 
-    highest: whether one of them has the peak pressure.
+    highest: whether one of these intervals contains the highest pressure. where: the intervals of
+    this kind that carry load.
     """
 
     place: str

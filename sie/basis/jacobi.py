@@ -259,7 +259,7 @@ def transform_sum(family: Family, c: Array, less: Number, left: Number) -> Numbe
 def _directions(
     count: int, less: Number, left: Number, all_terms: bool
 ) -> Iterator[tuple[Index, int]]:
-    """Yield (indices of points, first n of the downward recurrence; 0: the upward one is used).
+    """Yield (indices of points, first n of the downward recurrence, or 0 for the upward one).
 
     An error of the first ratio, at n = N, changes F_n by rho^(2 (N - n)) F_n. N is so large that
     this is round-off of F_0 for all n below `count`. Without `all_terms`, terms below round-off of

@@ -169,7 +169,8 @@ def value_transform(alpha: complex, rest: complex, left: Number, less: Number) -
     from_one = 2 / left
     far, inside = np.abs(from_one) <= 0.5, np.abs(less) <= np.abs(left)
     out[far] = -from_one[far] * near_one(alpha, from_one[far])
-    # 1 / a is taken off both digamma(a) and the power's factor, since it is large for small a.
+    # digamma(a) is digamma(1 + a) - 1 / a. The term 1 / a, which is large for small a, is combined
+    # with exp(a power) / a, so that no digits are lost.
     for here, a, sign in ((inside & ~far, alpha, 1.0), (~inside, rest, -1.0)):
         power, to_end = logarithm[here] * sign, left[here]
         ratio, beside = (less[here] / to_end, 2 / to_end)

@@ -262,9 +262,9 @@ class PowerJump(Kept):
     def _near(
         self, which: NDArray[np.intp], point: tuple[Number, Number, Number], order: int
     ) -> Number:
-        """Transform at pairs (P,) in closed form: zeta + 1, zeta - 1 and zeta - s of each.
+        """Transform at pairs (P,) of a point zeta and a place s, in closed form.
 
-        which: the place of each pair.
+        point: zeta + 1, zeta - 1 and zeta - s of each pair. which: the index of its place s.
         """
         out = np.empty_like(point[1])
         at_left, at_right = np.ravel(self.left), np.ravel(self.right)

@@ -105,8 +105,8 @@ class ValueMode:
     def moments(self, length: int) -> Array:
         """Chebyshev coefficients (2 - delta_l0) / pi int V T_l dt, l < `length`.
 
-        They are those of `JacobiFunctions.moments`. Integration by parts gives them from those of
-        the weight.
+        They are those of `JacobiFunctions.moments`. Integration by parts gives them from the
+        moments of the weight.
         """
         weights = self._half.first_moments(length + 1)
         weights[1:] *= 0.5

@@ -77,8 +77,6 @@ class Treecode:
         outside = ((cell < 0) | (x[order] > self.ends[-1])) & (self.density.kernel.period is None)
         beyond = order[outside]
         if len(beyond):
-            # Outside the cells the tree sums the fields. At most points the moments of all zones
-            # together suffice. Close to an image of the zones, single zones are summed.
             out[beyond] = self._beyond(x[beyond], potential)
         order, cell = order[~outside], np.clip(cell[~outside], 0, len(self.middle) - 1)
         table = np.ascontiguousarray(series.T)

@@ -81,7 +81,8 @@ class ClosedParts(Kept):
                 x = self.zones.middle[zone] + self.zones.half[zone] * chebyshev.gauss(size)
                 values = np.asarray(weight(x), dtype=float)
                 means = chebyshev.t_means(np.broadcast_to(values, x.shape))
-                # The coefficients of the density decay too, so that half of the digits suffice.
+                # The integral sums products of `means` and the density's coefficients, which decay,
+                # too. So `means` need not decay to round-off.
                 if (
                     np.abs(means[-8:]).max() <= HALF_DIGITS**1.5 * np.abs(means).max()
                     or size >= MODES.max_nodes

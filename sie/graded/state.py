@@ -134,7 +134,7 @@ class GradedState(Answered):
         )
 
     def _answer(self, values: Array) -> Array:
-        """Changes of the unknowns by changes of the side conditions' values."""
+        """Changes of the unknowns if the side conditions' values change by `values`."""
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
         return self.system.unfold(self.solver(right))

@@ -46,8 +46,8 @@ class GradedOptions:
     max_gap: float = 0.005
     # Up to this number of unknowns, plain coordinates are as fast and give levels with more digits.
     min_plain_unknowns: int = 900
-    # No gap counts as wider than this multiple of its zone, so that the coordinate is defined next
-    # to infinite gaps. From there on the coordinate is nearly linear.
+    # A gap wider than this multiple of its zone's width is replaced by this multiple, so that the
+    # coordinate is defined next to infinite gaps. For gaps that wide it is nearly linear.
     max_grading_gap: float = 1.0
     # Number of modes of a zone that the right side gets in addition to those that the kernel needs.
     extra_modes: int = 8
@@ -96,7 +96,7 @@ def even_sizes(count: Array) -> Index:
 
 
 def exact_gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
-    """The gaps on the left and on the right of each zone, to all digits of the ends."""
+    """Widths of the gaps left and right of each zone, with the digits in `zones.rest`."""
     left, right = (gap.copy() for gap in gaps(zones, kernel))
     between = difference(zones.a[1:], zones.b[:-1]) + (zones.rest[0, 1:] - zones.rest[1, :-1])
     left[1:], right[:-1] = between, between

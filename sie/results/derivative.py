@@ -452,7 +452,8 @@ class Linearized:
         zones, plain = self.zones, self.density(y)
         k, asked_k = self.intensities(y, outward), self.change.intensities
         k = np.where(np.isnan(zones.intensities), k, asked_k)
-        # At bounded ends at rest the derivative is bounded, too. There its intensity is round-off.
+        # If a bounded end does not move and its intensity stays zero, the derivative is bounded
+        # there, too. The computed intensity of the derivative is then only round-off.
         rests = zones.bounded & (outward == 0.0) & (asked_k == 0.0)
         alpha, beta = chebyshev.edge_part(plain.coefficients)
         edges = np.where(rests, 0.0, [alpha - beta, alpha + beta])

@@ -84,7 +84,7 @@ def nodes_of(m: int) -> tuple[Array, Array]:
 
 
 def between_nodes(m: int) -> tuple[Array, Array]:
-    """(1 + t, 1 - t) at the angles THETA, whatever the number of modes."""
+    """(1 + t, 1 - t) at t = cos(THETA), the same points for every number m of modes."""
     return 2 * np.cos(0.5 * THETA) ** 2, 2 * np.sin(0.5 * THETA) ** 2
 
 

@@ -229,7 +229,7 @@ class SlitKink(Kept):
         return self.jump / np.pi * value, self.jump / np.pi * mean
 
     def _turn(self, from_left: Array, from_right: Array) -> Array:
-        """Values, at points of the wide zone, of the polynomial that `polynomial` describes.
+        """Values of the linear function given by `polynomial`, at points of the wide zone.
 
         from_left, from_right: distances from the zone's ends, in half widths of the zone.
         """

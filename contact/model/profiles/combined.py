@@ -266,7 +266,7 @@ class Combined(Profile):
         return np.concatenate(parts)
 
     def _repeated(self, rows: Array, period: float | None) -> Array:
-        """Rows of one body, whose first column is a place, repeated in all cells of the body."""
+        """Rows of one body, repeated in all cells of the body; column 0 holds the places."""
         ends = self._overlap.ends
         if period is not None and len(rows):
             if self.period is not None:

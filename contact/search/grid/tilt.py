@@ -60,7 +60,7 @@ def known_part(profile: Profile) -> Window | None:
 
 
 def held_by(profile: Tilted) -> Window | None:
-    """The interval that contains any contact of a punch or of one cell; None for other bodies."""
+    """The interval [m] that a punch or a single cell occupies; None for other bodies."""
     return profile.support or (None if profile.profile.period is None else profile.extent)
 
 
