@@ -25,8 +25,8 @@ class _Mallopt(IntEnum):
     MMAP_MAX = -4  # largest number of blocks that are mapped one by one
 
 
-# Values to restore when freed memory need no longer be kept: the trim threshold that glibc reaches
-# by itself in a process with large arrays, and its default of MMAP_MAX.
+# These values are restored when freed memory need no longer be kept. The trim threshold is the one
+# that glibc itself reaches in a process with large arrays; MMAP_MAX has glibc's default.
 _GLIBC_DEFAULTS = {_Mallopt.TRIM_THRESHOLD: 1 << 26, _Mallopt.MMAP_MAX: 1 << 16}
 _KEEP_ALL = {_Mallopt.TRIM_THRESHOLD: -1, _Mallopt.MMAP_MAX: 0}
 

@@ -249,8 +249,8 @@ def first_zero(
         length = step.where(condition, first, last, length)
         end = step.at(length)
         place = least(end, lo, hi)[0]
-        # The next pass searches the other intervals in which the condition is negative at this
-        # length. There it became negative at an even smaller length.
+        # If the condition is negative in other intervals at this length, it has a zero at a smaller
+        # length. The next pass searches for this zero.
         seen = others(end)
         seen = seen[(seen[:, 0] > place) | (seen[:, 1] < place)]
     return length, place, width

@@ -146,13 +146,10 @@ def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[b
     lowest = float(gap[top:].min())
     lost = allowed_overlap(series=float((np.abs(height) + np.abs(sunk)).max()))
     rising = bool(np.all(np.diff(gap[: top + 1]) >= -lost))
-    # After its maximum, the gap must fall by less between two samples than its least sampled value.
-    # Then the gap is positive between the samples, too.
+    # If the gap falls between two samples by less than its least sampled value, it is positive
+    # between these samples, too.
     steepest = float(-np.diff(gap[top:]).min(initial=0.0))
     return rising and lowest > max(steepest, TOLERANCES.noise * float(gap[top])), lowest
-
-
-# The following function states the error.
 
 
 def stated(zone: ClosedZone) -> Value:

@@ -306,7 +306,8 @@ class JacobiFunctions(Kept):
                 out = out + half.alpha * at_left * np.exp(half.alpha * ratio)
             if at_right:
                 out = out + half.rest * at_right * np.exp(-half.rest * ratio)
-            # The factor -sign cancels the sign that a mirrored transform has and its slope has not.
+            # `_by_halves` negates the values on the mirrored half. A slope keeps its sign there, so
+            # the factor `sign` cancels this.
             return np.asarray(-sign * out / left / less)
 
         count = len(split.q)
@@ -375,7 +376,7 @@ class JacobiFunctions(Kept):
 
         of(weighted, sign, zeta - 1, zeta + 1): for the sign -1 it is called with the mirrored
         densities at -zeta; the transform there is minus that at zeta. Logarithms and roots take
-        the side of the line from the sign of zero, which -zeta has right.
+        the side of the real line from the sign of a zero imaginary part, which is right in -zeta.
         """
         left, less = from_ends(points)
         mirror = (left + less).real < 0

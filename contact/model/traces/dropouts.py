@@ -35,8 +35,9 @@ _COMMENT = re.compile(rf"\s*(?!{_ERRORS})#", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class WarningLimits:
-    """Limits above which heights cause a warning. No known case needs exactly these limits: half
-    or twice as large ones give the same warnings.
+    """Limits above which heights cause a warning.
+
+    In all known cases, limits half or twice as large give the same warnings.
     """
 
     # A spike differs from its neighbours by more than this multiple of the other heights' range.

@@ -81,7 +81,7 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
 
 
 def at_level(context: SolveContext) -> SolvedZones:
-    """The contact of a lone body under its approach, from zones under nearly the right load."""
+    """Contact of a lone body at a given approach; zones at a nearby load are the first guess."""
     failure, problem = Failure("no load was tried"), None
     for nearness in (SEARCH.rough, SEARCH.intermediate):
         context = context.with_warm_start(at_approach(context, nearness))
@@ -103,7 +103,7 @@ def at_level(context: SolveContext) -> SolvedZones:
 
 
 def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | SolvedGaps:
-    """The contact of a given fraction, from solutions whose loads converge to the right load."""
+    """The contact with a given contact fraction, from solutions at a converging series of loads."""
     problem, control, goal = scaled.problem, scaled.control, context.scene.given_fraction
     assert goal is not None
     smaller_part = min(goal, 1 - goal)
