@@ -17,8 +17,9 @@ class SearchOptions:
     # Factor by which a tolerance is reduced if the result magnifies the error that it allows. This
     # is so for gaps next to wide zones, and for differences of two solutions.
     tight_factor: float = 1e-2
-    # Allowed error on grids that just resolve the contact. For a contact width it is relative to
-    # the smaller of contact and gap, for the centre of a load to the extent of the contact.
+    # Allowed error on grids that just resolve the contact. An error of the contact width is relative
+    # to the smaller of contact width and gap width. An error of the load's centre is relative to
+    # the extent of the contact.
     grid_error: float = 0.02
     # Allowed error of the contact width on a fine grid, in units of the mean zone width.
     missing_zones: float = 0.3
@@ -30,8 +31,8 @@ class SearchOptions:
     # A load, divided by E* and a length of the scene, at which the contact is far narrower than
     # that length.
     light_load: float = 1e-3
-    # Limit of iterations that end by themselves. Halving a bracket alone takes some 60 iterations,
-    # and shrinking a window from metres to atoms some 100.
+    # Largest number of steps of iterations that normally end earlier. Halving a bracket takes some
+    # 60 steps, and shrinking a window from metres to atoms some 100.
     max_steps: int = 300
     # Largest number of loads tried for a given approach, fraction or other control. Halving the
     # bracket until round-off stops it takes about 60 loads.

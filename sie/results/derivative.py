@@ -232,7 +232,7 @@ class _Minus:
 
 @dataclass(frozen=True, eq=False)
 class _KernelField:
-    """Transform, or potential, that a smooth kernel makes of a density, at points of any shape."""
+    """Transform or potential of a density with a smooth kernel, at points of any shape."""
 
     density: Density
     regular: Regular
