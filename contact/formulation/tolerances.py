@@ -81,7 +81,7 @@ class Tolerances:
     # reasons: strips of tension move with their zones, and next to an end the pressure's normalised
     # slope is below this number.
     tension_factor: float = 16.0
-    # The slope of a zone's pressure is sampled at least at this angle [rad] from the zone's ends.
+    # Smallest angle [rad] from a zone's ends at which the slope of the zone's pressure is sampled.
     # The cosine of the angle is the normalised position.
     least_angle: float = 0.3
 

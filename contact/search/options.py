@@ -17,9 +17,9 @@ class SearchOptions:
     # Factor by which a tolerance is reduced if the result magnifies the error that it allows. This
     # is so for gaps next to wide zones, and for differences of two solutions.
     tight_factor: float = 1e-2
-    # Allowed error on grids that just resolve the contact. An error of the contact width is relative
-    # to the smaller of contact width and gap width. An error of the load's centre is relative to
-    # the extent of the contact.
+    # Allowed error on grids that just resolve the contact. An error of the contact width is
+    # relative to the smaller of contact width and gap width. An error of the load's centre is
+    # relative to the extent of the contact.
     grid_error: float = 0.02
     # Allowed error of the contact width on a fine grid, in units of the mean zone width.
     missing_zones: float = 0.3
