@@ -347,8 +347,9 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
         | (here.growth < 0.0 <= ahead.growth)
         | (after < -MOVES.small_drive)
     )
-    # No overshoot is allowed if the step turns the decay rate `-here.growth` of a stable state into
-    # an equal or larger growth rate. An end that has passed an equilibrium would not come back.
+    # An end that has passed an equilibrium does not come back if the state is unstable there. So no
+    # overshoot is allowed if the state at the end of the step grows at least as fast as the state
+    # before the step decayed.
     if 0.0 < -here.growth <= ahead.growth:
         allowed = np.where(before > 0.0, -ACCURACY.coarse, allowed)
     # A pinned end was at rest before the step, so that it has passed no equilibrium.

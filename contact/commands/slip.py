@@ -88,7 +88,7 @@ def slip_command(
 
 
 def _slip(solution: Solution, given: Tangential, tol: float) -> Any:
-    """The `contact.Slip` of a solution under what a table gives."""
+    """The `contact.Slip` of a solution, for the friction and the load that `given` holds."""
     if given.model == "rolling":
         rolls = given.friction, given.load, given.creepage, given.leading
         return require(_ROLLING).rolling(solution, *rolls, tol=tol)

@@ -91,12 +91,11 @@ def moved_ends(
 
 
 def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
-    """Outward motions (2, Z) of the ends per multiple of `density` added to `on`; 0 if fixed.
+    """Derivatives (2, Z) of the ends' outward motions by c, for the density `on` + c `density`.
 
-    The motion of an end is 2 K / A, with the intensity K of `density` and the edge slope A of `on`
-    (another factor than 2 with kappa, see `sie`).
-    Both densities are on the same zones. The ends have no prescribed intensities. The motions are
-    first derivatives by the multiple of `density` that is added.
+    The derivative for an end is 2 K / A, with the intensity K of `density` and the edge slope A of
+    `on`. With kappa the factor is not 2 (`sie.basis.weight`). For a fixed end the derivative is 0.
+    Both densities are on the same zones. The ends have no prescribed intensities.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         k, slopes = np.array(density.intensities), np.array(on.edge_slopes)

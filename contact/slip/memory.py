@@ -32,7 +32,7 @@ SAME_LOAD = 8 * float(np.finfo(float).eps)
 
 
 class Layer(NamedTuple):
-    """Loads up to `top` [N/m], from the top of the layer below, on which h has one value."""
+    """An interval of loads [N/m] on which h is constant: from the layer below up to `top`."""
 
     top: float
     h: float

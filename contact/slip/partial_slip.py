@@ -136,9 +136,10 @@ class State:
 
 
 def slip_of(contacts: Mapping[float, Solution], state: State, tol: float) -> Slip:
-    """The slip of a state; NotConverged if a contact within the present one is too wrong for it.
+    """The slip of a state; NotConverged if a contact under a smaller load is not precise enough.
 
-    contacts: the solutions under all loads of its segment. tol: largest error by such a contact.
+    contacts: the solutions under all loads of the segment. tol: largest error of the shear that the
+    contact under a smaller load may cause.
     """
     segment = state.segment
     solution = contacts[segment.layers[-1].top]

@@ -28,7 +28,8 @@ _FILES = "contact.slip.export"
 # The transform of a shear is the Hilbert transform of it, twice in s_xx; see `error_at`.
 _ERROR_BY_SHEAR = 2.0
 
-# Terms of the energy that a step loses, in units of friction^2 times a load times an approach.
+# Bound of the lost energy's error, in units of friction^2 times the load times the error of an
+# approach. The energy is a sum of at most so many products of a load and an approach.
 _OF_APPROACHES = 20.0
 
 

@@ -30,7 +30,7 @@ class LoadPoint:
 
     @classmethod
     def of(cls, solution: Solution) -> "LoadPoint":
-        """The values of a solution; without a datum, the approach counts from one of 1 m."""
+        """The values of a solution; if it has no datum, the approach is that for the datum 1 m."""
         load, approach = solution.load, approach_of(solution)
         return cls(load, approach, 0.5 * (load * approach + shape_moment(solution.fields)))
 

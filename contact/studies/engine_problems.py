@@ -103,7 +103,7 @@ class Design:
 
     @property
     def heights(self) -> Array:
-        """Absolute ratio of the density to P |Y| on each zone (n,); its sign is `orientation`."""
+        """|phi| / |P Y| on each zone (n,), phi being the density; `orientation` is its sign."""
         return np.asarray(-np.sin(np.pi * self.powers[:, 1]))
 
     def y(self, distance: Array) -> Array:

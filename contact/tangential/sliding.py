@@ -158,7 +158,8 @@ def _from(context: SolveContext, start: Start) -> Outcome | Failure:
         return full
     refuse_full_approach(context, problem, control)
     table = placed(problem, start.zones)
-    # Without friction the contact may be full under a load at which it is not yet so in sliding.
+    # The contact without friction may be full where the sliding contact still has gaps. Then
+    # `table` is empty, and the width counts as the whole period.
     width = float((table[:, 1] - table[:, 0]).sum()) if len(table) else problem.period or 0.0
     by_its_gaps = _gaps_are_known(context, problem) and (
         len(table) == 0 or gaps_are_better(context, problem, width)

@@ -81,7 +81,7 @@ class Grouped:
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Places of zones in `count` and `first`; zones after the last item get the last place."""
+        """Indices of zones in `count` and `first`; zones behind the last one there get its index."""
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:

@@ -119,7 +119,9 @@ class Targets:
         return cls(zone, lefts, rights, x)
 
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
-        """(points relative to the zones `sources` moved by `shift`, mask of points on other zones).
+        """(the points in coordinates of the moved zones, mask of points on other zones).
+
+        The zones `sources` are moved by `shift`.
 
         Both have the shape (points, sources). The mask is 0 for a target on the source itself, else
         1. It is None if `shift` is not 0, since then there is no such pair. Distances are sums of

@@ -264,7 +264,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
-        """Intensities K at both ends of each zone: F / sqrt(2 dx/ds) there."""
+        """Intensities K at both ends of each zone: `charges` / sqrt(2 dx/ds) at the end."""
         alpha, beta, _ = self._series
         charges = self._end_scales * np.array([alpha - beta, alpha + beta])
         left, right = charges / np.sqrt(2 * self._end_rates)

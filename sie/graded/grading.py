@@ -189,8 +189,8 @@ class Grading(Kept):
         )
 
 
-# Below this size of y the differences of coth(y), 1/y^2 and their poles are summed as series. The
-# first neglected terms are then below round-off.
+# Below this size of y, coth(y) - 1/y and its derivative are summed as series. The first neglected
+# terms are then below round-off.
 _SMALL = 0.1
 
 

@@ -66,7 +66,7 @@ class KnownJumps(Kept):
 
     @cached_property
     def _by_parts(self) -> Array:
-        """Coefficients in S_n of the sum of total / pi (t - s)^k w over all jumps."""
+        """Coefficients in S_n of the polynomial part of the integral by parts, over all jumps."""
         return self.closed.by_parts(self.order) @ self.factors
 
     def integral_to(self, left: Array, right: Array) -> Array:

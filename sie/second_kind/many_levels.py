@@ -75,7 +75,7 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
 class LevelRows(ManyRows):
     """The rows of an equation whose conditions contain levels; see the module's docstring."""
 
-    # The densities of jumps.
+    # Fields of the parts of the density that belong to jumps of the right side.
     @cached_property
     def _known_far(self) -> tuple[Array, Array]:
         """(series of the transform, potential in the middle) by jumps in far zones."""

@@ -78,7 +78,6 @@ class SecondKindState(Answered):
     condition_scale: Array
     sizes: Sizes
 
-    # The methods below give the density's responses to further right sides.
     @property
     def whole(self) -> Any:
         """The solution on the zones without slits, which is this object itself."""

@@ -204,9 +204,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def feature(self) -> float | None:
-        """Length over which most of the shape varies; the grid of a first guess has about this
-        step.
-        """
+        """Length of the typical features of the shape: about the step of a first grid."""
         return self.resolution
 
     @property

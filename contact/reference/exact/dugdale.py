@@ -254,7 +254,7 @@ class DugdaleZone(_DugdaleState):
         opening = self._unit * (arcosh * share_rate - log_ratio)
         gap_rate = float(self.zone._gap_slope(np.array(c - a))) + opening
         # The gap g at c stays equal to work/stress, so dg/dc + (dg/da)(da/dc) = 0. With
-        # dg/da = -(2/pi E*) arcosh dP/da this gives the change (dP/da)(da/dc) of the load P.
+        # dg/da = -(2/pi E*) `arcosh` (dP/da) this gives the change (dP/da)(da/dc) of the load P.
         load = 0.5 * pi * self.E_star * gap_rate / arcosh - 2.0 * self.stress * share_rate
         return load, self._approach_rate(load, self._unit * arcosh)
 

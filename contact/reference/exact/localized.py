@@ -113,7 +113,7 @@ def _correction(r: Array, d: Array, a: float, period: float, nominal_load: float
 
 @dataclass(frozen=True)
 class LocalizedZone(SymmetricZone):
-    """An isolated solution, corrected for the nominal pressure outside its own period.
+    """One zone under the localized model: an isolated solution, corrected for the other periods.
 
     P0 is the load of the isolated solution. With the closure `first-order` (the paper's examples
     (23), (27), (30)) P_s = P0 and P = P0 (2 - sqrt(L^2 - 4a^2)/L). With `self-consistent` (equation

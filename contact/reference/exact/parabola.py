@@ -131,8 +131,8 @@ class PeriodicParabola(PeriodicZone, _Parabola):
         return half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # The pressure is proportional to arcosh(cos u/cos A), with u = pi x/L and A = pi a/L. Here
-        # 2 half/cos A is cos u/cos A - 1, computed without cancellation.
+        # The pressure is proportional to arcosh(cos u/cos A), with u = pi x/L and A = pi a/L. The
+        # variable `half` is (cos u - cos A)/2, computed without cancellation.
         half = sine(0.5 * (self.half_width + r), self.period) * sine(0.5 * d, self.period)
         unit = self.period * self.E_star / (2.0 * pi * self.radius)
         return unit * arcosh1p(2.0 * half / self._cosine())

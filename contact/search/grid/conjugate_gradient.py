@@ -230,8 +230,8 @@ class _Extension:
         self.size, self.stiffness = influence.size, influence.stiffness
         self.starts = inside - inside[0]
         self.lengths = np.diff(self.starts, append=self.size)
-        # Indices of the next and of the last point in contact. `np.roll` takes several times as
-        # long as an index, and is needed in every iteration.
+        # Indices of the next and of the previous point in contact. Every iteration needs them, and
+        # `np.roll` takes several times as long as indexing.
         count = len(inside)
         self.next, self.last = (np.arange(1, count + 1) % count, np.arange(-1, count - 1) % count)
         self.along = (np.arange(self.size) - np.repeat(self.starts, self.lengths)) / np.repeat(

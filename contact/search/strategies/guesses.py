@@ -253,7 +253,7 @@ class _GridSearch:
         self.failure: Failure | None = None
 
     def run(self, points: int | None) -> Outcome:
-        """The contact from the first grid that leads to one. points: size of the first grid."""
+        """The contact, from finer and finer grids. points: size of the coarsest grid."""
         context = self.context
         self._begin()
         proposal: Proposal | None = None

@@ -388,8 +388,8 @@ class _Loop(Generic[Kind]):
         if not repeats:
             return corrected
         # The same intervals were tried before, so the number of intervals alternates between two
-        # values. One number is right, but an error of the ends gives a wrong sign. So the same
-        # intervals are solved with the smallest tolerance.
+        # values. Errors of the ends may cause the wrong sign that changes the right number. So the
+        # same intervals are solved with the smallest tolerance.
         if is_tight:
             raise WrongTopology(f"the number of {form.what}s did not settle", free)
         self.tried[-1] = (tighter.tolerance, table)
