@@ -225,10 +225,10 @@ def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
 
 
 def driven_inward(curve: Curve, middle: float, half: float, value: float) -> bool:
-    """Whether the ends of intervals 1, 2, 4 and 8 times as wide as a given one tend to recede.
+    """Whether the ends of intervals with 1, 2, 4 and 8 times the half width `half` recede.
 
-    All four are tested, because the ends of a wider interval may advance again. An end whose
-    residual falls as the control rises counts as receding.
+    All four intervals are tested, because the ends of a wider interval may advance again. An end
+    whose residual falls as the control rises counts as receding.
     """
     for doublings in range(LIMITS.patience):
         width = half * 2**doublings

@@ -178,7 +178,7 @@ def _settled(
         miss = float(np.abs(step / least).max())
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
         # The search also ends if short Newton steps no longer decrease. Next to narrow strips of
-        # tension, their round-off may exceed the tolerance.
+        # tension, the round-off of the steps may exceed the tolerance.
         if miss < tolerances.ends or (stuck > 2 and miss < 10 * ACCURACY.resting_step):
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)

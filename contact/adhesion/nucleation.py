@@ -22,9 +22,9 @@ from sie import Array
 
 
 def grown(curve: Curve, table: Array, value: float, rest: float = ACCURACY.resting_step) -> State:
-    """The equilibrium with the smallest zones that contain the given ones, without overlaps.
+    """The equilibrium with the smallest zones that contain the zones `table`.
 
-    The ends of the given zones are all driven outward. The surfaces overlap nowhere. Raises
+    The ends of the zones `table` are all driven outward. The surfaces overlap nowhere. Raises
     `Closed` if there is no such equilibrium. rest: largest Newton step, relative to the widths, of
     ends at rest.
     """
@@ -60,7 +60,7 @@ def with_new(table: Array, overlaps: Array) -> Array:
 
 
 def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Array:
-    """Narrow intervals about the lowest places of the profile in a cell [m].
+    """Narrow intervals about the lowest places of the profile in `cell`, which is in metres.
 
     Their ends are all driven outward under a value of the control, or pinned at sharp corners. On a
     level stretch of the profile the interval is as wide as this stretch.

@@ -73,7 +73,11 @@ def lowered_by_load(
 
 @record
 class _End:
-    """The end of a curve: a state near it, the exact state there, and the intervals past it."""
+    """The end of a curve of equilibria.
+
+    about: a state near the end; table: intervals past the end. exactly: a function that returns the
+    state at the end itself.
+    """
 
     about: State
     table: Array

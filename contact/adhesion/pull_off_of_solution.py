@@ -71,7 +71,7 @@ def _on_its_zones(curve: Curve, last: State) -> State:
 
 
 def _by_cohesive_zone(fields: CohesiveFields, control: Control) -> State:
-    """The last equilibrium of a contact under a tension."""
+    """The last equilibrium, as the control falls, of a contact under a cohesive tension."""
     assert fields.law_problem is not None
     curve, tension, zones = CohesiveCurve(fields.law_problem, control), fields.tension, fields.zones
     if tension.everywhere:

@@ -212,7 +212,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @property
     def bending(self) -> float:
-        """Ratio of the largest end intensity of one pressure coefficient to the prescribed one.
+        """Largest end intensity of one pressure coefficient, over the prescribed intensity.
 
         Each coefficient of the pressure's series alone causes an intensity at the ends of its zone.
         """

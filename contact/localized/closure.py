@@ -76,7 +76,7 @@ def first_order(
             return outcome
         if isinstance(outcome.refusal, OutOfRange):
             raise outcome.refusal
-        # More zones may come into contact, so that the search for several zones follows.
+        # One zone may fail because more zones come into contact. So several zones are searched for.
         context.record_failure("one zone by its width", outcome)
         return several.found(pressure, zones)
     with context.plan.timed("isolated reference"):

@@ -80,8 +80,8 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
         # This holds only if `miss` is small compared with `width`.
         stalled = 0.25 * abs(miss) if is_secant else math.inf
         misses.append(abs(miss))
-        # The search ends if the residual has not halved within a few steps: then the middle of the
-        # zones jumps.
+        # The search ends if `miss` has not halved within a few steps. Such a failure shows that the
+        # middle of the zones jumps.
         recent = misses[-SEARCH.max_attempts :]
         if len(misses) > len(recent) and min(recent) > 0.5 * min(misses[: -SEARCH.max_attempts]):
             break

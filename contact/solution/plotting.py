@@ -140,7 +140,7 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     weight = 2.6 if len(zones) <= FIGURE.max_zones else 1.8
     axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
     axes.set(ylim=(floor * up, ceiling * up), ylabel=f"height [{letter}m]")
-    # The label is placed above a point in contact, as the body covers that point for any outline.
+    # The label "body" is placed above a point in contact, since the body is always drawn there.
     middle = float(zones[len(zones) // 2].mean()) if len(zones) else float(0.5 * (x[0] + x[-1]))
     where = float(np.clip((middle - x[0]) / (x[-1] - x[0]), 0.06, 0.94))
     for place, height, side, style in (

@@ -37,7 +37,7 @@ class Curve:
         }
 
     def at(self, value: float) -> Solution:
-        """The solution at the next value, started from the previous solutions."""
+        """The solution at a control value, in closed form or started from previous solutions."""
         solution = self.known.get(value) or self.from_previous(value, self.previous)
         # Two solutions are kept, since the secant through them predicts the next solution.
         self.previous = (*self.previous[-1:], CurvePoint(solution))

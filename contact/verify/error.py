@@ -374,7 +374,7 @@ class SolvedGaps(Solved):
 
     @property
     def _steepest(self) -> Array:
-        """Slope of the pressure next to a tip in each zone, for the smallest distance from it.
+        """Slope of the pressure near a tip in each zone, at the least distance with a stated error.
 
         A tip is a convex kink of the profile. The slope is J / pi divided by the distance from the
         tip, with J the largest jump of f' at the tips in the zone. At smaller distances the stated

@@ -43,7 +43,7 @@ class LagTable:
     """A kernel of the lag x - xi as polynomials on equal cells on both sides of the lag 0.
 
     step: width of a cell; cells: number of cells on either side. coefficients (terms, 2 cells):
-    coefficients of the powers of the coordinate in each cell, which runs from -1 to 1.
+    coefficients of powers of a coordinate that runs from -1 to 1 in each cell.
     """
 
     step: float

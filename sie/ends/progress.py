@@ -212,8 +212,8 @@ class Progress:
         # steps in a row would have removed it.
         insists = np.zeros(len(gone), dtype=bool)
         if len(zones) > 1 and (~zones.rims & (self.leaving >= options.insistent_steps)).any():
-            # If one zone counts as vanished, all zones are removed that each of the last two
-            # undamped steps would have removed.
+            # If one zone counts as vanished, so do all zones that each of the last two undamped
+            # steps would have removed. Only `Zones.rims` never vanish.
             insists = (self.leaving >= 2) & ~zones.rims
         narrowest = np.minimum(width, self.first_width)
         closed = self.closing >= 2

@@ -95,7 +95,7 @@ def gap_steps(
     closing = np.where(less < 1, less / (1 + np.sqrt(np.maximum(1 - less, 0.0))), 1.0)
     # `share` is the fraction of the slope S (head of this file) that comes from the kink. A gap of
     # half width (1 - e) c closes under the load (1 - e)^2 (1 - share) / 2 + (1 - e) share. This
-    # load equals `left`, which determines e.
+    # load equals `left`, which determines e (`wedged` below).
     mean = np.where(holds, 0.5 * (straight + across), 1.0)
     share = np.clip(
         np.asarray(0.0 if tips is None else tips) / np.pi * np.sqrt(2 / c) / mean, 0.0, 1.0
@@ -221,9 +221,9 @@ def _root(decreasing: Callable[[Array], Array], low: Array, high: Array, kink: A
 def _nearest(
     zones: Zones, at: Array, heights: Array, period: float | None
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """((distance, height) of the nearest jump inside each end, the same outside), each (2, Z).
+    """Pairs (distance, height) of the jumps nearest to each end, inside and outside the zone.
 
-    The distance is infinite where there is none.
+    Each array is (2, Z). The distance is infinite if there is no such jump.
     """
     if period is not None:
         # The positions are shifted by periods exactly as in `ForcingJumps.located`, because a

@@ -80,12 +80,12 @@ class Grading(Kept):
 
     @cached_property
     def first_u(self) -> float:
-        """u at the zone's left end."""
+        """The coordinate u (head of this module) at the zone's left end."""
         return float(np.log(self.before / (self.width + self.after)))
 
     @cached_property
     def last_u(self) -> float:
-        """u at the zone's right end."""
+        """The coordinate u (head of this module) at the zone's right end."""
         return float(np.log((self.width + self.before) / self.after))
 
     def at(self, left: Array, right: Array) -> Places:

@@ -116,7 +116,7 @@ class GradedState(Answered):
 
     @property
     def iteration(self) -> None:
-        """The iterative solver: there is none."""
+        """None, because the unknowns are not computed by an iterative solver."""
         return None
 
     @property

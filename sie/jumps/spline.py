@@ -86,9 +86,9 @@ def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
 
 
 def with_jumps(knots: Array, jumps: Array) -> Callable[[Array], Array]:
-    """The quadratic spline with given jumps and the least sum of squared values at the knots.
+    """The quadratic spline with given `jumps` and the least sum of squared values at the knots.
 
-    The jumps are half of those of the second derivative. If a function is not itself a quadratic
+    `jumps` are half of the jumps of the second derivative. If a function is not itself a quadratic
     spline, this spline is the part of it that has the jumps.
     """
     ends = np.concatenate(([0.0], knots, [2.0]))

@@ -452,7 +452,7 @@ class ManySolver:
         )
 
     def projected(self, values: Array) -> Array:
-        """Right side for given values at the nodes, times sin(theta), and given totals."""
+        """Right side from `values`: sin(theta) times a function at the nodes, then the totals."""
         count, sines = len(self.rows.others), self.rows.dense.points[1]
         of_equation = self.rows.sums.projected(values[:count] / sines)
         return np.concatenate((of_equation, values[count:]))

@@ -85,7 +85,7 @@ class SecondKindState(Answered):
 
     @property
     def iteration(self) -> None:
-        """The iteration by which the unknowns were computed: none."""
+        """None, because the unknowns are not computed by an iterative solver."""
         return None
 
     @property

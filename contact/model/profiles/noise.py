@@ -34,9 +34,9 @@ def deviations(values: Array) -> Array:
 
 
 def noise(values: Array) -> float:
-    """Standard deviation of the noise of `values` (7, n), given as for `deviations`.
+    """Standard deviation of the noise of `values` (7, n), with columns as in `deviations`.
 
-    It is a median, so that a few groups may contain corners.
+    It is computed from a median, so that a few groups may contain corners.
     """
     # The median of the absolute value of a normal variable is 0.6745 standard deviations.
     return float(np.median(deviations(values))) / 0.6745

@@ -326,7 +326,7 @@ class Sampled(Profile):
         polynomial.
         """
         third = -6.0 * self._spline.c[0]
-        # With a period, the spline's last cubic lies before its first knot.
+        # With a period, the spline's last cubic continues to the left of the first knot.
         first, before = (0, third[-1:]) if self.period is not None else (1, third[:0])
         at = self._knots[first:-1]
         return np.column_stack((at, np.full(at.size, 3.0), np.diff(third, prepend=before)))

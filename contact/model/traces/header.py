@@ -271,7 +271,7 @@ def _with_mark(found: re.Match[str]) -> str:
 def in_pairs(fields: Sequence[str]) -> list[str]:
     """Names joined with the units that follow them as separate fields: "Lateral um Raw nm".
 
-    It is empty unless all units are known or equal, or all names are usual ones.
+    The list is empty unless all units are known or equal, or all names are usual ones.
     """
     names, words = fields[::2], [_BRACKETS_ALONE.sub(r"\1", word) for word in fields[1::2]]
     if any(re.search(r"[\[(<{\])>}]", part) for part in (*names, *words)):

@@ -32,7 +32,7 @@ from sie import Array
 class AsperitiesOfThePaper:
     """The scenes of figures 7 to 12, with E* = 1, the period L = 1 and the radius R = L."""
 
-    # Amplitude of the wave and slope of the wedge. The results are proportional to it.
+    # Amplitude of the wave and slope of the wedge. Their pressures are proportional to this number.
     scale: float = 0.01
     # The pressure on wave and wedge is drawn at these contact fractions 2a/L. That on the parabola
     # is drawn at these mean pressures, divided by E*.

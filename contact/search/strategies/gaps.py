@@ -81,7 +81,7 @@ def gaps_are_better(
 
 
 def record_as_before(plan: Plan, before: Solution) -> None:
-    """Record in the plan the unknowns of another solution, with the reason for them."""
+    """Record in the plan the unknowns of `before`, zones or gaps, and the reason for them."""
     way = "gaps" if isinstance(before.fields, GapFields) else "zones"
     decided = before.plan.decisions.get("unknowns")
     if decided is None or decided.way != way:

@@ -79,7 +79,7 @@ class GapForm:
     def formal(
         self, load: float, table: Array, tolerance: float, decay: float | None = None
     ) -> GapFields:
-        """Fields with this number of gaps under a load, without a check of signs.
+        """Fields under a load with as many gaps as `table` has; no signs are checked.
 
         decay: see `sie.NewtonOptions`.
         """
