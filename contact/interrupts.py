@@ -46,7 +46,7 @@ def install() -> None:
 
 
 def started(now: bool = True) -> None:
-    """Declare whether the command line catches KeyboardInterrupt from now on."""
+    """Note whether (`now`) the command line catches KeyboardInterrupt from this call on."""
     global _started
     _started = now
 

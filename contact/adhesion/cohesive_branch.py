@@ -386,7 +386,7 @@ def under_all(context: SolveContext, problem: Problem) -> Array | None:
 
 
 def _start_scene(context: SolveContext, problem: Problem) -> Scene:
-    """The scene without adhesion, with load or approach raised by the uniform tension."""
+    """The scene without adhesion; load or approach is raised by the effect of the tension."""
     scene, period = context.scene, context.scene.period
     assert period is not None and scene.law.bare is not None
     stress = scene.law.tension

@@ -231,9 +231,9 @@ class CohesiveEvents(Events):
         return self.jump(touching, place, self.shrunk(table, state.value), False)
 
     def _without(self, here: CohesiveState, vanishing: Index) -> tuple[Array, CohesiveState] | None:
-        """(places where zones vanish, equilibrium without them in which the gap there is zero).
+        """(places where zones vanish, equilibrium without these zones; its gap is zero there).
 
-        None if it is not found.
+        None if no such equilibrium is found.
         """
         count, period = len(here.zones), self.curve.problem.round
         others = np.delete(here.zones, vanishing, axis=0)

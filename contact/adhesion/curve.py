@@ -169,7 +169,7 @@ class State:
         return float(values.max(initial=-1.0))
 
     def motions(self, ends: Index) -> tuple[Array, Array]:
-        """(real parts of eigenvalues, eigenvectors) of dr/ds, residuals r by end motions s.
+        """(real parts of eigenvalues, eigenvectors) of dr/ds: residuals r, end motions s.
 
         The derivatives dr/ds are divided by the scales `weight`. Only the given ends move.
         """

@@ -41,9 +41,8 @@ NUMERICAL_ERRORS = (ValueError, ArithmeticError, np.linalg.LinAlgError, IndexErr
 class SnapOptions:
     """Options of the early test for full contact."""
 
-    # Fraction of the work of adhesion with which the contact must close on the grid before it is
-    # followed. The rest is a margin for the errors of the grid. After following has failed, the
-    # whole work is used.
+    # A contact that closes on the grid with this fraction of the work of adhesion counts as full,
+    # and is not followed step by step. If following a contact fails, the whole work is used.
     work_share: float = 0.9
     # Width of the strip of attraction, in cells of the grid. With only 3 cells, the ends of the
     # zones would stick to the cells.

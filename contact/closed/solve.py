@@ -199,8 +199,8 @@ def _certificate(scene: Scene, zone: ClosedZone, gap: float, fields: ClosedField
         points = inside if corner else inside + places(zone).size
     certificate = Certificate(
         smallest_pressure=unit * least,
-        # The value inf stands for a gap that rises everywhere outside the zone. Its least value is
-        # then 0, at the ends of the zone.
+        # `gap` is inf if the gap rises everywhere outside the zone. The smallest gap is then 0, at
+        # the ends of the zone.
         smallest_gap=None if corner else gap if math.isfinite(gap) else 0.0,
         gap_rounding=allowed_overlap(heights=abs(float(scene.profile.height(zone.half_width)))),
         load_balance=0.0 if load is None else abs(unit * float(zone.totals) / load - 1.0),

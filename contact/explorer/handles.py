@@ -195,7 +195,7 @@ def _stands(profile: Profile) -> list[Handle]:
 
 
 def _shape(scene: Scene, place: str) -> list[Handle]:
-    """Sliders for the positive parameters of a body's profile, its amplitude and its length."""
+    """Sliders for a profile's amplitude, its length, and its other positive parameters."""
     profile = scene.profile.bodies[place]
     given = {name: value for name, value in profile.parameters().items() if value is not None}
     lists = [name for name, value in given.items() if np.ndim(value) == 1 and np.size(value)]

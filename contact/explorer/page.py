@@ -84,8 +84,6 @@ class Explorer:
         self._make()
         self._begin(scene, tables)
 
-    # The next method makes the elements of the page.
-
     def _make(self) -> None:
         pn = self.pn
         self.sliders, self.pictures = (

@@ -435,7 +435,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @property
     def _limits(self) -> tuple[float, float]:
-        """Scaled limits of a profile that does not repeat; infinite if there are no limits."""
+        """Scaled limits of the zones: ends of the known profile or sharp corners; else infinite."""
         problem = self.problem
         return max(problem.borders[0], problem.corners[0]), min(
             problem.borders[1], problem.corners[1]

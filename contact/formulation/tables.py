@@ -86,7 +86,7 @@ def parted_at_wide(table: Array, period: float, wide_fraction: float = 0.1) -> A
 
 
 def joined_where(table: Array, meets: Mask) -> Array:
-    """Intervals, each of them joined with the next one where `meets` (n - 1,) is True."""
+    """The intervals; interval i and the next one are joined if `meets[i]` is True (n - 1,)."""
     return np.column_stack((table[np.append(True, ~meets), 0], table[np.append(~meets, True), 1]))
 
 

@@ -29,7 +29,8 @@ from sie import Array
 class CentringOptions:
     """Options of the secant method for the position of the centre of a strip."""
 
-    # Largest secant step, relative to the larger of the previous step and the residual.
+    # Largest secant step of the centre. It is relative to the previous step or to the distance of
+    # the centre from the middle of the zones, whichever is larger.
     longest_step: float = 4.0
 
 

@@ -56,7 +56,7 @@ def may_hide(low: Solution, high: Solution, rate_error: float, max_rate_ratio: f
 
 
 def ends_and_rates(solution: Solution) -> tuple[Array, Array] | None:
-    """Zones [m], and outward derivatives of their ends by ln(load) [m], as arrays (n, 2).
+    """Zones [m], and outward motions of their ends per unit of ln(load) [m]; both (n, 2).
 
     None in full contact.
     """

@@ -77,9 +77,9 @@ class PathOptions:
 
     @property
     def rate_step(self) -> float:
-        """Relative step of the load for a second set of ends, extrapolated by their rates.
+        """Relative load step over which the ends of zones are extrapolated by their rates.
 
-        The error of such a step is about its square.
+        The relative error of the extrapolated ends is about the square of the load step.
         """
         return float(np.sqrt(self.same))
 

@@ -190,10 +190,10 @@ def reference(
 ) -> float:
     """The pressure by which errors are divided: the peak, or the mean contact pressure.
 
-    The mean is taken where the peak is infinite. Where free ends have a singular tension, it is the
-    largest p sqrt(1 - t^2), and at least the part of the ends in it. free: kind of the free ends.
-    borne: load of all zones, if it is not the density's total. tips: whether convex kinks lie in
-    the zones, if that is known.
+    The mean is taken where the peak is infinite. If free ends have a singular tension, the largest
+    p sqrt(1 - t^2) is taken, or its value at the ends if that is larger. free: kind of the free
+    ends. borne: load of all zones, if it is not the density's total. tips: whether convex kinks lie
+    in the zones, if that is known.
     """
     if tips is None:
         tips = bool(np.any((density.jumps.height > 0) & (density.jumps.order == 0)))

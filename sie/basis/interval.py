@@ -429,9 +429,9 @@ def own_potential(divided: Array, row: Index, left: Array, right: Array, width: 
 
 
 def integral_on(c: Array, row: Index, angle: Array) -> Array:
-    """Integral by t, from t = -1 to t = cos(angle), of sum c_l T_l / sqrt(1 - t^2).
+    """Integral over t, from t = -1 to t = cos(angle), of sum c_l T_l / sqrt(1 - t^2).
 
-    The integral of T_l / X is -sin(l theta) / l, and pi - theta for l = 0.
+    For c_l = 1 it is -sin(l theta) / l, or pi - theta if l = 0, where theta is `angle`.
     """
     nearer, flip = np.minimum(angle, np.pi - angle), angle > 0.5 * np.pi
     return np.asarray(

@@ -97,7 +97,7 @@ class Growth:
 
     @classmethod
     def first(cls, m: Index, tails: Array) -> "Growth":
-        """The `Growth` after the first solution, with m modes and the last coefficients `tails`."""
+        """The `Growth` after the first solution; it has m modes and last coefficients `tails`."""
         return cls(
             m, np.array([np.full(len(m), np.inf), np.full(len(m), np.inf), tails]), np.zeros(len(m))
         )

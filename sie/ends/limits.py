@@ -64,7 +64,7 @@ def _interval(zones: Zones, equation: Equation) -> tuple[float, float]:
 
 
 def pinned_at_limits(zones: Zones, limits: tuple[float, float]) -> Zones:
-    """The zones, after ends beyond a limit of the search are fixed at it as singular ends."""
+    """The zones; an outermost end beyond `limits` is fixed at the limit as a singular end."""
     low, high = zones.a[0] <= limits[0], zones.b[-1] >= limits[1]
     if not (low or high):
         return zones

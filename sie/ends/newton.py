@@ -259,8 +259,8 @@ class _Search:
         A state is inexact if its tolerance is larger than that of a final solution.
         """
         sizes, progress = self.sizes, self.progress
-        # The right side of an iterative solver contains the value of the open condition (the side
-        # condition whose value is an unknown). So no second solve is needed for this value.
+        # The open condition is the side condition whose value is an unknown. An iterative solver
+        # adds the guess `self.value` to its right side, which saves a second solve for this value.
         sizes.linear, sizes.value = progress.linear, self.value
         sizes.rough = sizes.linear > ITERATION.correction
         decay = self.decay

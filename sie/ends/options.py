@@ -101,7 +101,7 @@ class NewtonOptions:
 
 @dataclass(frozen=True, eq=False)
 class WarmStart:
-    """Data known before a search for the ends: first value, error of the ends, numbers of modes.
+    """Data known before a search: value of the open condition, error of ends, numbers of modes.
 
     Parameters
     ----------

@@ -191,7 +191,7 @@ def _safe_slopes(
 
 
 def corners_of(state: AnyState) -> Array:
-    """Distance (2, Z) of each end from the nearest kink of the profile; inf if there is none.
+    """Distance (2, Z) of each end from the nearest kink; inf without kinks or with slits.
 
     The density changes over this distance.
     """

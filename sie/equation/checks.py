@@ -107,7 +107,7 @@ def _some(zones: Zones) -> list[int]:
 
 
 def _called(name: str, function: Callable[..., Any], *places: Array) -> Any:
-    """The result of a user's function; ValueError with the function's name if it raises."""
+    """The result of a user's function; ValueError with `name` if the function raises."""
     try:
         with np.errstate(all="ignore"):
             return function(*places)

@@ -72,7 +72,7 @@ class TwoLevelPreconditioner:
         return out
 
     def _close(self, folded: Array, wanted: Array) -> None:
-        """Set the coefficient c_0 of each zone so that the zone's own condition holds."""
+        """Set the zones' coefficients c_0 so that their conditions or levels equal `wanted`."""
         system = self.system
         if self.levels:
             assert self.coarse is not None

@@ -64,7 +64,7 @@ class ClosedParts(Kept):
         return out if regular is None else out + by_quadrature(self.density.quadrature, x, regular)
 
     def potentials(self, zone: int, places: Places, x: Array, seen: list[Seen]) -> Array:
-        """Potential at places of a zone."""
+        """Potential, at places of a zone, of the closed-form density on the zones `seen`."""
         out, totals = np.zeros(len(x)), self.density.sharp_totals
         for one in seen:
             row, half = np.full(len(x), one.zone, dtype=np.intp), self.zones.half[one.zone]

@@ -162,7 +162,7 @@ class GradedSystem(Rows, Kept):
         return np.concatenate([self.positions(i, one) for i, one in enumerate(self.sources)])
 
     def positions(self, zone: int, places: Places) -> Array:
-        """Positions x of places on a zone."""
+        """Positions x of the given `places` on a zone."""
         start, away = self._rounded(zone, places)
         return np.asarray(start + away)
 

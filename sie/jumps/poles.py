@@ -295,7 +295,8 @@ class Poles(PerZone):
 
     def potential_off(self, zone: Index, rho: Array) -> Array:
         """`potential` at points off the zone: divided by the half width w, without c_0 log(w).
-        c_0 is the integral of the density, divided by pi w.
+
+        Here c_0 is the integral of the density divided by pi w.
         """
 
         def part(at: Index, k: Index) -> Array:

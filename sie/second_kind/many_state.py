@@ -76,7 +76,8 @@ class ManyState(SecondKindState):
         errors = self._row_errors * signs
         unit = float(np.abs(errors).max(initial=0.0)) or 1.0
         rights = [self.solver.projected(one / unit) for one in errors]
-        # The tolerance limits a norm over all zones. The square root makes it one for each zone.
+        # The solver's tolerance limits a norm over all zones. The square root of their number makes
+        # `ERRORS.negligible` the tolerance of each zone.
         tolerance = ERRORS.negligible * np.sqrt(len(self.density.zones))
         changes = [unit * self.solver(one, tolerance) for one in rights]
         out = np.array([self.system.layout.padded(one) for one in changes])

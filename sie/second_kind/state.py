@@ -198,7 +198,7 @@ class SecondKindState(Answered):
 
     @cached_property
     def tails(self) -> Array:
-        """Sizes of the last coefficients of each zone, relative to the largest one (Z,)."""
+        """Largest of each zone's last coefficients, relative to the zone's largest one (Z,)."""
         last = [np.abs(self._table[i, : m + 1][-OPTIONS.last :]).max() for i, m in self._modes]
         return np.array(last) / np.where(self.zone_sizes > 0, self.zone_sizes, 1.0)
 

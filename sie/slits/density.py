@@ -181,7 +181,7 @@ class SlitDensity(DensityBase):
                 beta[here.zone] += kink.edge[1]
         return replace(self.smooth, edges=(alpha, beta), bounded_ends=self.bounded_ends)
 
-    # The methods below give values of the density on the given zones, which the slits separate.
+    # The methods below give the density on the given zones, into which slits divide a wide zone.
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by a zone and distances from the zone's ends in half widths."""
         zone = np.asarray(zone, dtype=np.intp)

@@ -159,7 +159,7 @@ class Solved(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved zone: the mean of the potential minus the primitive of g."""
+        """Level of each solved zone: the mean of (potential - primitive of g)."""
         return self.system.level_changes(self.unknowns) + self.system.level_constants
 
     def level_rates(self, values: Array) -> Array:

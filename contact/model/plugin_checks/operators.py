@@ -221,8 +221,8 @@ def require_body(substrate: Substrate) -> None:
                 "compresses it",
             )
         return
-    # The height of the body [m] is about 1/q, with q the lowest tested wavenumber at which the
-    # symbol L exceeds 1/2.
+    # The body's `height` from the base to the surface [m] is about 1/q. Here q is the lowest tested
+    # wavenumber at which the symbol L exceeds 1/2.
     found, height = long / wave, float(1 / WAVES[np.argmax(values > 0.5)])
     if not abs(found - compression) <= CHECKS.same * max(abs(compression), 1e-3 * height):
         raise SceneError.of(

@@ -73,8 +73,10 @@ class PlacedBody:
         return rows
 
     def jump_rows(self) -> Array:
-        """Rows of place (in the coordinate common to both bodies), order of the derivative, and
-        jump. Kinks have order 1, jumps order 2 or 3, breakpoints order 0.
+        """Rows (place, order of the derivative, jump) of kinks, jumps and breakpoints.
+
+        Places are in the coordinate common to both bodies. Kinks have order 1, jumps order 2 or 3,
+        and breakpoints order 0.
         """
         body = self.body
         places = np.asarray(body.breakpoints)

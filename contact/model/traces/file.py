@@ -418,8 +418,7 @@ def _header(data: Data) -> Header:
     past_names = False
     for i, (line, cells) in enumerate(named):
         above = next((other for upper, other in named[i + 1 :] if upper != line), [])
-        # Rows above the names of the columns are titles, and words in brackets in them are not
-        # units.
+        # Rows above the names of the columns are titles. Words in brackets in titles are not units.
         units: tuple[Unit | None, ...] | None = units_row(cells, above)
         if units is None:
             units = (None,) * len(cells) if past_names else units_of(cells)

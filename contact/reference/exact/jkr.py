@@ -281,7 +281,7 @@ class JKRWave(Wave, _JKREquilibria):
     True
     """
 
-    # Full contact has no zone end where a gap could begin, so that it opens only at a flaw.
+    # Full contact has no zone end where a gap could begin. So the surfaces open only at a flaw.
     stays_closed = True
 
     @property

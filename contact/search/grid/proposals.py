@@ -133,8 +133,8 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
         contact = found.width / units.length
         error = _width_error(contact, width, period)
         tried.append((math.log(load), error))
-        # If the width jumps with the load, the search ends once the bracket is a tenth of the load
-        # wide.
+        # If the contact width jumps at a load, no load gives the wanted width. The search then ends
+        # with a bracket narrower than a tenth of the load.
         if abs(contact - width) < SEARCH.grid_error * smaller or high < 1.1 * low:
             break
         # If the same end of the bracket stays for a second time, the function value at this end is

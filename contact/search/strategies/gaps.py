@@ -28,8 +28,8 @@ class GapOptions:
     # Between 0.5 and 0.9 the solution is found with either unknown. Above about 0.7, the gaps need
     # fewer modes.
     wide_contact: float = 0.7
-    # `wide_contact` for several asperities with kinks in their valleys. No load closes a gap over a
-    # kink, and narrow gaps are lost if the zones are the unknown.
+    # This fraction replaces `wide_contact` for several asperities with kinks in their valleys. No
+    # load closes a gap over a kink, and a search for zones loses narrow gaps.
     wide_contact_with_kinks: float = 0.25
 
 

@@ -213,7 +213,7 @@ class _Loop(Generic[Kind]):
         self.removals = 0
 
     def rounds(self, table: Array) -> Iterator[Kind]:
-        """Yield results whose signs pass, first at the wanted tolerance, then at the smallest."""
+        """Yield results that pass the tests of signs: at the wanted tolerance, then at `LEAST`."""
         self._begin_roughly(len(table))
         free: sie.Free | None = None
         done = 0
