@@ -14,6 +14,7 @@ def found(context: SolveContext) -> Outcome:
     refuse_unbounded(context.scene)
     with one_blas_thread(), as_not_converged():
         if context.scene.law.tension:
-            # This contact needs no `refined`: the search itself solves it as precisely as possible.
+            # Under a cohesive law the search itself solves as precisely as possible, so that
+            # `refined` is not needed.
             return cohesive_branch.followed_under_tension(context)
         return refined(context, edge_branch.followed(context), edge_branch.followed)

@@ -299,8 +299,8 @@ class CohesiveEvents(Events):
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
             # `formally` follows the curve with the zones of `here`, the state at one end of the
-            # step. The zones may change a little past the other end of the step. So three ranges of
-            # increasing length are tried.
+            # step. The zones may change just beyond the other end of the step. Three ranges of
+            # increasing length are therefore tried.
             for past in (0.0, MOVES.small_part, arc_length.ARC_OPTIONS.longest_step):
 
                 def formally(u: float, part: float = 1.0 + past) -> CohesiveState:

@@ -83,7 +83,7 @@ def _highest_within(curve: CohesiveCurve, here: State) -> float:
 
 
 def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
-    """An equilibrium near the least control value at which an approximate search finds one.
+    """An equilibrium near the least control value, which an approximate search estimates.
 
     The state `here` is returned if no approximate search is possible, or if it fails.
     """

@@ -187,5 +187,5 @@ def _nodes() -> tuple[Array, Array]:
 
 
 def _paired(values: Array) -> Array:
-    """Sums over the last axis; the nearly opposite terms of an interval are added first."""
+    """Sums over the last axis; pairs of neighbouring, nearly opposite terms are added first."""
     return np.asarray((values[..., ::2] + values[..., 1::2]).sum(axis=-1))

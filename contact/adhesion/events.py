@@ -174,7 +174,7 @@ class Events:
         return None
 
     def smooth_changes(self, step: Step, length: float, last: State) -> Iterator[Jump]:
-        """The events inside a step at which zones change but no end jumps."""
+        """The events inside a step at which zones change but no end jumps; here there are none."""
         return iter(())
 
     def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:

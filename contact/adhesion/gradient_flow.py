@@ -169,8 +169,8 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
             continue
         passed = overshoots(here, ahead, step, sign)
         if not passed.any():
-            # After a failed step, the motion is returned as inf, so that the ends do not count as
-            # at rest.
+            # After a failed step, the motion is returned as inf. Otherwise the short motion would
+            # count as convergence.
             return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
         # A second step that goes too far is at least halved, so that few steps follow it.
         most = 0.9 if back_again == 0 else 0.5

@@ -13,8 +13,8 @@ class SearchLimits:
     # Largest number of Newton steps, and of halvings or doublings of a number. More halvings would
     # change nothing, as 2^-80 is far below round-off.
     max_iterations: int = 80
-    # Largest number of steps of a gradient flow, along a curve, or in the growth of intervals on a
-    # grid. It is also the largest number of events in a row.
+    # Largest number of steps in one loop: of a gradient flow, along a curve of equilibria, or while
+    # intervals grow on a grid. It is also the largest number of events in a row.
     max_steps: int = 3000
     # Number of attempts of a fast method before a slower and more reliable method is used.
     patience: int = 4
@@ -30,8 +30,8 @@ class MoveOptions:
 
     # Longest step of an end. If both ends of a gap move by this length, a fifth of the gap is left.
     max_move: float = 0.4
-    # Length of a short step of an end. Ends whose residual is small make such steps against the
-    # direction of the flow. Other short steps lead away from an unstable equilibrium.
+    # Length of a short step of an end. Ends with a small residual make short steps against the
+    # direction of the flow. A short step also leads away from an unstable equilibrium.
     short_move: float = 0.02
     # Factor by which a failed step is shortened. It is also the least ratio of a step length, unit
     # or residual to its last value, where such a ratio is bounded.

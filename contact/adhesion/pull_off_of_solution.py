@@ -45,7 +45,7 @@ class PullOffFinder:
 
 
 def _by_edge_intensity(fields: ZoneFields, control: Control) -> State:
-    """The last equilibrium of a contact without tension outside its zones."""
+    """The equilibrium at pull-off of a contact without tension outside its zones."""
     curve = Curve(fields.problem, control)
     # Under a fixed approach, ends that recede may make other ends advance, which `relaxed` allows.
     recede = receded if control.load is not None else relaxed

@@ -239,7 +239,7 @@ def touch_pressures(
     rings: float = 0,
     tol: float = 1e-10,
 ) -> Array:
-    """The nominal pressure at which each level begins to touch; inf if spots would merge first.
+    """Nominal pressure at which each level begins to touch; inf if spots would merge before.
 
     Parameters
     ----------

@@ -180,7 +180,7 @@ class Octaves:
         return self._evaluate(r, lambda octave: octave.derivative)
 
     def error(self, a: float) -> float:
-        """Error of the derivative below radius a, summed over the octaves used so far."""
+        """Error of (r f')' at radii below a, summed over the octaves used so far."""
         return sum(octave.error for octave in self._known.values() if octave.half < 2.0 * a)
 
     def _evaluate(self, r: Array, series: Callable[[Octave], Array]) -> Array:

@@ -389,13 +389,14 @@ def _less_constant(potential: Potential, by: float, x: Array, xi: Array) -> Arra
 
 def _rest(kernel: sie.Kernel, period: float | None, lag: Array, width: float = 0.0) -> Array:
     """The potential of a kernel minus that of line loads on a half-plane, at the distances
-    `lag`. Near the source it is averaged over cells of the width `width`.
+    `lag`. Near the source, this difference is averaged over cells of the width `width`.
     """
     found = _smooth_rest(kernel, period, lag)
     near = np.flatnonzero(np.abs(lag) < _OPTIONS.near_cells * width)
     if len(near):
         # The smooth part may have a singularity nearer to the surface than the width of a cell.
-        # Then it varies like a logarithm within the cell, so that its mean is not its middle value.
+        # Then the smooth part varies like a logarithm in the cell, and its mean differs from its
+        # value at the middle.
         places, weights = _crowded_nodes()
         found[near] = (
             _smooth_rest(kernel, period, (lag[near][:, None] + width * places).ravel()).reshape(

@@ -52,8 +52,8 @@ class PathOptions:
     # is also the tolerance of ends, relative to the width of their zone.
     same: float = 1e-7
     # Zones at two loads count as the same zone if they overlap by this fraction of the narrower
-    # width. Within a smaller relative load step, no zone is assumed to be both born and merged. An
-    # unconverged solution with a smaller error is assumed to have the right number of zones.
+    # width. It is assumed that no zone is born and merges within a relative load step below this.
+    # An unconverged solution with an error below this is assumed to have the right number of zones.
     negligible: float = 1e-3
     # If the ratio of two loads exceeds this, the motion of ends between the loads cannot be
     # predicted from the ends' rates (derivatives by ln(load)) at the two loads.

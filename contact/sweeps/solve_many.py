@@ -94,7 +94,7 @@ def solve_many(
                 found[place] = solution
                 if progress is not None:
                     progress(name, len(found), len(given))
-        # Values with a solution in `found` came from other processes. The rest are solved here, in
+        # Other processes have solved the values in `found`. This process solves the rest, in
         # ascending order.
         for place in np.argsort(given, kind="stable"):
             if int(place) not in found:

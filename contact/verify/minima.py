@@ -113,7 +113,7 @@ def zoomed(
 
 
 def lowest(x: Array, value: Array, at: Index) -> Array:
-    """For each minimum near the samples `at`: position, value and half second derivative.
+    """Position, value and half the second derivative of the minimum near each sample `at`.
 
     They are taken from the parabolas through each sample and its neighbours.
     """

@@ -55,7 +55,7 @@ class ValueMode:
 
     @property
     def _half(self) -> JacobiFunctions:
-        """The densities of the interval, mirrored if the value 1 is at the right end."""
+        """The functions `weighted`, mirrored if the density has the value 1 at the right end."""
         return self.weighted if self.at_left else self.weighted.mirrored
 
     @property
@@ -103,9 +103,9 @@ class ValueMode:
         return (near, far) if self.at_left else (far, near)
 
     def moments(self, length: int) -> Array:
-        """Chebyshev coefficients (2 - delta_l0) / pi int V T_l dt, l < `length`.
+        """Chebyshev moments (2 - delta_l0) / pi int V T_l dt of this density V, for l < `length`.
 
-        They are those of `JacobiFunctions.moments`. Integration by parts gives them from the
+        They are defined as in `JacobiFunctions.moments`. Integration by parts gives them from the
         moments of the weight.
         """
         weights = self._half.first_moments(length + 1)

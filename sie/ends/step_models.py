@@ -90,8 +90,8 @@ def gap_steps(
     rho_other = other / np.where(holds, c * across, 1.0)
     shift = rho - rho_other
     less = 2 * (rho + rho_other) - (2 * shift**2 if alike else 0.0)
-    # `closing` is 1 - sqrt(1 - less), computed without cancellation. If the gap closes, it is 1,
-    # and each end of the gap moves by half the gap.
+    # `closing` is 1 - sqrt(1 - less), computed without cancellation. If the gap closes, `closing`
+    # is 1, and each end of the gap moves by half the gap's width.
     closing = np.where(less < 1, less / (1 + np.sqrt(np.maximum(1 - less, 0.0))), 1.0)
     # `share` is the fraction of the slope S (head of this file) that comes from the kink. A gap of
     # half width (1 - e) c closes under the load (1 - e)^2 (1 - share) / 2 + (1 - e) share. This

@@ -31,9 +31,9 @@ class CheckOptions:
 
     # Positions of the check points on each of at most three zones, from -1 to 1 on a zone.
     places: tuple[float, ...] = (-0.7, 0.1, 0.6)
-    # Half lengths of intervals, relative to the zone's half width. Over each interval, a primitive
-    # must rise by the integral of its function. The second interval is for functions that vary too
-    # fast for five values on the first one.
+    # Half lengths of two intervals, relative to the zone's half width. A primitive must rise over
+    # an interval by the integral of its function. The second, shorter interval is for functions
+    # that vary too fast for five values on the first interval.
     steps: tuple[float, ...] = (1e-3, 2e-5)
     # Largest difference between the slope of a primitive and its function, relative to the
     # function's largest value. This tolerance is above the round-off for both lengths of intervals.

@@ -117,7 +117,7 @@ class Grading(Kept):
             )
 
     def _rate(self, from_a: Numbers, from_b: Numbers) -> Numbers:
-        """dx/ds at given distances from the ends."""
+        """dx/ds at points given by their distances from both ends of the zone."""
         return np.asarray(
             self.stretch * (from_a + self.before) * ((from_b + self.after) / self.reach)
         )

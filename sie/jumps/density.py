@@ -206,8 +206,8 @@ class DensityJumps(ForcingJumps):
         )
 
     def turn(self, k: Index, away: Array) -> Array:
-        # At the jump itself the power (t - s)^q is zero for q > 0. A finite logarithm is then used,
-        # so that the product is zero.
+        # At the jump itself the power (t - s)^q is zero for q > 0. A finite value replaces the
+        # logarithm there, so that the product of power and logarithm is zero.
         with np.errstate(divide="ignore"):
             return np.log(np.where((away == 0) & (self.order[k] > 0), 1.0, 2 * np.abs(away)))
 

@@ -113,7 +113,7 @@ def _solve_once(
 
 
 def _solve_iterated(system: SecondKindRows, sizes: Sizes, last: ManyState | None) -> ManyState:
-    """The solution by fast sums and GMRES; `last`: an earlier one with fewer modes, if any."""
+    """The solution by fast sums and GMRES; `last`: the solution with fewer modes, if any."""
     solver, values, scale = _iteration(system, sizes, last)
     rows = solver.rows
     right = np.concatenate((rows.right, values))

@@ -263,7 +263,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
-        """Coefficients of sqrt(d) in s sqrt(1 - t^2), at the distance d from each slit's ends.
+        """Coefficients of sqrt(d) in s sqrt(1 - t^2), where d is the distance from a slit's end.
 
         s is the slack (the slit's unknown), with the part psi that jumps cause (see
         `sie.slits.kinks`).

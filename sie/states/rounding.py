@@ -260,9 +260,9 @@ def density_changes(state: Solved, unknowns: list[Array]) -> Array:
 
 
 def _largest(coefficients: Array) -> Array:
-    """Largest value on each zone of sum c_k T_k / sqrt(1 - t^2) and of its bounded part.
+    """Largest value on each zone of S = sum c_k T_k / sqrt(1 - t^2) and of its bounded part.
 
-    It is evaluated at a few angles. The factor 1 / sqrt(1 - t^2) is kept below its value at the
+    S is evaluated at a few angles. The factor 1 / sqrt(1 - t^2) is kept below its value at the
     distance `OPTIONS.end_distance` from an end.
     """
     k = np.arange(max(coefficients.shape[1], 2))

@@ -91,12 +91,12 @@ class Fourier(Profile):
 
     @property
     def exact_places(self) -> bool:
-        """Whether the sums use x/period and its round-off error, so that no digit is lost."""
+        """Whether the sums correct the round-off of x/period, so that no digit of x is lost."""
         return _is_long(np.size(self.cosine))
 
     @cached_property
     def _waves(self) -> "tuple[_Waves, ...]":
-        """Sums for the height f, the slope f' and its Hilbert transform H f'."""
+        """Sums for the height f, the slope f', and the slope's Hilbert transform H f'."""
         c = np.asarray(self.cosine) - 1j * np.asarray(self.sine)
         rate = 2 * pi / self.period * np.arange(1, c.size + 1) * c
         return tuple(_Waves(amplitudes, self.period) for amplitudes in (c, 1j * rate, rate))

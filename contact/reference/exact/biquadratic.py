@@ -224,7 +224,7 @@ class IsolatedBiquadratic(PressedBody):
     def _approach_by_parts(self) -> float:
         if not self.merged:
             return 0.5 * self._unit * self._h**2
-        # The result is (2/pi E*) int_0^b P(s) ds/s + f(0). P(s) is the load of one zone of half
-        # width s; its formula is used down to s = 0.
+        # The result is (2/pi E*) int_0^b P(s) ds/s + f(0). The formula for the load P(s) of one
+        # zone of half width s is used down to s = 0.
         b, c = self.outer_end, self._c
         return self._unit * (b * b * (3.0 * b * b - 8.0 * c * c) / 8.0 + c**4)

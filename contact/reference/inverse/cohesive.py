@@ -257,7 +257,7 @@ class CohesiveDesign:
         return modes, self._tension * by_tension
 
     def _gap_parts(self, gap: int, start: float, stop: Array) -> tuple[Array, Array]:
-        """The gap at points `stop`: the part from the polynomial M, and that from the tension.
+        """(part of the gap at `stop` from the polynomial M, part of the gap from the tension).
 
         Both are integrals of the slope from `start`, the end of a zone. The first has one row for
         each of the P points, and one column for each coefficient of M.

@@ -457,9 +457,9 @@ class _Run:
                 tol = finer
                 continue
             gap = u + self.shape - level
-            # Every point with negative pressure is dropped, even if the pressure is above -error.
-            # `error` is the largest error, which occurs at the steepest peaks. If only pressures
-            # below -error were dropped, an end in a flat region would move by one cell in a solve.
+            # All points with negative pressure are dropped, not only those below -`error`. The
+            # steepest peaks determine `error`. With that limit, an end in a flat region would move
+            # by only one cell per solve.
             drop = mask & (p < 0.0)
             error_of_gap = error * self.influence.h / self.influence.E
             add = self.allowed & ~mask & ~capped & (gap < -error_of_gap)

@@ -312,8 +312,8 @@ def _refine(p: Array, periodic: bool) -> Array:
     out = np.stack((0.75 * p + 0.25 * left, 0.75 * p + 0.25 * right), axis=1)
     for side, outer, inner in ((-1, left, right), (1, right, left)):
         ends = np.flatnonzero((p > 0) & (outer == 0))
-        # The new point next to a zone lies 0.75 (old) cells from the zone's outermost old point. If
-        # the extrapolated end of the zone is nearer than that, the pressure there is zero.
+        # The nearest new point outside a zone lies 0.75 old cells from the zone's outermost old
+        # point. If the extrapolated end of the zone is nearer, the pressure at the new point is 0.
         beyond = (ends[_to_end(p[ends], inner[ends]) < 0.75] + side) % len(p)
         out[beyond, 0 if side > 0 else 1] = 0.0
     return np.asarray(out.ravel(), dtype=np.float64)
@@ -450,8 +450,8 @@ class _Window:
         for _ in range(SEARCH.max_steps):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
-            # So small a load changes no digit of the level. A smaller load would not bring it
-            # closer to the wanted level.
+            # A load below this limit changes no digit of the level in the contact. A still smaller
+            # load would not bring that level closer to `level`.
             if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
                     raise OutOfRange(

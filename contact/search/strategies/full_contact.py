@@ -45,7 +45,7 @@ def no_inverse(context: SolveContext, what: str) -> str:
 def full_under(context: SolveContext, control: Control, but_for_kinks: bool = False) -> Full | None:
     """Full contact if the control is large enough for full contact, else None.
 
-    The control asks for it if its mean pressure is at least that at which full contact begins.
+    The control is large enough if its mean pressure is at least that at which full contact begins.
     but_for_kinks: gaps over the kinks of valleys that are narrower than the digits resolve count as
     closed.
     """
@@ -68,10 +68,10 @@ def full_under(context: SolveContext, control: Control, but_for_kinks: bool = Fa
 
 
 def closed_pressure(context: SolveContext) -> float | None:
-    """Mean pressure [Pa] of surfaces in full contact on the whole period, from the control.
+    """Mean pressure [Pa] under the control if the surfaces touch on the whole period.
 
-    None where the control does not determine it. An approach determines it where the substrate has
-    a base, or a spring is in series.
+    None if the control does not determine this pressure. An approach determines it if the substrate
+    has a base or a spring is in series.
     """
     scene = context.scene
     period, approach = scene.profile.period, scene.held(Quantity.APPROACH)

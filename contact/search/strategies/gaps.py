@@ -189,8 +189,8 @@ def _from_guesses(
         if zones is not None and len(zones) > 0:
             table = united(gaps_between(zones, period), period, True, form.what)
             found = refine_topology(form, control, table, NewtonSettings(tolerance, mean, **newton))
-            # `abandon_if_far` is set for the zones of a solution, but not for those of a grid. A
-            # grid may miss narrow gaps, so that the gaps are guessed again below.
+            # `abandon_if_far` is set if `zones` come from a solution, but not if they come from a
+            # grid. A grid may miss narrow gaps, so that the gaps are guessed again below.
             if newton.get("abandon_if_far") or isinstance(found, SolvedGaps):
                 return found
         return refine_topology(form, control, guesses.gaps(mean), NewtonSettings(tolerance, mean))

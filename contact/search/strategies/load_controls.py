@@ -246,7 +246,7 @@ def _refined(
 
 
 def _under_load(context: SolveContext, load: float, nearest: Solution | None) -> Solution:
-    """The solution under a load, from the nearest solution or, if that is too far, from a grid."""
+    """The solution under a load, from the solution `nearest`, or from a grid if that is too far."""
     if nearest is not None:
         fraction, rate = contact_fraction(nearest)
         change = abs(rate * (load - nearest.load))

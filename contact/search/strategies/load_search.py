@@ -125,7 +125,7 @@ class _Bracket:
 
     @property
     def nearest(self) -> Solution | None:
-        """The known solution whose load is closest to `load`, which is tried next."""
+        """The known solution whose load is closest to `load`, the load that is tried next."""
         if not self.solutions:
             return None
         return min(self.solutions, key=lambda other: abs(math.log(other.load / self.load)))
@@ -140,7 +140,7 @@ class _Bracket:
     def add(
         self, here: Solution, value: float, rate: float, last_rate: tuple[float, float] | None
     ) -> float:
-        """Narrow the bracket by the solution `here`; return Newton's next load, nan if none."""
+        """Narrow the bracket by the solution `here`; return Newton's next load, or nan."""
         load, miss = self.load, self.goal - value
         rises = rate > 0.0 and miss > 0.0  # the rate is negative beyond a maximum
         kept = [other for other in self.solutions[-2:] if (other.load > here.load) == rises]

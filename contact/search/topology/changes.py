@@ -68,7 +68,7 @@ def overlapping(
 def _grown(
     low: Array, high: Array, period: float | None, shared: float, birth: str, merger: str
 ) -> list[Change]:
-    """The births and mergers from the zones `low` to the zones `high`, under the given names."""
+    """Changes of the kinds `birth` and `merger` from the zones `low` to the zones `high`."""
     found = []
     for a, b in high.tolist():
         parts = overlapping(low, a, b, period, shared)

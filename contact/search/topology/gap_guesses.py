@@ -87,7 +87,7 @@ class GapGuesses:
         return middle
 
     def _open(self, mean: float) -> float:
-        """Total width of the first guess of the gaps; the period if the gaps fill it."""
+        """Total width of the first guess of the gaps; the period if the gaps fill the period."""
         try:
             table = self.gaps(mean)
         except WrongTopology:
