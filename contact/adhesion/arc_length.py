@@ -526,7 +526,7 @@ def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
 
 
 def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
-    """Whether a step has lost zones of contact, but has no extreme and keeps its stability.
+    """Whether a step loses zones without an extreme of the control or a change of stability.
 
     The width of a lost zone vanishes like a square root, so that the curve bends sharply there.
     """

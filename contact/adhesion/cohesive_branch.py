@@ -237,9 +237,9 @@ def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
 def _sampled_farther(
     curve: CohesiveCurve, fields: ZoneFields, gap_samples: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """Samples of a non-periodic body's gap, out to where it exceeds the reach of the tension.
+    """Samples of a non-periodic body's gap, up to places where the gap exceeds `curve.reach`.
 
-    Under a light load this place is far from the contact.
+    Under a light load these places are far from the contact.
     """
     problem, (x, gap) = curve.problem, gap_samples
     if problem.round is not None or np.isfinite(problem.corners[0]):

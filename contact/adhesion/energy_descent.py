@@ -37,7 +37,7 @@ def relaxed(curve: Curve, table: Array, value: float) -> State | None:
             ):
                 continue
             # Overlaps are searched for only once the ends are at rest. A search costs as much as
-            # many steps, and earlier overlaps may vanish again.
+            # many steps, and overlaps found before that may vanish again.
             overlaps = curve.within(openings(curve.fields(here, ACCURACY.rough)).overlaps)
             if len(overlaps) == 0:
                 if here.growth < 0.0:

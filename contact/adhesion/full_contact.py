@@ -111,8 +111,8 @@ def _closes(context: SolveContext, curve: Curve, value: float, work_share: float
         return False
     work = work_share * law.work_of_adhesion(scene.E_star)
     feature = scene.profile.feature or period
-    # The grid has `GRID.cells` cells for each feature, and at least `few_zones` features. So its
-    # period is wide compared with the strip of attraction.
+    # The grid has at least `GRID.cells` cells for each feature, and at least `GRID.cells` *
+    # `few_zones` cells in a period. So the period is much wider than `strip_cells` cells.
     points = 2 ** math.ceil(math.log2(GRID.cells * max(period / feature, MOVES.few_zones)))
     if points > GRID.max_points:
         return False

@@ -69,7 +69,7 @@ class LoadingPath:
     def _recorded(
         self, events: Iterator[Jump | PathState]
     ) -> Generator[Jump | PathState, None, Jump | PathState]:
-        """Yield the events but the last, which is returned; pass each state to `note`."""
+        """Yield all events except the last and return the last; pass each state to `note`."""
         last: Jump | PathState | None = None
         for found in events:
             if last is not None:

@@ -137,7 +137,7 @@ class SeparatedFields(NoZones):
 
     @cached_property
     def borne_beside(self) -> float:  # type: ignore[override]
-        """Scaled integral of the pressure times (profile height minus gap)."""
+        """Scaled integral over the intervals of tension of pressure * (profile height - gap)."""
         return -self.tension.stress * integral_outside(
             lambda x: self.pulled.own_shape(x) - self.scaled_gap(x),
             self.pulled,

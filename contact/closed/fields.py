@@ -27,7 +27,7 @@ from sie import Array, Index, nearest_image
 
 
 class ClosedFields(ZoneFields):
-    """Fields of one load on one zone, which extends from -half_width to half_width."""
+    """Fields of a contact with one zone, from -half_width to half_width, at one load."""
 
     scene: Scene
     zone: ClosedZone

@@ -76,8 +76,8 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         carried = float(_carried(problem, control, np.array([math.exp(logarithm)]))[0])
         return math.log(carried / control.value) if carried > 0 else -math.inf
 
-    # The controlled quantity is about a power of the half width. So it is interpolated as a
-    # straight line in the logarithms.
+    # The controlled quantity is roughly a power of the half width. So its logarithm is interpolated
+    # as a function of the logarithm of the half width.
     known = {
         math.log(a): math.log(carried / control.value)
         for a, carried in ((low, at_low), (high, at_high))

@@ -137,8 +137,8 @@ class Explorer:
         self.sliders.objects = [self._slider(handle) for handle in self.known]
 
     def _slider(self, handle: Handle) -> Any:
-        # The low end of a slider for integers stands for "as it is", a shape that is not changed.
-        # The slider starts there.
+        # The low end of a slider for integers (`handle.whole`) means "as it is": the shape does not
+        # change. Such a slider starts at its low end.
         start = handle.low if handle.whole else handle.value
         low, high = handle.low, handle.high
         if handle.log:

@@ -337,7 +337,7 @@ def _sampled_series(
 
 
 def _series_error(coefficients: Array, used: int, rounding: float) -> float:
-    """Estimate of the largest error of f' and of H f' by the Fourier terms in use.
+    """Estimated largest errors of f' and H f' if only the first `used` Fourier terms are summed.
 
     coefficients: of the slope at evenly spaced places. used: number of terms in use. The terms left
     out, at least the last octave, are the residual: noise of the slope, an undeclared jump, or

@@ -94,7 +94,7 @@ def united(table: Array) -> Array:
     """The union of the intervals, in which overlapping intervals are joined."""
     table = table[np.argsort(table[:, 0], kind="stable")]
     # A part of the union begins where an interval starts to the right of all earlier intervals.
-    # `reach`: the right end of these earlier intervals.
+    # `reach`: the largest right end of each interval and all earlier ones.
     reach = np.maximum.accumulate(table[:, 1])
     return joined_where(np.column_stack((table[:, 0], reach)), ~(table[1:, 0] > reach[:-1]))
 

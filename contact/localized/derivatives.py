@@ -26,7 +26,7 @@ class DerivativeOptions:
     # Tolerance of the densities. Divided by 2 * shift, it is still far below shift^2, the relative
     # error of a central difference.
     tolerance: float = 1e-11
-    shift: float = 1e-3  # of the centre in a central difference, relative to the gap at the border
+    shift: float = 1e-3  # step of the centre in a central difference, over the gap at the border
 
 
 OPTIONS = DerivativeOptions()

@@ -96,9 +96,9 @@ class SeveralZones:
             if min(newton) > self.options.jump * (high - low):
                 raise no_centre(self.scaled.problem, self.scaled.control)
             bracketed, there = low > 0.0 and high < math.inf, pressure + float(step[1])
-            # Bisection replaces Newton's method if its steps decrease slowly. They may even cycle,
-            # since the slope of the difference W - W0 of the total widths jumps where zones come or
-            # go.
+            # Bisection replaces Newton's method if Newton's steps decrease slowly. The steps may
+            # even cycle, since the slope of W - W0 (difference of total widths) jumps where zones
+            # come or go.
             slow = abs(step[1]) > 0.5 * before
             before = abs(step[1])
             if bracketed and (slow or not low < there < high):

@@ -171,8 +171,8 @@ class AdhesivePath(Path):
     def work(self) -> float | None:
         """Work of the load [J/m] from the first value of the control to the last.
 
-        It is the difference of their energies plus the dissipated energy. On a closed loop it
-        equals the dissipated energy.
+        It is the total energy at the last value minus that at the first, plus the dissipated
+        energy. On a closed loop it equals the dissipated energy.
         """
         dissipated = self.dissipated
         return (

@@ -112,12 +112,12 @@ class PowerJump(Kept):
         return -beta_share(w.rest, w.alpha, right, left), beta_share(w.alpha, w.rest, left, right)
 
     def own(self, away: Any, order: int = 0) -> Array:
-        """(kappa + T) (t - s)^k J_s on the interval; away: t - s."""
+        """(kappa + T) (t - s)^`order` J_s on the interval; away: t - s."""
         away, (before, beyond) = np.asarray(away, dtype=float), self.levels
         return _multiplied(np.where(away > 0, beyond, before), away, self.powers(order))
 
     def density(self, left: Any, right: Any, away: Any, order: int = 0) -> Array:
-        """(t - s)^k J_s on the interval; left, right, away: 1 + t, 1 - t and t - s."""
+        """(t - s)^`order` J_s on the interval; left, right, away: 1 + t, 1 - t and t - s."""
         w = self.weighted
         left, right, away, at_left, at_right = np.broadcast_arrays(
             *(np.asarray(x, dtype=float) for x in (left, right, away, self.left, self.right))

@@ -174,9 +174,10 @@ def most_own(zones: Zones) -> int:
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
-    """Number m of each zone's modes coupled to other zones, from the decay of their field.
+    """Number m of modes of each zone that are coupled to other zones (Z,).
 
-    With it, rho^m of the nearest end of another zone is below the tolerance.
+    Unless `max_modes` limits m, rho^m is below the tolerance, with rho of the nearest end of
+    another zone (see `decay`).
     """
     by = decay(zones, kernel)
     want = np.minimum(-np.log(tolerance) / np.maximum(by, 1e-3), OPTIONS.max_modes)

@@ -410,7 +410,7 @@ class GradedDensity(DensityBase):
         )
 
     def _split(self, zone: int, places: Places, what: What) -> NDArray[Any]:
-        """Field of one zone at places close to it or on it, with its pole in closed form."""
+        """Field of one zone at places on it or close to it; the pole is integrated exactly."""
         row, c = np.full(places.u.shape, zone, dtype=np.intp), self.coefficients
         if np.iscomplexobj(places.u):
             # A place on the zone counts as one on its upper side, whatever the sign of a zero.

@@ -83,8 +83,8 @@ def resolving_sizes(gradings: list[Grading]) -> Index:
 def first_sizes(gradings: list[Grading]) -> Index:
     """First number of modes of each zone.
 
-    Fields across a gap are singular at the distance pi/B from the axis of s. So Gauss's rule with n
-    nodes integrates them with an error of exp(-2 n asinh(pi/B)).
+    Fields across a gap are singular at the distance pi/B from the axis of s, with B = `stretch`. So
+    Gauss's rule with n nodes integrates them with an error of exp(-2 n asinh(pi/B)).
     """
     stretch = np.array([one.stretch for one in gradings])
     return even_sizes(-np.log(EPS) / (2 * np.arcsinh(np.pi / stretch)) + OPTIONS.extra_modes)

@@ -115,9 +115,10 @@ class AlgebraicPoints:
         return float(np.asarray(self.exponents)[self._at(place)].min())
 
     def poles(self, place: int, farthest: float) -> tuple[Array, Complex]:
-        """(distances from the line, coefficients) of the poles of the position with index `place`.
+        """(distances from the line, coefficients) of the poles for all points at one position.
 
-        The largest distance is `farthest`. All powers at the position share the same poles.
+        `place` is the index of the position in `places`. The largest distance is `farthest`. All
+        powers at the position share the same poles.
         """
         rows = self._at(place)
         p, weights = np.asarray(self.exponents)[rows], self.weights[rows]

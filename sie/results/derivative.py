@@ -413,12 +413,15 @@ class Linearized:
         return state.symmetry.unfold(folded)
 
     def density(self, y: Array) -> Density:
-        """The part of the derivative without singular terms."""
+        """The density's derivative without its singular terms, from its unknowns `y`."""
         changed = self.changed
         return self.state.homogeneous(y) if changed is None else density_of(changed, y)
 
     def intensities(self, y: Array, outward: Array) -> Array:
-        """Derivatives of the intensities (2, Z) for unknowns and motions of the ends."""
+        """Derivatives of the intensities (2, Z).
+
+        y: the unknowns of the density's derivative. outward: outward motions of all ends (2, Z).
+        """
         alpha, beta = chebyshev.edge_part(self.density(y).coefficients)
         own = Moved.of(self.state, outward).own
         return np.array(intensities_of(alpha, beta, self.zones.half)) + own

@@ -148,8 +148,8 @@ class Adjoint:
     def back(self, q: Array, s: Array, e: Array) -> _Adjoint:
         """Derivatives of q y + s d + e m, with s and e of shape (2, Z), by the data of the problem.
 
-        y are the unknowns, d the motions of ends that cause singular densities, m those of all
-        ends.
+        y are the unknowns. d are the motions of the ends that cause singular densities. m are the
+        motions of all ends.
         """
         state, zones, free = self.state, self.zones, self.free
         factors = state.direct

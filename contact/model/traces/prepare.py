@@ -58,8 +58,8 @@ class TraceLimits:
     # Longest plausible trace and widest plausible pitch [m], as for a guideway or a road.
     max_length: float = 1.0
     max_pitch: float = 1e-3
-    # If the file gives no units, `max_length` and `max_pitch` are multiplied by this. Metres are
-    # then assumed, and a trace in mm would seem a thousand times longer than it is.
+    # Factor on `max_length` and `max_pitch` if the file gives no units. Metres are then assumed,
+    # and a trace in mm would seem a thousand times longer than it is.
     guessed: float = 0.1
 
 

@@ -342,7 +342,7 @@ def second_variation(design: AdhesiveDesign) -> Array:
     root = np.sqrt(others)
     k = outward * sigma * root * q  # X R ~ k/sqrt|factor| next to the end
     at_ends = [product.at_end(e) for e in range(m)]
-    # Entry [i, j] is the pole of end j, evaluated at end i.
+    # Entry [i, j] of `poles` is the value at end i of the pole term of end j.
     poles = np.array([product.poles(*at)[0] for at in at_ends])
     np.fill_diagonal(poles, 0.0)
     modes = np.array([design._modes(product, *at)[0] for at in at_ends])

@@ -256,8 +256,8 @@ def propose(
     else:
         target, limit = points_for(width, asked.resolution, asked.max_points)
         if _features(width, asked.resolution) > OPTIONS.many_features:
-            # A tolerance above the wanted one saves time. The first check of signs corrects the
-            # errors that it causes.
+            # A tolerance above `asked.tol` saves time. Wrong zones of the proposal are corrected in
+            # the first check of the signs of pressure and gap.
             tol = max(tol, SEARCH.rough)
     n, start = target, None
     while n % 2 == 0 and n // 2 >= OPTIONS.coarsest and start is None:

@@ -61,8 +61,8 @@ class GuessOptions:
     # resolve narrower gaps.
     narrowest_border_gap: float = 0.1
     # Contact wider than this fraction of the largest width is almost full. A zone of such a width
-    # from the closed form is useless as a first guess. If the search fails there, the reason is
-    # narrow gaps.
+    # from the closed form is useless as a first guess. If the search fails at such
+    # a width, the error message also names narrow gaps.
     almost_full: float = 0.99
 
 

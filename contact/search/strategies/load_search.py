@@ -182,7 +182,8 @@ def _newton(load: float, rate: float, miss: float, before: tuple[float, float] |
         power += math.log(rate / before[1]) / math.log(load / before[0])
     power = min(max(power, -4.0), 1.0)
     relative = miss / rate / load if rate != 0.0 else math.nan
-    # For small steps the power below would lose digits. Its linear approximation is used there.
+    # If `power * relative` is small, `base ** (1 / power)` would lose digits. Its linear
+    # approximation is used instead.
     if abs(power * relative) < 1e-6:
         return load * (1.0 + relative)
     base = 1.0 + power * relative

@@ -110,7 +110,7 @@ class Motion:
             half = 0.5 * (table[:, 1] - table[:, 0])
             values = np.array([0.5 * (table[:, 0] + table[:, 1]), half**2])
             rates = np.array([0.5 * (left + right), half * (right - left)])
-            # Without a period, the gap next to a lone zone is infinite. It does not move.
+            # Without a period, the gap next to a lone zone is infinite. Its rates are set to zero.
             rates = np.where(np.isfinite(values), rates, 0.0)
         return cls(table, values, rates)
 

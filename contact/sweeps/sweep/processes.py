@@ -192,7 +192,7 @@ def _end_with_parent() -> None:
 
 
 def _not_in_a_copy_of_the_script() -> None:
-    """Exit silently in a worker process that is still importing the script that started it.
+    """Exit silently in a worker process that is still importing the user's script.
 
     Without this, a script without `if __name__ == "__main__":` would start processes without end.
     """
