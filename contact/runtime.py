@@ -115,6 +115,6 @@ def _limit_to_one_thread() -> Any:
 
 # Context in which BLAS runs on one thread. For matrices of some hundred rows, the threads of BLAS
 # wait for each other as long as they compute. On a quiet machine, a rough trace of 200 zones takes
-# the same time with one thread and with two. On a busy machine, it takes a third of the time of two
-# threads with one.
+# the same time with one thread and with two. On a busy machine, one thread takes a third of the
+# time of two.
 one_blas_thread = SharedState(_limit_to_one_thread, lambda limits: limits.restore_original_limits())

@@ -58,8 +58,8 @@ class CohesiveOptions:
     # times (zone width/strip width)^2. At the start of a branch, `cohesive_branch._moved_outward`
     # widens the zones of the contact without tension, so that such strips can be resolved.
     narrow_strip: float = 1e-3
-    # Strips of tension narrower than this fraction of a zone are refused. The pressure next to such
-    # strips varies too fast.
+    # Strips of tension narrower than this fraction of the zone's width are refused. The pressure
+    # next to such strips varies too fast.
     narrowest_strip: float = 5e-7
     # Largest number of earlier states that are kept for warm starts.
     max_known: int = 256
@@ -141,7 +141,10 @@ class CohesiveState(State):
 
 @record
 class PastState:
-    """Intervals, control value and zones of a state, kept to start the solution of other states."""
+    """Intervals of tension, control value, zones and zone rates of an earlier state.
+
+    It is kept to start the solution of other states.
+    """
 
     table: Array
     value: float

@@ -67,7 +67,8 @@ class MoveOptions:
 class SampleOptions:
     """Numbers of sample points; extremes between sample points are refined."""
 
-    # Least number of sample points between two ends.
+    # Least number of sample points of the gap between two ends. All other searches for an extreme
+    # take this number of sample points.
     samples: int = 32
     # Number of sample points of a profile that states no resolution.
     profile_samples: int = 2049

@@ -91,8 +91,8 @@ def _end(curve: Curve, here: State, past_cut: Callable[[State], float]) -> _End:
     cut.
     """
     for step in steps(curve, curve.settled(here), -1.0, False):
-        # Only the last end of the curve must be located exactly. So a turning point is first
-        # located roughly.
+        # A turning point is first located roughly, as it need not be the end of the curve. An
+        # interval may be cut before it.
         length = step.turning(False) if step.turns else step.length
         last = step.at(length, False) if step.turns else step.end.at
         if step.turns or step.lets_go or past_cut(step.start.at) < 0.0 < past_cut(last):

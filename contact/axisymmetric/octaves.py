@@ -35,7 +35,7 @@ class OctaveOptions:
     # fraction of their size at the lower degree, they are round-off.
     min_decay: float = 0.2
     # A coefficient of a series counts as zero if it is below this multiple of the series' noise.
-    # Two series count as equal if their values differ by less than that.
+    # Two series count as equal if their values differ by less than this multiple of the noise.
     noise_factor: float = 10.0
     # A series is long enough if its last coefficients are below this fraction of the largest one.
     # On an octave whose derivative has a larger relative error, a power law fitted to the octave

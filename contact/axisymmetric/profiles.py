@@ -105,7 +105,7 @@ class AxisymmetricProfile(sie.Kept):
         return self.slope(np.nextafter(b, inf)) - self.slope(np.nextafter(b, 0.0))
 
     def edges(self, a: float = inf) -> list[tuple[float, float]]:
-        """Radius and jump of the slope for each edge inside a radius."""
+        """Radius and jump of the slope of each edge inside the radius `a`."""
         return [
             (b, jump)
             for b, jump in zip(self.breakpoints, self.jumps, strict=True)

@@ -253,7 +253,8 @@ def _newton(
         if everywhere(done | fails):
             break
         # Newton's method converges quadratically. After a step below the square root of round-off,
-        # the next step would be below round-off. It is not made if the series is resolved.
+        # the next step would be below round-off. The next step is left out if the series is
+        # resolved.
         settled = abs(move) <= math.sqrt(EPS)
         if not everywhere(fails | resolved | (abs(move) > options.refine_below)):
             size *= options.finer

@@ -75,7 +75,7 @@ def _shape_moment_of_zones(fields: ZoneFields | GapFields) -> float:
 
 
 def _shape_moment_of_period(fields: FullFields) -> float:
-    """Integral of pressure times scaled profile F over a period in full contact, both scaled."""
+    """Integral of scaled pressure times scaled profile over one period of full contact."""
     problem = fields.problem
     units, period = problem.units, problem.repeat_length
     start = float(units.scaled(np.array(problem.profile.x0)))

@@ -102,5 +102,5 @@ def _before(parts: Array) -> Array:
 
 
 def _closed(values: Array, length: Array, more: float) -> Array:
-    """Values on the intervals, shifted by a constant that makes their integral equal to -more."""
+    """Values on the intervals, shifted by a constant that makes their integral -`more`."""
     return np.asarray(values - (values @ length + more) / length.sum()) if len(values) else values

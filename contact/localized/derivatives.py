@@ -168,8 +168,8 @@ class ContactRates(sie.Kept):
 
 def _shifted(strip: SolvedZones) -> sie.AnyState:
     """Derivative of the strip's density by the position of the centre, as a central difference."""
-    # The zones are not treated as symmetric: the strip may be, but the difference of two shifted
-    # strips is not.
+    # The zones are not treated as symmetric. Even on a symmetric strip, the difference of two
+    # shifted right sides is not symmetric.
     problem, zones = (
         strip.fields.problem,
         replace(strip.fields.state.density.zones, symmetric=False),

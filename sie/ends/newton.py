@@ -272,8 +272,8 @@ class _Search:
         loose = decay > self.decay or (state.iterated and sizes.linear > progress.tightest)
         self.zones, is_released = released(self.zones, state.density, self.options)
         if is_released and self.zones.follow_ends:
-            # The end that was fixed at a limit is now free. The motions of free ends are computed
-            # from the state, so the state must have the changed zones.
+            # An end that was fixed at a limit is now free. The motions of free ends are computed
+            # from `state`, which is therefore solved again on the changed zones.
             state = self._state(decay)
         return state, loose, is_released
 

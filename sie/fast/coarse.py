@@ -18,8 +18,8 @@ class CoarseOptions:
     # problem is larger, since the problem neglects how the field of one zone varies over another
     # zone.
     tolerance: float = 1e-4
-    # The inverse is reused for moved zones if ends have moved by less than this number of widths on
-    # average, and no end by more than one width.
+    # The inverse is reused for moved zones if the ends' mean motion is at most this fraction of the
+    # zone width, and no end has moved by more than one zone width.
     kept_move: float = 0.1
 
 

@@ -57,7 +57,7 @@ from sie.trees.tree import SEPARATION, TERMS
 
 @dataclass(frozen=True)
 class SplineOptions:
-    """Numbers of jumps from which on a spline replaces the jumps, and length of its series."""
+    """Least numbers of jumps that a spline replaces, and the length of the spline's series."""
 
     # If a zone has at least this many jumps of g'', the second derivative of the right side, a
     # spline replaces them. With fewer jumps, the closed forms of single jumps are faster.

@@ -83,7 +83,7 @@ class Report:
 
     @classmethod
     def of(cls, state: AnyState, error: float, errors: Array, steps: int | None) -> "Report":
-        """The report of a state with stated errors, found in `steps` Newton steps of the ends."""
+        """The report of a state found in `steps` Newton steps of the ends, with its errors."""
         density = state.density
         whole, zone = state.wide_of(np.arange(len(density.zones)))
         solver = whole.direct

@@ -165,7 +165,7 @@ class SecondKindState(Answered):
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Error of moving ends due to truncated series, relative to their zone's width (Z, 2)."""
+        """Error of a moving end's place by truncated series, over the zone's width (Z, 2)."""
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
         steps = zones.weight.end_step(self.intensity_truncation, np.maximum(slopes, 1e-300))

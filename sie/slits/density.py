@@ -563,7 +563,7 @@ class SlitDensity(DensityBase):
                     out[some[off]] += what(seen, here, row)
 
     def _transform(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Transform, outside a wide zone, of the density due to the slack s (unknown in its slits).
+        """Transform, outside a wide zone, of the density that the slack s of its slits causes.
 
         It is (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau.
         """

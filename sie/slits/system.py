@@ -75,7 +75,9 @@ class Opened(Trial):
 
 
 class SlitsNotConverged(SingularSystem):
-    """Error: no common solution of the equations of wide zones (joined across slits) and slits.
+    """Error: the equations of slits and wide zones were not solved together.
+
+    A wide zone consists of zones that are joined across slits.
 
     The response of a slit on the surrounding zones is too strong for the solver.
     """

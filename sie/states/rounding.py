@@ -303,8 +303,8 @@ def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> 
     ahead = zones.a[1:] if period is None else np.append(zones.a[1:], zones.a[0] + period)
     between = 0.5 * (ahead + zones.b[: len(ahead)])
     between = between[(between > forcing.within[0]) & (between < forcing.within[1])]
-    # A single zone needs no values outside the zone. If the right side is a steep power, they may
-    # be many decades larger than the values at the ends.
+    # A single zone needs no values outside the zone. If the right side is a steep power, the values
+    # outside may be many decades larger than those at the ends.
     heights = np.asarray(
         forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between)))
     )

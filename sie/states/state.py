@@ -117,7 +117,7 @@ class State(Solved):
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Error of moving ends due to truncated series, relative to their zone's half width (Z, 2).
+        """Error of a moving end's place by truncated series, over the zone's half width (Z, 2).
 
         An error dK of the intensity moves an end by 2 dK / A, with the edge slope A.
         """

@@ -19,8 +19,8 @@ ROUND_OFF = 4096 * EPS
 WEIGHTS = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
 PLACES = np.arange(len(WEIGHTS), dtype=np.float64)
 # Step between two neighbouring places, relative to the shortest wavelength of a function. The sixth
-# difference of a wave of this length is about (2 pi STEP)^6 of its amplitude, below round-off. At
-# up to 1e12 wavelengths from x = 0, the round-off of a place is smaller than a step.
+# difference of a wave of this wavelength is about (2 pi STEP)^6 of its amplitude, below round-off.
+# At up to 1e12 wavelengths from x = 0, the round-off of a place is smaller than a step.
 STEP = 3e-4
 _SPREAD = math.sqrt(WEIGHTS @ WEIGHTS)
 

@@ -52,8 +52,9 @@ class Interval(NamedTuple):
 def intervals(
     source: tuple[Reading, Preparation] | None, x: Array, period: float | None
 ) -> tuple[Interval, ...]:
-    """The unmeasured intervals of points x [m]; `source` is None for points that come from no
-    file.
+    """The intervals without measured heights, for a trace with points x [m].
+
+    source: what was read from a file and how it was prepared; None for points from no file.
     """
     found = [*_joined(x, period)]
     if source is not None:

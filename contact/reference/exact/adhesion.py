@@ -21,7 +21,7 @@ from contact.reference.exact.sinusoid import Westergaard
 
 
 class AdhesiveZone(SymmetricZone):
-    """One adhesive zone |x| <= a, built on the frictionless `zone` of the same half width.
+    """One adhesive zone |x| <= a, built on the `zone` of the same half width without adhesion.
 
     Along a curve of equilibria d energy = load d approach (K. L. Johnson, Int. J. Solids Struct. 32
     (1995) 423-430, doi 10.1016/0020-7683(94)00111-9). Fields are in `SymmetricZone`.
@@ -29,7 +29,7 @@ class AdhesiveZone(SymmetricZone):
     Attributes
     ----------
     zone : IsolatedZone or PeriodicZone
-        The frictionless solution, such as `HertzLine` or `Westergaard`.
+        The solution without adhesion, such as `HertzLine` or `Westergaard`.
     work : float
         Work of adhesion w [J/m^2].
     load, approach : float

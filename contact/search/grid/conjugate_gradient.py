@@ -452,8 +452,8 @@ class _Run:
             p, u, level, error, solved = self._on_sets(load, mask, capped, p, tol)
             finer = max(self.tol, OPTIONS.first_tolerance * tol)
             if self.iterations == before and tol > self.tol:
-                # The guess already meets this tolerance. The guess comes from another grid, so the
-                # signs of the gap are not used before the next, more precise solve.
+                # The guess already meets `tol`, but it comes from another grid. So the signs of the
+                # gap are used only after the next, more precise solve.
                 tol = finer
                 continue
             gap = u + self.shape - level

@@ -209,7 +209,7 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
         window = _window_about_lowest(profile, find, load, _window_of_shape(profile))
     else:
         # The approach is measured from the profile's lowest point. This point is in contact under
-        # any load, so it is searched in the contact under a light load.
+        # any load, so it is sought in the contact under a light load.
         dip, value = _window_of_shape(profile), scene.held(Quantity.APPROACH)
         assert value is not None
         light = _light(scene) if dip is None else value * scene.E_star * SEARCH.light_load

@@ -105,7 +105,7 @@ def nearer(
 
 
 class _Bracket:
-    """An interval of loads in which the quantity reaches `goal`, with the last solutions."""
+    """An interval of loads in which the quantity reaches `goal`, with the newest solutions."""
 
     def __init__(self, goal: float, limits: KnownLoads, first: float) -> None:
         self.goal, self.limits = goal, limits

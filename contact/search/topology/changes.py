@@ -10,8 +10,8 @@ import numpy as np
 from contact.formulation.tables import ascending, centred_on
 from sie import Array
 
-# The stated place of a merger or a split is the gap, extended on either side by this fraction of
-# the width of the gap.
+# The stated place of a merger or a split is the gap that closes or opens. It is extended on either
+# side by this fraction of the gap's width.
 _MARGIN = 0.25
 
 
