@@ -33,9 +33,9 @@ def advanced(
     guide: GridGuide | None = None,
     zones: Array | None = None,
 ) -> CohesiveState:
-    """The equilibrium with the smallest intervals of tension that contain the given ones.
+    """The equilibrium with the smallest intervals of tension around the intervals `table`.
 
-    All ends of the given intervals must tend to advance: their residuals are positive. Raises
+    All ends of the intervals `table` must tend to advance: their residuals are positive. Raises
     `Closed` if there is no such equilibrium. zones: first guess of the contact, which may cover
     ends of the intervals.
     """
@@ -72,9 +72,9 @@ def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState
 def receded(
     curve: CohesiveCurve, table: Array, value: float, guide: GridGuide | None = None
 ) -> CohesiveState | None:
-    """The equilibrium with the largest intervals of tension inside the given ones.
+    """The equilibrium with the largest intervals of tension inside the intervals `table`.
 
-    All ends of the given intervals must tend to recede: their residuals are negative. None where
+    All ends of the intervals `table` must tend to recede: their residuals are negative. None where
     contact is lost.
     """
     try:
@@ -108,7 +108,7 @@ def guide_down(curve: CohesiveCurve, zones: int, table: Array) -> GridGuide | No
 def guided(
     curve: CohesiveCurve, guide: GridGuide, table: Array | None, value: float, sign: float
 ) -> CohesiveState | None:
-    """A state near equilibrium, from a grid; its ends all tend to advance, or all to recede.
+    """A state near equilibrium, from a grid. All ends of the state tend to move one way.
 
     The ends are driven outward for sign 1, inward for sign -1. None where the grid is too coarse:
     its error shows in the residuals, and must be below the margin. table: None for tension in all

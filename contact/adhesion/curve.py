@@ -185,7 +185,7 @@ class State:
         return np.asarray(self.rates[np.ix_(ends, ends)] / self.weight[ends, None])
 
     def _second(self, ends: Index) -> tuple[Array, Array] | None:
-        """(symmetric matrix with the eigenvalues of `_driven`, factors for its eigenvectors).
+        """(symmetric matrix with the eigenvalues of `_driven`, factor for each end).
 
         The factors turn the eigenvectors of the matrix into motions of the ends.
 

@@ -113,7 +113,7 @@ class EndSum:
     def _inside(self, x: Array, given: Array) -> Array:
         """The sums at points x within the cells.
 
-        given: the same points before they were shifted by periods, which has rounded them.
+        given: the same points before a shift by periods, whose result x is rounded.
         """
         edges, (near, count) = self._cells.edges, self._cells.near
         cell = np.searchsorted(edges, x, side="right") - 1

@@ -37,7 +37,7 @@ class SearchOptions:
     # Largest number of loads tried for a given approach, fraction or other control. Halving the
     # bracket until round-off stops it takes about 60 loads.
     max_loads: int = 80
-    max_attempts: int = 4  # limit of attempts of which the first or second usually succeeds
+    max_attempts: int = 4  # limit; usually the first or second attempt succeeds
 
 
 SEARCH = SearchOptions()

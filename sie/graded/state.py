@@ -298,7 +298,7 @@ class GradedState(Answered):
         return self._errors[0]
 
     def _intensity_errors(self, of_ends: Array) -> Array:
-        """Errors of K from errors of the zones' series at left and right ends (2, Z)."""
+        """Errors of the intensities K, from errors `of_ends` (2, Z) of the series at zone ends."""
         pairs = zip(self.system.gradings, self.density.powers.T, strict=True)
         scale = np.array(
             [one.scale(one.ends, powers) / np.sqrt(2 * one.end_rates) for one, powers in pairs]

@@ -88,7 +88,7 @@ class SecondKindDensity(DensityBase):
 
     @property
     def whole(self) -> Any:
-        """The density on the zones without slits: here this object itself."""
+        """The density on the zones without slits, which is this object itself."""
         return self
 
     @property

@@ -18,7 +18,7 @@ from contact.paper.figures.base import Array, Figure, label_panel
 class SpotsOfThePaper:
     """The scenes of figures 2A and 2B, with E* = 1 and R = 1."""
 
-    # The number 0.0044 in the caption is pi P/2E*R^2 with the load P of one spot.
+    # Load P of one spot, divided by E* R^2. The number 0.0044 in the caption is pi P/(2 E* R^2).
     load: float = 0.0044 * 2.0 / pi
     spacings_a: tuple[float, ...] = (1.0, 0.25, 0.2)
     spacings_b: tuple[float, ...] = (1.0, 0.5, 0.2)

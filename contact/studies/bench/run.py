@@ -113,7 +113,7 @@ def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Tabl
 
 
 def _write(folder: Path, tables: list[Table], made: str) -> None:
-    """Write tables in Markdown, with the commit that was measured."""
+    """Write tables in Markdown, with the measured commit `made` below each table."""
     for table in tables:
         (folder / f"{table.key}.md").write_text(
             report.markdown(table) + f"\nMade at {made}.\n", encoding="utf-8"
