@@ -123,7 +123,7 @@ def _greatest(
 def _lowered(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The contact on the advancing branch; a negative `value` is reached from the value 0."""
+    """The contact on the advancing branch; for `value` < 0 it recedes from the contact at 0."""
     try:
         start = advancing(context, scaled, curve, max(value, 0.0))
     except Closed:

@@ -267,7 +267,7 @@ def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
 
 
 def _held_higher(curve: Curve, table: Array, value: float) -> State:
-    """An equilibrium at a larger control value, reached as ends recede from given zones."""
+    """An equilibrium at a control above `value`; its ends have receded from zones `table`."""
     step = max(abs(value), curve.unit(curve.at(table, value)))
     for _ in range(LIMITS.max_iterations):
         value += step

@@ -160,8 +160,9 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
             limit = _shorter(here, limit, step, MOVES.least_part)
             continue
         except EndsCovered as covered:
-            # Contact covers some ends of the intervals of tension. In an inward flow, the steps of
-            # these ends are shortened. In an outward flow, these ends are moved farther out.
+            # Contact covers some ends of the intervals of tension. In an inward flow, all steps are
+            # shortened, those of covered ends most. In an outward flow, covered ends are moved
+            # farther out.
             if sign < 0:
                 limit = _shorter(here, limit, step, np.where(covered.ends, 0.5, 0.9))
             else:

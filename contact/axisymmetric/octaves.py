@@ -187,8 +187,8 @@ class Octaves:
         fraction, exponent = np.frexp(r)
         exponent = np.where(r > 0, np.maximum(exponent, _LOWEST), _LOWEST)
         value = np.zeros(r.shape)
-        # Octaves of large radii are computed first. There, difference quotients are accurate enough
-        # to confirm the derivative that is computed by a complex step.
+        # Octaves of large radii are computed first. At large radii, difference quotients are
+        # accurate enough to confirm the derivative that is computed by a complex step.
         for k in np.unique(exponent)[::-1]:
             here = exponent == k
             # The fraction given by frexp lies in [1/2, 1). It is mapped to [-1, 1).

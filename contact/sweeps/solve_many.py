@@ -110,7 +110,7 @@ def solve_many(
 def _in_processes(
     curve: Curve, values: Array, workers: int | None
 ) -> Iterator[tuple[int, Solution]]:
-    """Index and solution for each value without a closed form, in any order."""
+    """(index, solution) of each value that is not in `curve.known`, in any order."""
     left = [
         int(place)
         for place in np.argsort(values, kind="stable")

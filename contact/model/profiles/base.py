@@ -171,9 +171,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def known(self) -> tuple[float, float] | None:
-        """The interval of one cell, or the extent if there is no period; None if f is known
-        everywhere.
-        """
+        """The periodic cell, or the extent without a period; None if f is known everywhere."""
         return self.extent if self.period is None else (self.x0, self.x0 + self.period)
 
     @property
@@ -325,9 +323,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def unmeasured(self) -> tuple[Any, ...]:
-        """Intervals (left, right, kind) [m] of a prepared trace in which heights were not
-        measured.
-        """
+        """Intervals (left, right, kind) [m] of a prepared trace without measured heights."""
         return ()
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> "Profile":

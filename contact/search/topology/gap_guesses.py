@@ -159,7 +159,7 @@ class GapGuesses:
             np.clip(np.roll(self.value, -shift), -highest, highest),
         )
         first, last = np.array(runs_of(above)).T
-        # The relief crosses the mean pressure between two samples. The crossing is interpolated.
+        # The relief crosses the mean pressure between two samples. The place is interpolated.
         before, after = value[first - 1] - mean, value[(last + 1) % len(x)] - mean
         a = x[first] - self.step * (value[first] - mean) / (value[first] - mean - before)
         b = x[last] + self.step * (value[last] - mean) / (value[last] - mean - after)

@@ -240,7 +240,7 @@ class Cluster:
 
     @property
     def solvers(self) -> int:
-        """Assumed number of threads: a multiple of the present number, as more workers may join."""
+        """Assumed number of threads: more than at present, because workers may join."""
         return CHUNKS.per_process * sum(self._client.ncores().values())
 
     def solved(self, scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
