@@ -361,7 +361,7 @@ class CohesiveCurve(Curve):
     def contact_under(
         self, pulled: TractionLoaded, value: float, zones: Array
     ) -> tuple[ZoneFields, tuple[Array, Array]]:
-        """(fields of contact pressure q, sampled gap) under the tension `pulled` at a control value."""
+        """(fields of contact pressure q, sampled gap) under a tension at a control value."""
         fields, gap_samples = self._contact_under(pulled, value, zones, InnerTolerances())
         return fields, sampled_gap(fields) if gap_samples is None else gap_samples
 

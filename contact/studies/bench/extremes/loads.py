@@ -77,7 +77,7 @@ def wave(
 
 
 def near_full(below: float) -> tuple[Scene, Exact]:
-    """The wave at (1 - below) times the pressure of full contact, and the exact solution.
+    """The wave at `1 - below` times the pressure of full contact, and the exact solution.
 
     The mean pressure is rounded to a double; the zone is exact for the rounded pressure.
     """
