@@ -47,9 +47,9 @@ def shift(kappa: float, period: float | None, total: float, moment: float) -> fl
 
 @dataclass(frozen=True)
 class MeanLevel(sie.Condition):
-    """The condition that every zone has the given level, minus the approach.
+    """The condition that every zone has the level `value`, which is minus the approach.
 
-    It is the engine's level, of V - F - lambda x + kappa Q, minus the constant c.
+    The level is that of `sie.Level`, V - F - lambda x + kappa Q, minus the constant c.
     """
 
     value: float
@@ -84,7 +84,7 @@ class SlidingRelief(Relief):
 
     @cached_property
     def kinks(self) -> Array:  # type: ignore[override]
-        """Places of kinks and the heights of their logarithms in R (k, 2)."""
+        """Places of kinks, and the factors of their logarithms in R (k, 2)."""
         return np.asarray(self._plain.kinks * [1.0, self.kink_factor])
 
     @property
@@ -93,7 +93,7 @@ class SlidingRelief(Relief):
 
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:  # type: ignore[override]
-        """R minus the logarithms of the kinks; it has steps there."""
+        """R minus the logarithms of the kinks; this function jumps at the kinks."""
         conjugate, slope = self._plain.smooth, self.profile.slope
 
         def value(x: Array) -> Array:

@@ -26,8 +26,8 @@ class FieldErrorOptions:
     # Kernels of s_xx and s_yy have the integral 1, and those of the derivatives up to 2. The same
     # factor bounds the effect of the two ends of a zone, near which the pressure is a square root.
     of_pressure: float = 2.0
-    # Kernels of the shear have no absolute integrals: their transform of an error as rough as the
-    # pressure's is larger than the error.
+    # Absolute values of the kernels of the shear have no finite integrals. So a rough error of the
+    # shear causes a larger error of the stresses.
     of_shear: float = 8.0
     rounding_margin: float = 64.0  # round-off of F and of y F' in units of the last digit
 
@@ -68,7 +68,7 @@ def needs_half_plane(operator: Operator) -> None:
 def stress_of(
     fields: Fields, x: Array, y: Array, error: float, lateral: str, nu: float | None
 ) -> Stress:
-    """Stresses of a contact at points (x, y) [m] of one shape; in sliding with those of the shear.
+    """Stresses at points (x, y) [m] of one shape; in full sliding also those due to the shear.
 
     error: relative error of the pressure at equal normalised positions, and of ends.
     """
@@ -88,7 +88,7 @@ def stress_of(
 
 
 def error_at(fields: Fields, x: Array, y: Array, normal: Transform, error: float) -> Array:
-    """Bound of the errors of the stresses [Pa] that follow from the transform of the pressure."""
+    """Bound of the errors of stresses [Pa] computed from the pressure's transform `normal`."""
     local = np.abs(normal[0]) + np.where(y == 0, 0.0, y * np.abs(normal[1]))
     size = unit_pressure(fields)
     rounding = OPTIONS.rounding_margin * np.finfo(float).eps
@@ -101,7 +101,7 @@ def error_at(fields: Fields, x: Array, y: Array, normal: Transform, error: float
 
 
 def unit_pressure(fields: Fields) -> float:
-    """The pressure [Pa] of which errors are parts: the peak, or the mean on the zones."""
+    """Unit of relative errors of the pressure [Pa]: the peak, or the mean if it is infinite."""
     if np.isfinite(fields.max_pressure):
         return max(fields.max_pressure, abs(fields.deep_pressure))
     table = fields.zone_table
@@ -115,7 +115,7 @@ def _singular(fields: Fields) -> bool:
 
 
 def _near_ends(fields: Fields, x: Array, y: Array, error: float) -> Array:
-    """Width of a zone over the distance from its end, the largest of the next ends on both sides.
+    """Largest width of a zone over the distance from its end, among the ends next to a point.
 
     Distances are at least the error of the end.
     """

@@ -29,16 +29,16 @@ CRITERIA = ("mises", "tresca")
 
 @dataclass(frozen=True)
 class YieldOptions:
-    """Options of the search for the largest stress, and of that for the load."""
+    """Options of the searches for the largest stress and for the load of first yield."""
 
-    # Depths are in a geometric sequence. Over a factor of 1.3 a stress changes by some per cent,
-    # which the refinement of the best places makes up for.
+    # Ratio of successive depths. From one depth to the next a stress changes by some per cent, so
+    # that the best places need a refinement.
     depth_ratio: float = 1.3
     places_per_depth: float = 2.0  # places along the surface, per depth
     samples_per_length: float = 4.0  # of the pressure, per length over which the profile varies
     zone_samples: int = 24  # least number of samples of the pressure on a zone
-    # Depths begin at this part of the zone's half width, or of the profile's detail. The largest
-    # stress below a smooth peak of the pressure is at 0.3 to 0.8 of its half width.
+    # Least depth, divided by the length over which the pressure varies. Below a smooth peak of the
+    # pressure, the largest stress is at 0.3 to 0.8 of the peak's half width.
     first_depth: float = 0.1
     reach: float = 8.0  # k in the bounds of the stresses
     bound_margin: float = 1.1  # for peaks of the pressure between its samples
@@ -129,13 +129,14 @@ class Criterion:
         return stress.mises(self.nu) if self.name == "mises" else stress.tresca(self.nu)
 
     def at(self, body: Body, x: Array, y: Array) -> Array:
-        """The equivalent stress at points; 0 where it is not known."""
+        """The equivalent stress at points; 0 where it is not known or infinite."""
         return np.nan_to_num(self.of(body.stress(x, y, self.lateral, self.nu)), posinf=0.0)
 
     def bound(self, highest: Array, anywhere: float, deep: float) -> Array:
-        """Bound of the equivalent stress from the pressures near a point, and anywhere.
+        """Bound of the equivalent stress at points, from the pressures near each and anywhere.
 
-        It is for surfaces without shear.
+        It holds for surfaces without shear. highest: largest pressure near each point; anywhere:
+        largest pressure of all; deep: pressure far below the surface.
         """
         angle = 2 * np.arctan(1 / OPTIONS.reach) / np.pi
         beyond = angle * np.maximum(anywhere - highest, 0.0)
@@ -185,10 +186,11 @@ def largest(body: Body, criterion: Criterion) -> Peak:
 
 @dataclass(frozen=True)
 class _Samples:
-    """Samples of the pressure on the surface, ascending, with images of one period on both sides.
+    """Samples of the pressure on the surface, with ascending places.
 
     x: places [m]; pressure: absolute values [Pa]; scale: the length over which the pressure varies
-    there [m]; period: [m] or None; span: the widest zone [m], or the period.
+    there [m]; period: [m] or None; span: the widest zone [m], or the period; table:
+    row k has the largest pressure of each 2^k successive samples, with one period on both sides.
     """
 
     x: Array
@@ -251,7 +253,10 @@ class _Samples:
         return self.span / OPTIONS.depth_ratio ** np.arange(count + 1.0)
 
     def at_depth(self, depth: float) -> Array:
-        """Places that are to be looked at in this depth: samples that it can resolve."""
+        """The samples for this depth: one in each cell of width depth / `places_per_depth`.
+
+        Samples whose own least depth is larger are left out.
+        """
         x = self.x[OPTIONS.first_depth * self.scale <= depth]
         cell = np.floor(x * (OPTIONS.places_per_depth / depth))
         return x[np.diff(cell, prepend=-np.inf) > 0]
@@ -277,7 +282,7 @@ class _Samples:
 
 
 def _apart(x: Array, y: Array, value: Array, size: Array) -> tuple[Array, Array, Array]:
-    """The best places, none of them close to a better one."""
+    """Places of the largest stresses (x, y, size), none of them close to a better one."""
     order = np.argsort(-value)
     order = order[value[order] >= OPTIONS.near_best * value[order[0]]]
     kept: list[int] = []
@@ -293,9 +298,9 @@ def _apart(x: Array, y: Array, value: Array, size: Array) -> tuple[Array, Array,
 
 
 def _refined(body: Body, criterion: Criterion, x: Array, y: Array, size: Array) -> Peak:
-    """The largest stress near some places, by a search whose step is halved where it does not move.
+    """The largest stress near given places, by a search that halves steps without progress.
 
-    A parabola through the values around each place proposes the next one.
+    A paraboloid, fitted to the values around each place, proposes the next place.
     """
     dx, dy = (part.ravel() for part in np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]))
     step = 0.25 * size
@@ -325,7 +330,7 @@ def _refined(body: Body, criterion: Criterion, x: Array, y: Array, size: Array) 
 
 
 def _vertex(value: Array, dx: Array, dy: Array) -> tuple[Array, Array]:
-    """The maximum of the paraboloid through 3 x 3 values, at most one step away."""
+    """Steps in x and y to the maximum of a paraboloid fitted to 3 x 3 values; at most 1 each."""
     columns = np.column_stack((np.ones(9), dx, dy, 0.5 * dx * dx, dx * dy, 0.5 * dy * dy))
     _, gx, gy, xx, xy, yy = np.linalg.pinv(columns) @ value
     determinant = xx * yy - xy * xy
@@ -417,7 +422,7 @@ class _Search:
         return self._within()
 
     def _within(self) -> Yield:
-        """Regula falsi with the Illinois weights, within the bracket."""
+        """First yield by regula falsi with the Illinois weights, within the bracket."""
         assert self.below is not None and self.above is not None
         low, high = self.below, self.above
         weights = [1.0, 1.0]
@@ -442,12 +447,12 @@ class _Search:
                 high, weights[1] = last, 1.0
                 weights[0] = 0.5 * weights[0] if side > 0 else 1.0
                 side = 1
-            # The stress is known to its error only.
+            # A smaller difference from the strength is lost in the error of the stress.
             noise = 0.1 * last[3].error / self.strength
             if abs(last[1]) < noise:
                 break
         if np.isinf(high[1]):
-            # A sharp corner or tip comes into contact.
+            # At larger loads a sharp corner or tip is in contact, where the stress is infinite.
             body, tip = low[2], high[3]
             return Yield(body.load, tip.x, tip.y, OPTIONS.touch_error + body.error, _NOTE, body)
         body, peak = last[2], last[3]
@@ -456,7 +461,7 @@ class _Search:
 
 
 def _rate(one: Point, other: Point) -> float:
-    """Derivative of ln(stress) by ln(load) between two contacts; 0 if it is not known."""
+    """Difference quotient of ln(stress) over ln(load) of two contacts; 0 if undefined."""
     if not (np.isfinite(one[1]) and np.isfinite(other[1])) or one[2].load == other[2].load:
         return 0.0
     return float((other[1] - one[1]) / np.log(other[2].load / one[2].load))
@@ -481,5 +486,6 @@ def infinite_at(body: Body) -> float | None:
     infinite = np.flatnonzero(np.isinf(pressure) | np.isnan(pressure))
     if len(infinite):
         return float(at[infinite[0]])
-    # The pressure may be negative without bound at a concave kink whose gap is too narrow to tell.
+    # Without an intensity, only a concave kink is left, where the pressure may tend to -infinity.
+    # In truth a gap opens there, which is too narrow to be resolved.
     return float(at[0]) if body.fields.problem.end.intensity and len(at) else None

@@ -57,7 +57,7 @@ class Tangential:
 
     @classmethod
     def from_table(cls, table: Any, material: Any) -> Self:
-        """What a table describes; SceneError for other keys, and for moduli of unlike bodies."""
+        """The `Tangential` of a table; SceneError for unknown keys and moduli of unlike bodies."""
         if not isinstance(table, Mapping):
             raise SceneError.of("tangential", table, "a table, written [tangential]")
         names = [field.name for field in fields(cls)]

@@ -98,7 +98,7 @@ def _tips(fields: PlasticFields) -> list[tuple[float, float]]:
         half = float(density.zones.half[i])
         left, right = (x - density.zones.a[i]) / half, (density.zones.b[i] - x) / half
         room = distances[distances < min(left, right)]
-        # The distance up to which the pressure is above the limit on both sides.
+        # `reach`: distances from the kink, in half widths, with a pressure above the limit.
         pressure = np.minimum(
             *(density.at(np.full(len(room), i), left + s * room, right - s * room) for s in (-1, 1))
         )

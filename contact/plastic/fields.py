@@ -45,7 +45,7 @@ class PlasticFields(ZoneFields):
         return np.asarray(self.problem.units.x(self.density.plateaus))
 
     def overlap(self, x: ArrayLike) -> Array:
-        """Overlap of the surfaces [m] at x [m]: by what they have yielded; 0 off the plateaus."""
+        """Overlap of the surfaces [m] at x [m]: the height that yielded; 0 outside the plateaus."""
         scaled = self._scaled(x)
         on = self._on_plateaus(scaled)
         out = np.zeros(scaled.shape)

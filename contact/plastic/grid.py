@@ -19,7 +19,7 @@ from sie import Array
 
 
 def proposed_spots(scaled: ScaledScene, limit: float, points: int | None) -> tuple[Spots, int]:
-    """(spots of the contact on a grid, number of its points); limit: of the pressure [Pa].
+    """(first spots, number of grid points), from a contact on a grid; limit: of p [Pa].
 
     Raises OutOfRange if the contact reaches the border of the part of the profile that is known.
     """
@@ -55,7 +55,7 @@ def proposed_spots(scaled: ScaledScene, limit: float, points: int | None) -> tup
 
 
 def _wider(scaled: ScaledScene) -> ScaledScene:
-    """The scene in a window twice as wide; OutOfRange if it is the whole known profile."""
+    """The scene in a window twice as wide; OutOfRange if the window is all of the known profile."""
     (lo, hi), known = scaled.cell, known_part(scaled.problem.profile) or (-np.inf, np.inf)
     half = 0.5 * (hi - lo)
     cell = max(known[0], lo - half), min(known[1], hi + half)

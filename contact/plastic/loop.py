@@ -27,19 +27,18 @@ from sie import Array, nearest_image, record
 
 @dataclass(frozen=True)
 class LoopOptions:
-    """Limits of the loop."""
+    """Options of `PlasticLoop`."""
 
-    # Newton's method ends at once where a zone vanishes. Then one interval goes in each round.
+    # Newton's method stops as soon as a zone vanishes, so that a round may remove one zone only.
     max_rounds: int = 40
-    # Width of a new plateau over that of the interval in which the pressure is too high. That of a
-    # crack under the excess is 1; a plateau that is too narrow grows faster than one that is too
-    # wide shrinks.
+    # Width of a new plateau, divided by that of the interval in which the pressure is too high. A
+    # plateau that is too narrow grows faster than one that is too wide shrinks.
     new_plateau: float = 0.7
 
 
 OPTIONS = LoopOptions()
 
-# The width falls as exp(-pi E* s / 2 H) with the slope s of the profile at the end of contact.
+# The width of a rim falls as exp(-pi E* s / 2 H), with the profile's slope s at the contact's end.
 NARROW_RIM = (
     "between a plateau and a gap the pressure falls from its limit to zero over less than numbers "
     "tell: the profile is too steep there for so small a hardness, or a contact beside it is about "
@@ -49,7 +48,7 @@ NARROW_RIM = (
 
 @record
 class PlasticLoop:
-    """One search: a scaled problem under a control, the limit of its pressure, a tolerance."""
+    """Search for the contact of a scaled problem whose pressure has the given `limit`."""
 
     problem: Problem
     control: Control
@@ -57,7 +56,7 @@ class PlasticLoop:
     tolerance: float
 
     def solved(self, spots: Spots) -> SolvedZones | Failure:
-        """The contact found from first spots, or a Failure."""
+        """The contact found from the first guess `spots`, or a Failure."""
         free: sie.Free | None = None
         tried: list[tuple[Array, Array]] = []
         start = sie.WarmStart()

@@ -80,7 +80,7 @@ class Spots:
 
 
 def _about_plateaus(plateaus: Array, period: float) -> Spots:
-    """Full contact with these plateaus: it is cut in the widest elastic interval between them."""
+    """Full contact with these plateaus; the period begins in the widest elastic interval."""
     between = tables.gaps_between(plateaus, period)
     begin = float(between[np.argmax(np.diff(between, axis=1)[:, 0])].mean())
     table = tables.in_cell(plateaus, begin, period)
@@ -146,8 +146,8 @@ def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
     return replace(spots, contacts=contacts, plateaus=np.array(out).reshape(-1, 2))
 
 
-# Width of the elastic rim that is put between a plateau and a gap if there is none yet, over the
-# width of the contact. Newton's method finds the true one, which may be far narrower.
+# Least width of the elastic rim between a plateau and a gap in a first guess, divided by the width
+# of the contact. Newton's method finds the true width, which may be far smaller.
 RIM = 0.02
 
 

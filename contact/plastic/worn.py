@@ -23,7 +23,7 @@ from sie import Array, Mask, wrapped
 
 @dataclass(frozen=True)
 class Worn(Profile):
-    """A profile with what a load has worn off it; `Solution.worn` makes it.
+    """The profile that yielding under a load leaves; `Solution.worn` makes it.
 
     Parameters
     ----------

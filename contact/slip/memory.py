@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Loads that differ by less than this part are the same: a few units in the last digit.
+# Loads of a smaller relative difference count as equal: a few units in the last digit.
 SAME_LOAD = 8 * float(np.finfo(float).eps)
 
 
@@ -70,7 +70,7 @@ class Segment:
 
 
 class Memory:
-    """The function h, which straight segments of (P, Q) change.
+    """The function h of the load, updated by each straight segment of the path of (P, Q).
 
     Parameters
     ----------
@@ -172,5 +172,5 @@ class _Path(NamedTuple):
     done: float
 
     def load_at(self, part: float) -> float:
-        """The load at a part of the path, from 0 to 1."""
+        """The load [N/m] at the fraction `part` of the path, from 0 to 1."""
         return self.start + part * self.rise

@@ -32,7 +32,7 @@ def partial_slip(
     bulk_stress: float = 0.0,
     tol: float = 1e-8,
 ) -> Slip:
-    """Shear and slip of a contact under a tangential load that grows after the load.
+    """Shear and slip of a contact under a tangential load, which is applied after the load.
 
     The shear is friction times the difference of two pressures: that of the contact, and that
     under the smaller load P - |Q| / friction, whose zones stick (J. Jaeger, J. Appl. Mech. 65,
@@ -185,7 +185,7 @@ def slip_of(contacts: Mapping[float, Solution], state: State, tol: float) -> Sli
 def _shift(
     solution: Solution, found: list[Solution], weights: np.ndarray, lowest_h: float
 ) -> float | None:
-    """int h C dP' [m], with the compliance C; None without an approach."""
+    """Tangential displacement int h C dP' [m], C the compliance; None without an approach."""
     if solution.approach is None:
         return None
     total = sum(weight * approach_of(one) for weight, one in zip(weights, found, strict=True))

@@ -17,7 +17,7 @@ _STICK = "#3d7a4a"
 
 
 def plot(slip: Slip) -> Any:
-    """A matplotlib Figure of the shear and of what sticks."""
+    """A matplotlib Figure of the shear and of the zones that stick."""
     solution = slip.solution
     lo, hi = window(solution)
     x = positions(solution, lo, hi, POINTS.screen_points)

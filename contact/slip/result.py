@@ -35,7 +35,7 @@ _OF_APPROACHES = 20.0
 
 @dataclass(frozen=True, eq=False)
 class Term(sie.Kept):
-    """A pressure and the factor with which it is part of the shear.
+    """A pressure and its factor in the sum of pressures that is the shear.
 
     Parameters
     ----------
@@ -140,17 +140,17 @@ class Slip(sie.Kept):
 
     @cached_property
     def dissipated(self) -> float | None:
-        """Energy that slip has lost since the state before [J/m], per period if there is one.
+        """Energy that slip has dissipated since the previous state [J/m], per period if any.
 
-        The state before is that of the last segment in a history, and the contact without shear
-        for `contact.partial_slip`. It is None in rolling, and under a bulk stress. Its error is at
-        most `dissipated_error`.
+        The previous state is the end of the previous segment in a history, and the contact without
+        shear for `contact.partial_slip`. The value is None in rolling, and under a bulk stress. Its
+        error is at most `dissipated_error`.
         """
         if self.model == "rolling" or self.bulk_stress:
             return None
         points = {load: LoadPoint.of(found) for load, found in self.contacts.items()}
         points[0.0] = LoadPoint.unloaded(self.solution)
-        # Round-off may leave less than nothing.
+        # Round-off may make the sum negative.
         return max(0.0, float(sum(lost(step, self.friction, points) for step in self.steps)))
 
     @cached_property
@@ -257,7 +257,7 @@ def stated_error(
 
     ends: error of the ends of zones that stick, divided by the width of their zone of contact.
     """
-    # Where the load is not given, it has an error of its own, by which all of these are wrong.
+    # A load that is not given has an error of its own, which adds to each of these errors.
     factor = 1.0 if solution.scene.given_load is not None else 2.0
     return factor * max(shear_error(solution, terms, friction), ends, solution.error)
 
@@ -270,6 +270,6 @@ def _approach_error(solution: Solution) -> float:
 
 
 def shear_error(solution: Solution, terms: tuple[Term, ...], friction: float) -> float:
-    """Error of the sum of terms, divided by friction times the peak of a solution's pressure."""
+    """Error of the sum of `terms`, divided by friction times the solution's `unit_pressure`."""
     size = friction * unit_pressure(solution.fields)
     return float(sum(abs(t.weight) * t.error * unit_pressure(t.fields) for t in terms) / size)

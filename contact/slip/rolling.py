@@ -39,14 +39,15 @@ from sie import Array, Mask, record
 
 @dataclass(frozen=True)
 class RollingOptions:
-    """Numbers of the search for the zones that stick, and of its checks."""
+    """Options of the search for the zones that stick, and tolerances of its checks."""
 
-    # A zone narrower than this, by that of its zone of contact, vanishes. The sign of the slip then
-    # decides whether it does: 1e-9 to 1e-3 give the same answers.
+    # A zone that sticks is left out below this part of its contact zone's width. If the slip there
+    # then has the wrong sign, the zone is added again: 1e-9 to 1e-3 give the same answers.
     vanished_width: float = 1e-6
-    # Signs are wrong beyond this part of the largest value: errors of the equation's solution.
+    # A value of the wrong sign counts only above this part of the largest value. Smaller ones are
+    # errors of the equation's solution.
     sign_tolerance: float = 1e-6
-    # Effect of the given contact's error on zones that stick.
+    # Error of the zones that stick, divided by the error of the given contact that causes it.
     of_contact: float = 4.0
 
 
@@ -193,7 +194,7 @@ class Rolling:
         return self.friction * self.problem.units.slope * (-1.0 if self.to_right else 1.0)
 
     def under_load(self, shear: float) -> Slip:
-        """The slip under a tangential load [N/m]."""
+        """The `Slip` under the tangential load `shear` [N/m]."""
         load = self.solution.load
         rest = load - abs(shear) / self.friction
         if shear == 0.0:
@@ -205,7 +206,7 @@ class Rolling:
         return self._slip(found, float(np.sign(shear)), shear)
 
     def under_creepage(self, creepage: float) -> Slip:
-        """The slip under a given creepage."""
+        """The `Slip` under a given creepage."""
         if creepage == 0.0:
             return self._whole(0.0, self.solution.zones, 0.0)
         sign = float(np.sign(creepage))
@@ -219,12 +220,12 @@ class Rolling:
         return self._slip(found, sign, sign * self.friction * (self.solution.load - rest))
 
     def _stick(self, condition: Callable[[float], sie.Condition]) -> sie.Solution:
-        """The part q' of the shear on zones that stick.
+        """The solution for the part q'/mu of the shear on the zones that stick.
 
-        condition: the load on these zones, or theta, at a part of the way from full stick.
+        condition: the total of q'/mu, or theta, at a fraction of the way from full stick.
         """
         widths = np.diff(self.zones)[:, 0]
-        # If Newton's method fails, half of the way is gone first.
+        # If Newton's method fails for `part`, the step from `done` is halved.
         done, part = 0.0, 1.0
         for _ in range(SEARCH.max_loads):
             equation = self._equation(condition(part))
@@ -244,7 +245,7 @@ class Rolling:
         return sie.Equation(self.problem.kernel, self.problem.forcing, (condition,), (column,))
 
     def _near(self, equation: sie.Equation, widths: Array) -> tuple[sie.Free, Array] | None:
-        """Zones that stick, near some of these widths, and their own; None if not converged.
+        """(zones that stick, found from the guess `widths`; their widths); None if not converged.
 
         Zones in which nothing sticks vanish in the search and get the width 0; those in which the
         slip would then have the wrong sign are added again.
@@ -286,7 +287,7 @@ class Rolling:
         return sie.Zones.of(table, sie.BOUNDED, sie.FREE)
 
     def _finished(self, equation: sie.Equation, free: sie.Free, widths: Array) -> sie.Solution:
-        """The solution with its stated error; SceneError if its signs are wrong."""
+        """The solution with its stated error; SceneError if shear or slip violate Coulomb's law."""
         try:
             found = sie.solve(equation, free.density.zones, self.tol)
         except sie.NotConverged as error:
@@ -332,7 +333,7 @@ class Rolling:
         return np.asarray((rate < -OPTIONS.sign_tolerance * size).any(axis=1))
 
     def _slip(self, found: sie.Solution, sign: float, shear: float) -> Slip:
-        """The slip with zones that stick; NotConverged if its error is above the tolerance."""
+        """The `Slip` with the zones of `found`; NotConverged if their error is above `tol`."""
         fields, solution = StickFields(self.problem, found.state), self.solution
         size = found.state.size * self.problem.units.pressure
         peak = unit_pressure(solution.fields)
@@ -361,7 +362,7 @@ class Rolling:
         )
 
     def _whole(self, shear: float, stick: Array, creepage: float | None) -> Slip:
-        """The slip if everything sticks or slides, or a first form of another one."""
+        """The `Slip` if everything sticks or slides; otherwise `_slip` replaces some fields."""
         solution = self.solution
         weight = shear / solution.load
         terms = (Term(weight, solution.fields, solution.error),) if weight else ()

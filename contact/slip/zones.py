@@ -11,7 +11,7 @@ from sie import Array, wrapped
 
 @dataclass(frozen=True)
 class StickAndSlip:
-    """The parts of a contact.
+    """The intervals of a contact that stick, and those that slip.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def parted(solution: Solution, stick: Array, error: float = 0.0) -> StickAndSlip
     stick = tables.ascending(stick + (moved - middle)[:, None])
     zone = np.maximum(np.searchsorted(zones[:, 0], np.sort(moved), side="right") - 1, 0)
     around = zones[zone]
-    # Ends that do not move may differ in the last digits.
+    # Ends that coincide in theory may differ in the last digits.
     margin = error * np.diff(around) + 8 * np.spacing(np.abs(around).max())
     over = np.column_stack((around[:, 0] - stick[:, 0], stick[:, 1] - around[:, 1]))
     is_nested = bool(np.all(over <= margin))

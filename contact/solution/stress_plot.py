@@ -61,7 +61,7 @@ class _Column:
 
     @property
     def unit(self) -> tuple[float, str]:
-        """Factor and SI prefix of x."""
+        """Factor and SI prefix of the places on the axis of x."""
         return prefix(max(abs(self.lo - self.origin), abs(self.hi - self.origin)))
 
     @property
@@ -121,7 +121,7 @@ def _columns(report: StressReport, show: str) -> list[_Column]:
     at = _image(peak.x, lo, hi, solution)
     away = np.maximum(np.maximum(zones[:, 0] - at, at - zones[:, 1]), 0.0)
     width = float(np.diff(zones, axis=1)[np.argmin(away), 0])
-    # The largest stress below a smooth peak of pressure is at a third of its width.
+    # Below a smooth peak of pressure, the largest stress is at a third of the peak's width.
     size = min(width, 3.0 * peak.y) if peak.y > 0 else width
     if size > OPTIONS.close_up * (hi - lo):
         return [_Column(lo, hi, below)]
@@ -131,7 +131,7 @@ def _columns(report: StressReport, show: str) -> list[_Column]:
 
 
 def _image(place: float, lo: float, hi: float, solution: Solution) -> float:
-    """The image of a place that lies nearest to the middle of an interval."""
+    """The periodic image of `place` that is nearest to the middle of the interval (lo, hi)."""
     period = solution.scene.period
     if period is None:
         return place

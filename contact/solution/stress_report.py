@@ -92,7 +92,7 @@ def grid(
 
 
 def depth_of(solution: Solution, lo: float, hi: float) -> float:
-    """The depth [m] that figures and files show: what the width from lo to hi suggests."""
+    """Largest depth [m] in figures and files, from the widest zone between lo and hi."""
     zones = solution.zones
     inside = zones[(zones[:, 1] > lo) & (zones[:, 0] < hi)]
     widest = float(np.diff(inside, axis=1).max()) if len(inside) else hi - lo

@@ -40,9 +40,9 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class SlidingOptions:
-    """Steps in which kappa is raised where Newton's method does not get there at once."""
+    """Options of the search that raises kappa in steps; see `_along_kappa`."""
 
-    least_step: float = 1 / 64  # a part of kappa; smaller steps have not led on
+    least_step: float = 1 / 64  # over kappa; smaller steps have not succeeded
 
 
 OPTIONS = SlidingOptions()

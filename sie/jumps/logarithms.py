@@ -27,7 +27,7 @@ from sie.jumps.exterior import ExteriorLogarithms
 
 @record
 class Plateaus:
-    """Intervals beside zones on which the density has a given value.
+    """Intervals next to the zones; on each of them the density has a given constant value.
 
     table: the intervals (m, 2); values: the value on each (m,).
     """
@@ -37,7 +37,7 @@ class Plateaus:
 
     @classmethod
     def beside(cls, zones: Zones, period: float | None) -> Self:
-        """The plateaus beside zones; ValueError if the values at both ends of one differ."""
+        """The plateaus next to zones; ValueError if the two ends of a gap contradict each other."""
         found: list[tuple[float, float, float]] = []
         a, b = zones.a.tolist(), zones.b.tolist()
         lefts: list[tuple[End | None, float]] = [*zip(zones.left, a, strict=True)]
@@ -52,7 +52,7 @@ class Plateaus:
         for i, (left, right) in enumerate(zip(rights, lefts, strict=True)):
             found.extend(_in_gap(i - (period is None), left, right))
         if period is not None and zones.left[0].until is not None:
-            # This plateau lies before the first zone, and not after the last one.
+            # The last plateau ends at the first zone's image: move it to before the first zone.
             _, _, value = found.pop()
             found.insert(0, (zones.left[0].until, a[0], value))
         table = np.array(found).reshape(-1, 3)

@@ -28,7 +28,7 @@ from sie.second_kind.system import SecondKindRows
 
 
 class SecondKindLinearized:
-    """The equations for the derivative of a solution with kappa.
+    """Linear equations for the rate of a solution under `change`, for equations with kappa.
 
     Raises ValueError for ends with a given value or intensity, and for a solution by an iteration.
     """
@@ -67,7 +67,7 @@ class SecondKindLinearized:
         return density_of(self.changed or self.system, y, self.changed is None)
 
     def answer(self, right: Array) -> tuple[Array, Array]:
-        """(unknowns, outward motions of all ends) for given right sides of the rows."""
+        """(unknowns, outward rates of all ends) for the right side `right` of the rows."""
         y = self.state.solver(right)
         if not self.zones.moves.any():
             return y, np.zeros((2, len(self.zones)))

@@ -42,7 +42,7 @@ from sie.trees.tree import TERMS
 class LevelOptions:
     """Limits of the small matrix of conditions."""
 
-    # Its LU factors take about a second then.
+    # The LU factors of the matrix for this number of zones take about a second.
     max_zones: int = 4000
 
 
@@ -51,7 +51,7 @@ Weight = Callable[[Array], Array]
 
 
 def _middle(m: int) -> tuple[Array, Array]:
-    """(1 + t, 1 - t) of the middle of a zone, whatever the number of modes."""
+    """(1 + t, 1 - t) in the middle t = 0 of a zone, for any number `m` of modes."""
     return np.ones(1), np.ones(1)
 
 
@@ -78,7 +78,7 @@ class LevelRows(ManyRows):
     # Fields of the parts of the density that belong to jumps of the right side.
     @cached_property
     def _known_far(self) -> tuple[Array, Array]:
-        """(series of the transform, potential in the middle) by jumps in far zones."""
+        """(series of the transform, potential in each zone's middle) due to jumps in far zones."""
         leaves = np.zeros((len(self.zones), TERMS))
         for one in self.dense.jumps:
             leaves[one.zone] += one.moments(TERMS)
@@ -87,9 +87,10 @@ class LevelRows(ManyRows):
         return series, middle + rest
 
     def _known_near(self, points: PointsOf, potential: bool) -> Array:
-        """Transform, or potential, by jumps in near zones and in the zone itself, at its points.
+        """Transform or potential at the points of each zone, due to jumps in it and in near zones.
 
-        To the potential of the zone itself kappa times the integral up to the point is added.
+        In the potential, a zone's own jumps add kappa times the integral of their density up to the
+        point.
         """
         zones, layout = self.zones, self.sums.layout
         counts = np.array([len(points(int(n))[0]) for n in layout.m])
@@ -150,7 +151,7 @@ class LevelRows(ManyRows):
             g = g + amplitude * np.asarray(column.value(targets.x)).reshape(out.shape)
         return np.asarray((out - g) * np.sin(THETA))
 
-    # The columns.
+    # Values of the columns and of their primitives.
     @cached_property
     def column_rows(self) -> Array:
         """Coefficients of the columns in D_(k-1), as for `right` (columns, rows)."""
@@ -168,7 +169,7 @@ class LevelRows(ManyRows):
         heights = [np.asarray(one.primitive(x), dtype=float) for one in columns if one.primitive]
         return np.array(heights).reshape(-1, len(x))
 
-    # The levels.
+    # Parts of the zones' levels.
     @cached_property
     def near_middles(self) -> Any:
         """Sparse matrix from the unknowns to the potential in the middle, by `far.near` pairs."""
@@ -185,7 +186,7 @@ class LevelRows(ManyRows):
         return np.asarray(out + self._before(self.known_totals))
 
     def _before(self, totals: Array) -> Array:
-        """Sum of kappa times the totals of all zones to the left of each zone."""
+        """For each zone, the sum of kappa times `totals` over all zones to its left."""
         kappa = self.zones.weight.kappa
         assert kappa is not None
         sheared = kappa * totals
@@ -225,12 +226,12 @@ class LevelRows(ManyRows):
         return np.concatenate(out)
 
     def condition_rows(self, applied: "AppliedRows") -> Array:
-        """Left sides of all conditions, without constants."""
+        """Left sides of all conditions for the unknowns of `applied`, without their constants."""
         rows = [asked(one, applied, 1)[0][:, 0] for one in self.dense.equation.conditions]
         return np.concatenate(rows)
 
     def integral_rows(self, weight: Weight, degree: int | None) -> tuple[list[Array], Array]:
-        """(row of the integral of the weight times the density, for each zone; constants)."""
+        """(for each zone, the row of the integral of weight * density; its constants)."""
         if (weight, degree) not in self._integrals:
             known, rows, layout = np.zeros(len(self.zones)), [], self.sums.layout
             for i, basis in enumerate(bases_of(self.zones)):
@@ -270,7 +271,7 @@ class LevelRows(ManyRows):
         return factors
 
     def _bare_potentials(self) -> Array:
-        """Potentials in the middles (Z, Z) of c_0 / sqrt(1 - t^2) on each zone."""
+        """Potentials in zones' middles (rows) of 1 / sqrt(1 - t^2) on each zone (columns)."""
         zones, kernel = self.zones, self.dense.equation.kernel
         x, half = zones.middle, zones.half
         out = np.zeros((len(x), len(x)))
@@ -297,7 +298,7 @@ class _Coarse(Trial):
 
 @record
 class AppliedRows(Rows):
-    """What conditions use, for one array of unknowns y: one column of each matrix."""
+    """The matrices that conditions use, each multiplied by the unknowns `y` to one column."""
 
     of: LevelRows
     y: Array
@@ -387,8 +388,8 @@ class LevelSolver(ManySolver):
         by_zone = super().row_errors(y, residuals, missing)[: len(rows.others)]
         first = np.abs(zones.half * y[rows.sums.layout.offset])
         logs = np.abs(np.log(zones.half / rows.dense.equation.kernel.datum))
-        # The level is a sum of the potentials of all zones, of the logarithm's size at most. The
-        # round-off of its terms adds up like a root of squares.
+        # The level is a sum of the zones' potentials, each about first * (1 + logs). The round-off
+        # errors of these terms are added as a root of squares.
         size = float(np.hypot(norm(first * (1 + logs)), np.abs(rows.level_constants).max()))
         applied, out = rows.applied(y)[1], []
         for condition in rows.dense.equation.conditions:

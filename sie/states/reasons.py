@@ -34,8 +34,8 @@ OPTIONS = ReasonOptions()
 def reason_of(state: Any, tol: float) -> str:
     """The reason, as a message, for the largest part of the stated error of a state."""
     iteration, conditions, resolution = _parts(state)
-    # The error of the iteration also enters `resolution`, multiplied by the number of modes. So it
-    # is compared with a small fraction of `resolution`.
+    # `resolution` contains the error of the iteration, multiplied by the number of modes. So
+    # `iteration` is compared with a small fraction of `resolution`.
     if iteration > max(0.1 * tol, ERRORS.negligible * resolution):
         return (
             "the iteration by which so many zones are solved does not come to rest: "

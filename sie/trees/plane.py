@@ -48,7 +48,7 @@ def fields_of_tree(
     whats: Sequence[What],
     leaf: OfLeaves,
 ) -> list[Complex]:
-    """Fields at the points x + iy that the kernel's poles cause, one for each of `whats`.
+    """Fields at points x + iy due to the kernel's poles, one array for each of `whats`.
 
     For each point, nodes are split from the root down until they are far or are a single interval.
 
@@ -98,7 +98,7 @@ class HilbertRest(Kept):
     parts: list[tuple[Array, Array]]
 
     def __call__(self, z: Complex, what: What) -> Complex:
-        """The field at points z within half a period of the middle along the line, Im z >= 0."""
+        """The field `what` at points z, Im z >= 0, |Re z - `middle`| at most half a period."""
         period, regular = self.period, self.kernel.regular_of(what)
         assert regular is not None
         out, u = np.empty(len(z), dtype=complex), (z - self.middle) / period
@@ -109,7 +109,7 @@ class HilbertRest(Kept):
                 total *= scaled
                 total += coefficient
         out[near] = total
-        # Far points are so deep that nothing cancels.
+        # The other points are so deep that subtracting the poles loses no digits.
         far = regular if what == "potential" else partial(_less_poles, period, what)
         out[~near] = self._summed(far, z[~near])
         return out
