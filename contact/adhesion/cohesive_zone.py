@@ -55,8 +55,9 @@ class CohesiveOptions:
 
     # A strip of tension narrower than this fraction of its zone acts like an edge intensity. States
     # with such strips are solved to round-off, because the error of the rates is the error of the
-    # ends times (zone width/strip width)^2. At the start of a branch, `cohesive_branch._moved_outward`
-    # widens the zones of the contact without tension, so that such strips can be resolved.
+    # ends times (zone width/strip width)^2. At the start of a branch,
+    # `cohesive_branch._moved_outward` widens the zones of the contact without tension, so that such
+    # strips can be resolved.
     narrow_strip: float = 1e-3
     # Strips of tension narrower than this fraction of the zone's width are refused. The pressure
     # next to such strips varies too fast.

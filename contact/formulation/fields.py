@@ -396,7 +396,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @cached_property
     def largest_shape(self) -> float:
-        """Estimate of the largest scaled displacement on zones: |height| at ends plus |approach|."""
+        """Estimate of the largest scaled displacement: |height| at zones' ends plus |approach|."""
         zones = self.density.zones
         return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(
             self.level
