@@ -26,9 +26,9 @@ from sie import Array
 
 
 def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> CohesiveState | None:
-    """A state just inside the equilibrium with the smallest zones that contain the given ones.
+    """A state just inside the smallest equilibrium whose zones contain the given `zones`.
 
-    Its ends are all driven outward. It is built around the zones that a law without range has with
+    All ends of the state are driven outward. It is built around the zones that a law without range has with
     a little less adhesion. None where strips are wider than zones, or the guide fails.
     """
     for margin in MOVES.margins:

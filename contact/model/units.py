@@ -22,7 +22,7 @@ def prefix(magnitude: float) -> tuple[float, str]:
 
 
 def quantity(value: float | None, unit: str, digits: int = 4, none: str = "not defined") -> str:
-    """A value with its prefixed unit, as text. If the value is None, it is the text `none`."""
+    """A value with its prefixed unit, as text; the text `none` if the value is None."""
     if value is None:
         return none
     if not math.isfinite(value):

@@ -199,8 +199,8 @@ class _Path:
     def intermediate(self, load: float, start: Solution) -> Solution:
         """A solution at the intermediate load `load`, accurate enough to count its zones.
 
-        Close to an event, a zone or gap may be too narrow for the tolerance; the best state is then
-        used if its signs hold.
+        Close to an event, a zone or gap may be too narrow for the tolerance. The best state is then
+        used if the signs of its pressure and gap are right.
         """
         try:
             return self.curve.from_previous(load, (CurvePoint(start),), _OPTIONS.same)

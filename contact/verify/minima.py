@@ -175,7 +175,7 @@ def signs_on(
         value, rounding, scale = sampled(group, theta)
         points += value.size
         # Close to the ends of an interval, and close to other intervals, the values tend to zero.
-        # There a negative value no larger than its rounding is not a failure.
+        # There a negative value is not a failure if its size is at most `rounding`.
         least = min(
             least, float(np.where(np.abs(value) <= rounding[:, None], np.abs(value), value).min())
         )

@@ -356,7 +356,7 @@ def _values(
     of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
     if float(place_rounding(zones, group).max()) > SUM_ROUNDING:
         # The values at rounded nodes are corrected by the slope of g. Jumps of g are removed first,
-        # so that values on both sides of a jump give the slope.
+        # so that the slope can be computed from values on both sides of a jump.
         levels = jumps.level_part(*of_jumps).reshape(len(group), -1)
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)
     else:

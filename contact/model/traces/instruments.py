@@ -156,7 +156,7 @@ def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Ar
     i, j = np.minimum(u.astype(int), nx - 2), np.minimum(v.astype(int), ny - 2)
     s, t = u - i, v - j
     corners = ((0, 0, (1 - s) * (1 - t)), (1, 0, s * (1 - t)), (0, 1, (1 - s) * t), (1, 1, s * t))
-    # A missing height (NaN) at one of the four corners matters only if its weight is positive.
+    # A missing height (NaN) matters only if the weight of its corner is positive.
     height = sum(
         np.where(weight > 0, weight * heights[i + a, j + b], 0.0) for a, b, weight in corners
     )

@@ -195,7 +195,7 @@ class Equilibria(Generic[State]):
         return self._rate(parameter, machine_compliance) > 0.0
 
     def turning_points(self, machine_compliance: float = inf) -> list[float]:
-        """Parameters of the curve at which stability changes, ascending."""
+        """Values of the curve's parameter at which stability changes, in ascending order."""
         return roots(lambda s: self._rate(s, machine_compliance), self._samples())
 
     def pull_off(self, machine_compliance: float = inf) -> State:

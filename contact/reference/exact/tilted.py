@@ -327,7 +327,7 @@ class TiltedWedge(TiltedZone):
 
     @property
     def rotational_stiffness(self) -> float:
-        """Derivative of the moment by the tilt at a given load [N]."""
+        """Derivative [N] of the moment by the tilt, at a given load."""
         return pi * self.load**2 / (4.0 * self.E_star * (self.wedge_slope * self._cos_alpha) ** 2)
 
     def height(self, x: ArrayLike) -> Array:
@@ -458,7 +458,7 @@ class TiltedPunch(TiltedZone):
 
     @property
     def rotational_stiffness(self) -> float:
-        """Derivative of the moment by the tilt at a given load [N].
+        """Derivative [N] of the moment by the tilt, at a given load.
 
         It is pi E* w^2/4 with the half width w of the zone.
         """

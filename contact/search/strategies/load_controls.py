@@ -261,7 +261,7 @@ def _solver_of_loads(context: SolveContext) -> Callable[[float, Solution | None]
     """A function that solves the scene under a load, from the nearest solution."""
 
     def solve(load: float, nearest: Solution | None) -> Solution:
-        """The solution under a load, or its best approximation with an error below `rough`."""
+        """The solution under a load, or the best approximation if its error is below `rough`."""
         loaded, start = context.scene.under("load", load), nearest or context.warm_start
         try:
             return context.solve_scene(loaded, SEARCH.intermediate, start, context.progress)
