@@ -189,8 +189,8 @@ class _Samples:
     """Samples of the pressure on the surface, with ascending places.
 
     x: places [m]; pressure: absolute values [Pa]; scale: the length over which the pressure varies
-    there [m]; period: [m] or None; span: the widest zone [m], or the period; table:
-    row k has the largest pressure of each 2^k successive samples, with one period on both sides.
+    there [m]; period: [m] or None; span: the widest zone [m], or the period. table: entry k has the
+    largest pressure of each 2^k successive samples, with one more period on both sides.
     """
 
     x: Array

@@ -32,7 +32,7 @@ def partial_slip(
     bulk_stress: float = 0.0,
     tol: float = 1e-8,
 ) -> Slip:
-    """Shear and slip of a contact under a tangential load, which is applied after the load.
+    """Shear and slip of a contact under a tangential load, applied after the normal load.
 
     The shear is friction times the difference of two pressures: that of the contact, and that
     under the smaller load P - |Q| / friction, whose zones stick (J. Jaeger, J. Appl. Mech. 65,
