@@ -121,7 +121,7 @@ def joined(
 
 
 def united_about(table: Array, zones: Array, period: float | None) -> Array:
-    """The intervals, widened to contain zones whose ends may lie slightly outside them."""
+    """The intervals `table`, widened to contain `zones`, which may end slightly outside them."""
     rows = np.concatenate((table, begun_from(zones, float(table[0, 0]), period)))
     if period is not None:
         # A zone that begins just before the first interval is moved back by a period to join this

@@ -27,7 +27,7 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class OctaveOptions:
-    """Numbers that truncate the series on an octave and recognize round-off in the series."""
+    """Degrees of the series on an octave, and tolerances for truncation and round-off."""
 
     # Degrees of the series that are tried one after another; the first one resolves any power of r.
     degrees: tuple[int, ...] = (24, 96, 384)

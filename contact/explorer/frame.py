@@ -150,7 +150,7 @@ def numbers(frame: Frame) -> list[tuple[str, str]]:
 
 
 def message(error: Exception) -> str:
-    """The text that the page shows instead of a solution after this error."""
+    """The text that the page shows instead of a solution if `error` was raised."""
     if isinstance(error, NotConverged) and isinstance(error.best, Solution):
         return (
             f"{error}. The best that was reached has a stated error of {error.best.error:.1e}; "

@@ -110,7 +110,10 @@ def scene_and_solution_warnings(solution: Solution) -> tuple[str, ...]:
 
 
 def curve_warnings(solutions: Iterable[Solution]) -> tuple[str, ...]:
-    """Warnings at the highest load; at the lowest, only those about unmeasured intervals."""
+    """Warnings at the highest load.
+
+    If none of them is about unmeasured intervals, such warnings at the lowest load are added.
+    """
     by_load = sorted(solutions, key=lambda solution: solution.load)
     highest = scene_and_solution_warnings(by_load[-1])
     at_highest = preparation_warnings(by_load[-1])

@@ -220,7 +220,7 @@ class Law(Named, sie.Kept):
         return pi / E_star * self.intensity(E_star) ** 2 + self.tension * self.reach
 
     def surface_energy(self, fields: Any, width: float) -> float:
-        """Energy of the interface [J/m] of a contact whose zones have this total width [m].
+        """Energy of the interface [J/m] of a contact whose zones have the total width `width` [m].
 
         It is minus the energy that closing the surfaces has released, (pi/E*) K^2 for each width.
         fields: `contact.formulation.protocol.Fields`.
