@@ -53,7 +53,7 @@ class ContinuedSlope(sie.Kept):
         for place, at in facing.items():
             one, its_slope = self.bodies[place](np.asarray(at), y)
             if self._is_mirrored(place):
-                # The transform of -g(-x) is that of g at -z, the mirror image of the conjugate.
+                # If the slope g has the transform R(z), -g(-x) has conj(R(-conj(z))).
                 one, its_slope = np.conj(one), -np.conj(its_slope)
             value, slope = value + one, slope + its_slope
         return value.reshape(shape), slope.reshape(shape)
@@ -82,7 +82,7 @@ class _OneBody(sie.Kept):
         return sum(values[1:], values[0]), sum(slopes[1:], slopes[0])
 
     def _exponents(self, x: Array, y: Array, at: Array | float) -> Complex:
-        """2 pi i (z - s)/L, for the nearest image of each place s."""
+        """2 pi i (z - s)/L at z = x + iy, where s is the image of `at` that is nearest to x."""
         turns = (x - at) / self.length
         return np.asarray(2 * pi * (1j * (turns - np.round(turns)) - y / self.length))
 
@@ -156,7 +156,8 @@ def power_sums(terms: Complex, exponent: Complex) -> Pair:
 def polylogarithms(exponent: Complex) -> Pair:
     """Li_3(w) and Li_2(w) at w = exp(-u), u with Re u >= 0 and |Im u| <= pi.
 
-    For |u| > 1 it is the sum of w^k/k^n if |w| is small. Otherwise, for |u| < 2 pi,
+    For |u| >= 1.25 pi, |w| is below 0.1, and the sum of w^k/k^n converges fast. Below that, series
+    in u are used, which converge for |u| < 2 pi:
 
         Li_2 = zeta(2) - u (1 - ln u) + ...,   Li_n = sum_{k != n - 1} zeta(n - k) (-u)^k / k! + ...
 
@@ -176,7 +177,7 @@ def _near_one(u: Complex) -> Pair:
     """Li_3 and Li_2 of exp(-u) by their series in u, |u| < 1.25 pi."""
     with np.errstate(divide="ignore", invalid="ignore"):
         log = np.where(u == 0, 0.0, np.log(np.where(u == 0, 1.0, u)))
-    # zeta(1 - 2k) = -B_2k / 2k; zeta vanishes at the other negative integers.
+    # Beyond zeta(0) = -1/2 only negative odd integers give terms: zeta is 0 at even ones.
     third = 0.5 * u * u * (1.5 - log) + zeta(3) - zeta(2) * u
     second = -u * (1.0 - log) + zeta(2)
     third_terms, second_terms = _zeta_terms()

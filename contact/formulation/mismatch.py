@@ -36,12 +36,12 @@ def _same(x: Array) -> Array:
     return np.asarray(x, dtype=float)
 
 
-# The column of the mean pressure, and the slope that it adds to the right side.
+# The column with the amplitude lambda: its value is 1 and its primitive is x.
 MEAN = sie.Forcing(np.ones_like, _same, resolution=sie.Resolution(modes=1))
 
 
 def shift(kappa: float, period: float | None, total: float, moment: float) -> float:
-    """The constant c of the displacement; moment: of the pressure about the scaled origin."""
+    """The constant c of the displacement; `moment` is M, about the scaled origin."""
     return kappa * (0.5 * total - (0.0 if period is None else moment / period))
 
 

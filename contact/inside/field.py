@@ -24,7 +24,8 @@ class FieldErrorOptions:
     """Factors of the bound of the stresses' errors."""
 
     # Kernels of s_xx and s_yy have the integral 1, and those of the derivatives up to 2. The same
-    # factor bounds the effect of the two ends of a zone, near which the pressure is a square root.
+    # factor bounds the effect of errors of a zone's two ends: near an end the pressure grows like
+    # the square root of the distance.
     of_pressure: float = 2.0
     # Absolute values of the kernels of the shear have no finite integrals. So a rough error of the
     # shear causes a larger error of the stresses.
@@ -77,7 +78,7 @@ def stress_of(
     normal = fields.pressure_transform(x, y)
     unknown = np.isnan(normal[0]) & (y == 0)
     if unknown.any():
-        # At the tip of a power law the transform has no digits, but on the surface Im F = -p.
+        # At the tip of a power law the transform is NaN. On the surface, Im F = -p replaces it.
         normal[0][unknown] = -1j * fields.pressure(x[unknown])
     bound, ratio = error_at(fields, x, y, normal, error), fields.problem.law.shear_ratio
     if not ratio:
@@ -110,7 +111,7 @@ def unit_pressure(fields: Fields) -> float:
 
 
 def _singular(fields: Fields) -> bool:
-    """Whether ends of zones move at which the pressure is infinite."""
+    """Whether the pressure is infinite at ends of zones that move."""
     return bool(fields.problem.end.intensity)
 
 

@@ -47,17 +47,17 @@ class YieldOptions:
     max_ratio: float = 8.0  # of the control, in one step of the search for a bracket
     max_steps: int = 80  # limit of refinements and of loads tried, which end by themselves
     # Relative error of the load at which a tip comes into contact. A gap below the round-off of the
-    # heights counts as closed, and the zones that a tip begins with are as narrow: two searches
-    # from different loads differed by 2e-6.
+    # heights counts as closed, which shifts this load: two searches from different loads differed
+    # by 2e-6.
     touch_error: float = 1e-5
-    least_ratio: float = 1e-6  # of the control: down to this a corner or a tip bears load
+    least_ratio: float = 1e-6  # of the control: if the stress is infinite even here, the load is 0
 
 
 OPTIONS = YieldOptions()
 
 
 class Body(Protocol):
-    """A solution, as the search for first yield sees it."""
+    """The members of a solution that the search for first yield uses."""
 
     @property
     def scene(self) -> Scene: ...
@@ -217,7 +217,7 @@ class _Samples:
             even = a + 2 * half * (np.arange(count) + 0.5) / count
             parts.append(np.concatenate((0.5 * (a + b) - half * np.cos(angle), even)))
             scales.append(np.full(2 * count, min(half, detail)))
-            # With friction, the tension behind a zone may be the largest stress.
+            # With friction, the largest stress may be a tension at the end of a zone.
             parts.append(np.array([a, b]))
             scales.append(np.full(2, half))
         # The pressure has a cusp at the tip of a power law.
@@ -247,7 +247,7 @@ class _Samples:
         return float(self.pressure.max(initial=0.0))
 
     def depths(self) -> Array:
-        """Depths from the widest zone to the finest detail [m]."""
+        """Depths [m], from `span` down to `first_depth` times the smallest `scale`."""
         least = OPTIONS.first_depth * float(self.scale.min())
         count = int(np.ceil(np.log(self.span / least) / np.log(OPTIONS.depth_ratio)))
         return self.span / OPTIONS.depth_ratio ** np.arange(count + 1.0)
@@ -344,7 +344,7 @@ def _vertex(value: Array, dx: Array, dy: Array) -> tuple[Array, Array]:
 def first_yield(
     body: Body, at: Callable[[float], Body], strength: float, criterion: Criterion
 ) -> Yield:
-    """The load at which the largest stress is the strength, as the scene's control is raised.
+    """First yield, found by changes of the scene's control.
 
     at: the solution under another value of the control.
     """
@@ -362,7 +362,7 @@ def first_yield(
     return search.run()
 
 
-# ln of the control, ln of the largest stress over the strength, the contact and its peak.
+# ln(control), ln(largest stress / strength), the contact and its `Peak`.
 Point = tuple[float, float, Body, Peak]
 
 

@@ -9,7 +9,7 @@ from contact.model.checks import finite, finite_or_none, keep, one_of, positive
 from contact.model.laws.sliding import dundurs_beta
 
 MODELS = ("partial slip", "rolling")
-# A Dundurs constant below this is that of equal bodies: it changes the shear by less than any
+# A Dundurs constant below this counts as zero (equal bodies): it changes the shear by less than any
 # stated error. Rounded moduli give about 1e-16.
 _EQUAL_BODIES = 1e-9
 

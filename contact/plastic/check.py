@@ -36,7 +36,7 @@ class Checked:
 
 @record
 class _Plateaus(PlasticFields):
-    """The same fields with the plateaus in place of the gaps, and the overlap as the gap."""
+    """Fields that show plateaus as gaps and the overlap as the gap, for `openings`."""
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
         zones = self.density.zones
@@ -55,7 +55,7 @@ class _Plateaus(PlasticFields):
 
 
 def checked(fields: PlasticFields, load: float | None) -> Checked:
-    """The check of all signs, of the load, and of one approach of all elastic intervals."""
+    """Check all signs, the load, and that all elastic intervals have the same approach."""
     certificate = certify(fields, load)
     below = pressure_signs(fields, fields.limit)
     above = np.array([*below.negative, *_tips(fields)]).reshape(-1, 2)

@@ -107,7 +107,7 @@ class PlasticFields(ZoneFields):
 
     @cached_property
     def mean_gap(self) -> float:
-        # The gap less the overlap has the mean of the profile and the approach.
+        # `super().mean_gap` is the mean of the formal gap, which is minus the overlap on plateaus.
         units, problem = self.problem.units, self.problem
         return super().mean_gap + self.mean_overlap * problem.repeat_length**-1 * units.height
 

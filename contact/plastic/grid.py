@@ -39,7 +39,7 @@ def proposed_spots(scaled: ScaledScene, limit: float, points: int | None) -> tup
         contacts = placed(problem, zones_of(state, x, True))
         corners = problem.corners
         for side, edge in enumerate(corners):
-            # A cell at a sharp corner that touches is in contact up to the corner.
+            # A contact that ends less than one cell from a sharp corner reaches the corner.
             end = contacts[-side, side]
             if (
                 np.isfinite(edge)
@@ -67,7 +67,10 @@ def _wider(scaled: ScaledScene) -> ScaledScene:
 
 
 def _plateaus(state: GridState, x: Array) -> Array:
-    """Intervals (m, 2) [m] at the limit. Beside one (H - p)^2 is linear, as p^2 is at an end."""
+    """Plateaus (m, 2) [m] of a grid solution; they end where (H - p)^2 extrapolates to zero.
+
+    Near a plateau (H - p)^2 is linear in x, as p^2 is near the end of a contact.
+    """
     n, h = state.influence.n, state.influence.h
     wraps = state.influence.is_periodic
     below = (state.influence.cap - state.pressure) ** 2
@@ -78,7 +81,7 @@ def _plateaus(state: GridState, x: Array) -> Array:
             one, two = below[(at + side) % n], below[(at + 2 * side) % n]
             inner = min(one / (two - one), 1.0) if two > one else 0.5
             ends.append(float(x[0]) + h * (at + side * (1.0 - float(inner))))
-        # A run of one cell may end within the cell; it keeps half of it at least.
+        # A run keeps at least half of a cell about its middle.
         middle = float(x[0]) + 0.5 * h * (first + last)
         rows.append((min(ends[0], middle - 0.25 * h), max(ends[1], middle + 0.25 * h)))
     return np.array(rows).reshape(-1, 2)

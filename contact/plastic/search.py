@@ -58,7 +58,7 @@ def _placed(scaled: ScaledScene, similar: Solution) -> Spots:
 
 
 def _solved(context: SolveContext, scaled: ScaledScene, spots: Spots) -> SolvedZones | Failure:
-    """The contact from first spots, to a smaller tolerance if the stated error asks for it."""
+    """The contact from first spots; the tolerance falls while the error is above `tol`."""
     problem, control = scaled.problem, scaled.control
     limit = context.scene.law.pressure_range.highest / problem.units.pressure
     loop = PlasticLoop(problem, control, limit, context.tolerance)

@@ -74,7 +74,7 @@ class Spots:
     def _around(
         period: float, rows: list[tuple[float, float]], left: list[sie.End], right: list[sie.End]
     ) -> tuple[list[tuple[float, float]], list[sie.End], list[sie.End]]:
-        """Full contact: the first and the last elastic interval are one across the border."""
+        """Rows and ends, with the last and the first interval joined across the border."""
         (_, b), (a, _) = rows[0], rows[-1]
         return [*rows[1:-1], (a, b + period)], [*left[1:-1], left[-1]], [*right[1:-1], right[0]]
 
@@ -90,7 +90,7 @@ def _about_plateaus(plateaus: Array, period: float) -> Spots:
 def changed(
     spots: Spots, problem: Problem, negative: Array, above: Array, opened: Array, overlaps: Array
 ) -> Spots:
-    """The spots after corrections, each a table of scaled intervals.
+    """The spots after four kinds of corrections, which are tables of scaled intervals.
 
     negative: no contact there; above: new plateaus; opened: elastic instead of plateau; overlaps:
     new contacts.
@@ -152,5 +152,5 @@ RIM = 0.02
 
 
 def index_of(table: Array, x: Array) -> Index:
-    """Row of the interval that contains each place, or the last one that begins before it."""
+    """Row of the last interval that begins at or before each place; 0 if none does."""
     return np.maximum(np.searchsorted(table[:, 0], x, side="right") - 1, 0)

@@ -71,7 +71,7 @@ class Worn(Profile):
         return self._outside(self.profile.jumps)
 
     def _outside(self, rows: Array) -> Array:
-        """The rows whose place lies on no plateau: there nothing of the old shape is left."""
+        """The rows whose place lies on no plateau: on plateaus the old shape is gone."""
         return np.asarray(rows[~self._on_plateaus(rows[:, 0])])
 
     @cached_property

@@ -44,7 +44,7 @@ def to_dict(slip: Slip) -> dict[str, Any]:
 
 
 def interval_table(slip: Slip) -> list[tuple[float, float, float, str]]:
-    """One row for each interval, from left to right, with the columns INTERVAL_COLUMNS."""
+    """One row for each interval, from left to right; the columns are `INTERVAL_COLUMNS`."""
     rows = [
         (float(left), float(right), float(right - left), state)
         for state, table in (("stick", slip.stick_zones), ("slip", slip.slip_zones))

@@ -71,7 +71,7 @@ def load_history(
 
 
 def _contacts(scene: Scene, loads: list[float], tol: float) -> dict[float, Solution]:
-    """Solutions by load; those that miss the tolerance are the best that were reached."""
+    """Solutions by load; if the tolerance is missed, the best solution that was reached."""
     try:
         return dict(zip(loads, solve_many(scene, loads, "load", tol), strict=True))
     except NotConverged:

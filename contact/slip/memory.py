@@ -39,7 +39,7 @@ class Layer(NamedTuple):
 
 
 class SlipStep(NamedTuple):
-    """A part of a segment in which h changes by `change` on one layer; loads in N/m.
+    """A part of a segment; h changes by `change` in size, on one layer. Loads in N/m.
 
     The stick load S falls from `stick[0]` to `stick[1]` while P goes from `load[0]` to `load[1]`,
     in proportion.
@@ -52,7 +52,7 @@ class SlipStep(NamedTuple):
 
 @dataclass(frozen=True)
 class Segment:
-    """The end of a straight segment of a history.
+    """A straight segment of a history: the state at its end, and what slipped on the way.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class Memory:
         return Segment(tuple(self.layers), stick, tuple(steps))
 
     def _push(self, top: float, h: float) -> None:
-        """Add a layer on top, joined with the one below if that has the same h."""
+        """Add a layer on top; it absorbs the layer below if both have the same h."""
         if self.layers and self.layers[-1].h == h:
             self.layers.pop()
         self.layers.append(Layer(top, h))
@@ -129,7 +129,8 @@ class Memory:
                 return 1.0, 0.0
         under = self.layers.pop()
         stick, bottom = under.top, self.load
-        # With S falling, s dQ = mu dP - (mu - s h) dS.
+        # With s = `sign` and the stick load S, s dQ = mu dP - (mu - s h) dS. `falls` is the rate
+        # at which S falls along the path.
         change = mu - sign * under.h
         falls = (sign * path.turn - mu * path.rise) / change
         closing = -(path.rise + falls)  # rate at which P comes down to S
@@ -164,7 +165,10 @@ class Memory:
 
 
 class _Path(NamedTuple):
-    """A straight segment from the load `start`, of which the part `done` is behind."""
+    """A straight segment from the load `start`: P changes by `rise`, Q by `turn`.
+
+    done: the fraction of the segment that is already followed.
+    """
 
     start: float
     rise: float

@@ -117,7 +117,7 @@ def solved_or_best(scene: Scene, tol: float, near: Solution | None = None) -> So
 
 @dataclass(frozen=True)
 class State:
-    """The end of a segment of a history, by its numbers.
+    """The values that determine the slip at the end of a segment of a history.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ from sie import Array
 
 _FIGURES = "contact.slip.plotting"
 _FILES = "contact.slip.export"
-# The transform of a shear is the Hilbert transform of it, twice in s_xx; see `error_at`.
+# Error of the stresses by a shear, over `error_at` of the shear: s_xx contains 2 Re H.
 _ERROR_BY_SHEAR = 2.0
 
 # Bound of the lost energy's error, in units of friction^2 times the load times the error of an
@@ -157,8 +157,8 @@ class Slip(sie.Kept):
     def dissipated_error(self) -> float | None:
         """Stated bound of the error of `dissipated` [J/m].
 
-        Errors of approaches are about error p w / E*, with the peak pressure p and the period or
-        the width w from the first to the last zone, of the contact that has the largest of these.
+        The error of an approach is about error p w / E*, with the peak pressure p. The width w is
+        the period, or that from the first to the last zone. The largest such error counts.
         """
         if self.dissipated is None:
             return None
@@ -253,7 +253,7 @@ class Slip(sie.Kept):
 def stated_error(
     solution: Solution, terms: tuple[Term, ...], friction: float, ends: float = 0.0
 ) -> float:
-    """The error of a slip from those of its pressures (`Slip.error`).
+    """`Slip.error`, from the errors of the pressures whose sum is the shear.
 
     ends: error of the ends of zones that stick, divided by the width of their zone of contact.
     """

@@ -56,7 +56,7 @@ OPTIONS = RollingOptions()
 
 @record
 class StickFields(ZoneFields):
-    """The part q'/mu of the pressure, on the zones that stick in rolling."""
+    """The fields of q'/mu, a pressure on the zones that stick (see the module's docstring)."""
 
     stiffness = approach = None
 
@@ -291,7 +291,7 @@ class Rolling:
         try:
             found = sie.solve(equation, free.density.zones, self.tol)
         except sie.NotConverged as error:
-            # A small part of the shear needs fewer digits of its own: `_slip` decides.
+            # If q' is a small part of the shear, it needs fewer digits: `_slip` checks the error.
             if error.best is None:
                 raise NotConverged(
                     f"not converged: the zones that stick: {error.reason}", (), self.solution
@@ -381,5 +381,5 @@ class Rolling:
 
 
 def _place(x: Array) -> Array:
-    """The primitive of 1."""
+    """The primitive of the constant 1: x."""
     return np.asarray(x)

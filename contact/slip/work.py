@@ -36,18 +36,18 @@ class LoadPoint:
 
     @classmethod
     def unloaded(cls, solution: Solution) -> "LoadPoint":
-        """The values at zero load of the scene of a solution."""
+        """The values of a solution's scene at zero load."""
         return cls(0.0, first_approach(solution), 0.0)
 
 
 def approach_of(solution: Solution) -> float:
-    """Approach [m]; without a datum, that for the datum 1 m."""
+    """Approach [m] of a solution; without a datum, the approach for the datum 1 m."""
     fields = solution.fields
     if fields.approach is not None:
         return fields.approach
     units = fields.problem.units
     level = float(np.mean(fields.levels)) * units.height
-    # Without a datum, levels count from the unit of length.
+    # Without a datum, levels contain ln(x / `units.length`). The last term makes it ln(x / 1 m).
     return -level - 2.0 / (math.pi * units.E_star) * fields.load * math.log(units.length)
 
 
@@ -64,7 +64,7 @@ def first_approach(solution: Solution) -> float:
 
 
 def lost(step: SlipStep, friction: float, points: dict[float, LoadPoint]) -> float:
-    """Energy [J/m] that slip loses in a step; `points` holds the contacts under its loads."""
+    """Energy [J/m] that slip loses in `step`; `points` has a contact for each load in it."""
     high, low = (points[load] for load in step.stick)
     first, last = (points[load] for load in step.load)
     rest = (first.load - high.load) * high.approach - (last.load - low.load) * low.approach

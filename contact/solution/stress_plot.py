@@ -34,10 +34,10 @@ class StressFigureOptions:
 
     levels: int = 12  # contours up to the largest stress
     fringes: int = 10  # orders up to the largest shear stress
-    close_up: float = 0.12  # of the width: smaller surroundings have a column of their own
-    reach: float = 1.6  # of a column, in widths of the zone, to both sides and down
-    zones: int = 400  # of which a column of the whole has its own points
-    singular_part: float = 0.995  # of the points are below the highest contour, at sharp corners
+    close_up: float = 0.12  # of the width: a smaller peak gets a close-up column
+    reach: float = 1.6  # half width of a close-up, over the size of the peak
+    zones: int = 400  # widest zones with points of their own; also the number of even points
+    singular_part: float = 0.995  # quantile that is the highest contour if the peak is infinite
     round_place: float = 1e-6  # places closer to 0 than this part of the depth are 0
 
 
@@ -69,7 +69,7 @@ class _Column:
         return prefix(np.sqrt(self.above * self.below)) if self.above else self.unit
 
     def field(self, report: StressReport) -> tuple[Array, Array, Any]:
-        """Places, depths and the stresses there."""
+        """Places x (n,) [m], depths y (m,) [m] and the stresses (m, n) at these points."""
         if not self.above:
             return grid(report, self.lo, self.hi, self.below)
         zones = zones_within(report.solution, self.lo, self.hi)
@@ -177,7 +177,7 @@ def _draw_stress(
     field: tuple[Array, Array, Array],
     frame: tuple[_Column, float],
 ) -> Any:
-    """Draw the stresses; returns the filled contours, None for fringes."""
+    """Draw the stresses; returns the filled contours, or None for fringes."""
     (x, y, value), (column, top) = field, frame
     (along, letter), (down, deep), (scale, _) = column.unit, column.depth_unit, prefix(top)
     places, depths, shading = (x - column.origin) * along, y * down, None
@@ -222,7 +222,7 @@ def _draw_stress(
 
 
 def place_of(x: float, y: float) -> float:
-    """The place x, or 0 if x is round-off beside the depth y."""
+    """The place x, or 0 if x is round-off relative to the depth y."""
     return 0.0 if abs(x) < OPTIONS.round_place * y else x
 
 

@@ -1,8 +1,8 @@
 """Contact of elastically different bodies in full sliding: zones from those without friction.
 
 The terms with kappa do no work in a variation of the pressure with itself, so that the inequality
-problem is as monotone as without friction, and its zones are unique. Its contact under the same
-control is the first guess. Nearly full contact is solved by its gaps.
+problem is as monotone as without friction, and its zones are unique. The contact without
+friction under the same control is the first guess. Nearly full contact is solved by its gaps.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class Start:
 
 
 def _found(context: SolveContext) -> Outcome:
-    """The contact from that of a similar solution, or else from that without friction."""
+    """The contact; first guess: a similar solution, or else the contact without friction."""
     scene, similar = context.scene, context.warm_start
     if scene.given_fraction == 1.0:
         context.plan.decide("full contact", "full contact", "the contact fraction is 1")
@@ -105,7 +105,7 @@ def _found(context: SolveContext) -> Outcome:
 def _along_kappa(context: SolveContext, start: Start, failure: Failure) -> Outcome | Failure:
     """The contact, with kappa raised from zero in steps that Newton's method follows.
 
-    failure: of the first step, that of the whole kappa.
+    failure: the failure of a single step to the whole kappa.
     """
     law: Any = context.scene.law
     reached, step, last = 0.0, 0.5, failure
@@ -125,10 +125,10 @@ def _along_kappa(context: SolveContext, start: Start, failure: Failure) -> Outco
 
 
 def _under_loads(context: SolveContext, first: float) -> Solution | None:
-    """The contact under a load with nearly the given approach or contact fraction.
+    """A contact under a given load that has nearly the wanted approach or contact fraction.
 
     first: the load to begin with. A small contact may be merging with its neighbour, so that
-    Newton's method does not get there from the contact without friction.
+    Newton's method does not converge from the contact without friction.
     """
     scene, fraction = context.scene, context.scene.given_fraction
     goal = scene.held(Quantity.APPROACH) if fraction is None else fraction

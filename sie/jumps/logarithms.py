@@ -85,7 +85,7 @@ class Plateaus:
 def _in_gap(
     i: int, left: tuple[End | None, float], right: tuple[End | None, float]
 ) -> list[tuple[float, float, float]]:
-    """Plateaus (begin, end, value) in the gap after zone i, between two (kind, place) of ends."""
+    """Plateaus (begin, end, value) in the gap after zone i, between two ends (kind, place)."""
     (one, begin), (other, end) = left, right
     out = []
     if one is not None and one.value != 0.0 and one.until is not None:
@@ -146,7 +146,7 @@ class Logarithms:
     def in_plane(self, z: Complex, what: What) -> Complex:
         """The sum at complex points z (n,), its derivative by z, or its antiderivative.
 
-        It is that in the closed upper half plane, and conjugate in the lower one.
+        In the lower half plane it is the conjugate of its value at conj(z).
         """
         assert self.plateaus is not None
         x, y, at = self.off_positions(z.real), np.abs(z.imag), self.plateaus.table.T.ravel()
@@ -218,8 +218,8 @@ class Logarithms:
         away[point, which] = 1.0
         values = self._of_lag(away)
         if kernel.period is not None:
-            # The image of each position that is nearest to the middle of the zone. Positions in the
-            # zone itself are given relative to the zone's own ends.
+            # The distance counts from the image of a position that is nearest to the middle of the
+            # zone. Positions in the zone itself are not shifted.
             turns = np.round((zones.middle[zone[point]] - self.at[which]) / kernel.period)
             outside = self.own[which] != zone[point]
             beside = np.where(outside, beside - turns * kernel.period, beside)

@@ -56,7 +56,7 @@ class SecondKindLinearized:
             raise ValueError("the change of the right side is not finite on the zones")
 
     def _changed_system(self, forcing: Forcing) -> SecondKindRows:
-        """The system with the change of the right side in place of the right side."""
+        """The system whose right side is `forcing`, the change of the original right side."""
         equation = replace(self.system.equation, forcing=forcing)
         check_functions(equation, self.zones)
         jumps = known_densities(forcing, self.zones, equation.kernel.period)

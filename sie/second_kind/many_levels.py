@@ -40,7 +40,7 @@ from sie.trees.tree import TERMS
 
 @dataclass(frozen=True)
 class LevelOptions:
-    """Limits of the small matrix of conditions."""
+    """Limit of the size of the small matrix of conditions."""
 
     # The LU factors of the matrix for this number of zones take about a second.
     max_zones: int = 4000
@@ -154,7 +154,7 @@ class LevelRows(ManyRows):
     # Values of the columns and of their primitives.
     @cached_property
     def column_rows(self) -> Array:
-        """Coefficients of the columns in D_(k-1), as for `right` (columns, rows)."""
+        """Coefficients (columns, rows) of the columns in the same polynomials as `right`."""
         x = self.dense.points[0].x
         columns = [
             self.sums.projected(np.broadcast_to(np.asarray(one.value(x), dtype=float), x.shape))
@@ -172,7 +172,7 @@ class LevelRows(ManyRows):
     # Parts of the zones' levels.
     @cached_property
     def near_middles(self) -> Any:
-        """Sparse matrix from the unknowns to the potential in the middle, by `far.near` pairs."""
+        """Sparse matrix from the unknowns to the potential of near zones in each zone's middle."""
         return self.sums.near_potential()
 
     @cached_property
@@ -194,7 +194,10 @@ class LevelRows(ManyRows):
 
     @cached_property
     def _own_levels(self) -> list[Array]:
-        """Own level of a unit of each unknown, divided by w, for each group of `sums.groups`."""
+        """Level of a zone by each of its own unknowns at 1, one row for each of `sums.groups`.
+
+        It is divided by the half width, and lacks the logarithm of the half width.
+        """
         out = []
         for basis, m, _, _ in self.sums.groups:
             row = -basis.singular.mirrored.table(m + 1, np.ones(1), np.ones(1))[0]
@@ -204,7 +207,7 @@ class LevelRows(ManyRows):
         return out
 
     def applied(self, y: Array, rough: bool = False) -> tuple[Array, "AppliedRows"]:
-        """(coefficients of the field of others, minus columns; what conditions use), for y."""
+        """For unknowns y: (coefficients of other zones' field minus columns, `AppliedRows`)."""
         field, middle = self.sums.fields_and_middles(y, rough)
         zones, layout = self.zones, self.sums.layout
         level = middle + self.near_middles @ y
@@ -218,7 +221,10 @@ class LevelRows(ManyRows):
         return field - amplitudes @ self.column_rows, AppliedRows(self, y, level)
 
     def condition_values(self, opened: float) -> Array:
-        """Values of all conditions, minus their constants; opened: that of the open condition."""
+        """Values of all conditions, minus their constants.
+
+        opened: value that is added for the open condition.
+        """
         applied, out = self.applied(np.zeros(self.sums.layout.size))[1], []
         for condition in self.dense.equation.conditions:
             _, constants, values = asked(condition, applied, 1)

@@ -20,11 +20,11 @@ from sie.states.options import OPTIONS as ERRORS
 
 @dataclass(frozen=True)
 class ReasonOptions:
-    """Limit above which a measured cause is named as the reason for an error."""
+    """Limit that decides which cause is named as the reason for an error."""
 
-    # If the rows' errors change the density by more than this multiple of these errors, the side
-    # conditions nearly depend on each other. A residual below this multiple of the round-off of its
-    # terms is explained by round-off.
+    # Above this ratio of the density's change to the rows' errors that cause it, the side
+    # conditions nearly depend on each other. Round-off explains a residual up to this multiple of
+    # the round-off of its terms.
     max_ratio: float = 1e4
 
 
@@ -66,9 +66,9 @@ def _parts(state: Any) -> tuple[float, float, float]:
 class _Worst:
     """The zone with the largest residual, and quantities measured on this zone.
 
-    state: state of the zones without slits, or of the wide zones; zone: index of the zone in it;
-    where: name of the zone in messages. residual: the largest residual, times sqrt(1 - t^2); place:
-    its place x; terms: size of the terms whose sum is the residual.
+    state: state of the zones without slits, or of the wide zones; zone: index of the zone in
+    `state`; where: name of the zone in messages; residual: the largest residual, times
+    sqrt(1 - t^2); place: x of this residual; terms: size of the terms whose sum is the residual.
     """
 
     state: Any
@@ -117,8 +117,7 @@ def _causes(worst: _Worst) -> dict[str, float]:
     state, zone = worst.state, worst.zone
     zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
     fall = float(modes.decay(zones, equation.kernel)[zone])
-    # Round-off of positions, relative to the zone's half width, above the 4 `EPS` that is always
-    # there.
+    # Round-off of positions on the zone over its half width, less the 4 `EPS` that all zones have.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
     # The right side counts as a cause only if its coefficients no longer decay, or if their number
     # is at its limit. "fields" counts only if the number of modes is at its limit, or if more modes

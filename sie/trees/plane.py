@@ -26,17 +26,17 @@ class PlaneOptions:
     # Distance from the middle of all intervals, in periods, up to which the regular part of
     # Hilbert's kernel is a power series. It converges up to 3/2.
     series_reach: float = 0.9
-    # The coefficients follow from values on a circle of this radius. Between the two radii, the
-    # terms of the series fall to round-off.
+    # The coefficients follow from values on a circle of this radius, in periods. The last terms of
+    # the series are round-off up to `series_reach`.
     circle: float = 1.2
-    # Twice as many values are taken on the circle. (series_reach / circle)^128 is 1e-16, and the
-    # aliasing, (circle / 1.5)^256, is far smaller.
+    # Number of coefficients, from twice as many values on the circle. (series_reach / circle)^128
+    # is 1e-16, and the aliasing, (circle / 1.5)^256, is far smaller.
     terms: int = 128
 
 
 OPTIONS = PlaneOptions()
 
-# The fields of one interval at each point x + iy, for pairs of a point and an interval.
+# For pairs of a point x + iy and an interval: the fields of the interval at the point.
 OfLeaves = Callable[[Array, Array, Index, Sequence[What]], list[Complex]]
 
 

@@ -147,7 +147,7 @@ class Sliding(Law):
 
     @cached_property
     def routes(self) -> Routes:
-        """Without elastic mismatch the pressure is that without friction, on the same routes."""
+        """Without elastic mismatch, the pressure and the routes are those without friction."""
         return Routes(True, True, "contact.tangential.sliding" if self.kappa else None)
 
     @classmethod
