@@ -87,7 +87,7 @@ def described_way(context: SolveContext) -> str:
 
 
 def _closes(scene: Scene) -> bool:
-    """Whether the greatest contact fills a whole period, which sharp corners would prevent."""
+    """Whether contact can fill a period: there is a period, and no sharp corner prevents it."""
     return scene.period is not None and scene.profile.support is None
 
 

@@ -56,7 +56,7 @@ def _by_edge_intensity(fields: ZoneFields, control: Control) -> State:
 
 
 def _on_its_zones(curve: Curve, last: State) -> State:
-    """The last equilibrium, with the value of the control recomputed from the zones.
+    """The equilibrium `last` at pull-off, with the control value recomputed from its zones.
 
     The curve may begin at values 1e10 times as large, whose round-off the value would keep. At a
     turning point the residual r changes with the zones in all directions but one, y, the left null
@@ -71,7 +71,7 @@ def _on_its_zones(curve: Curve, last: State) -> State:
 
 
 def _by_cohesive_zone(fields: CohesiveFields, control: Control) -> State:
-    """The last equilibrium, as the control falls, of a contact under a cohesive tension."""
+    """The equilibrium at pull-off of a contact under a cohesive tension."""
     assert fields.law_problem is not None
     curve, tension, zones = CohesiveCurve(fields.law_problem, control), fields.tension, fields.zones
     if tension.everywhere:

@@ -450,7 +450,7 @@ class PeriodicPoles:
 def _noise(size: Array, scale: float) -> float:
     """Size below which Fourier terms are noise of a numerically derived slope; 0 without noise.
 
-    The terms of noise are as large in the last octave as in the one before, while those of a
+    Terms that are noise are as large in the last octave as in the octave before. The terms of a
     profile decrease.
     """
     last, before = _last_octaves(size)

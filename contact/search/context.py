@@ -48,7 +48,10 @@ class SceneCache(sie.Kept):
         self.scene = scene
 
     def of(self, scene: Scene) -> SceneCache:
-        """This cache if `scene` has the cache's profile, model and E*, else a new cache."""
+        """This cache if its profile, interaction, substrate, law and E* are those of `scene`.
+
+        Otherwise a new cache.
+        """
         own = self.scene
         same = (
             scene.profile is own.profile

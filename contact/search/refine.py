@@ -89,7 +89,7 @@ def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedG
 def _tightened(
     context: SolveContext, found: SolvedZones, search: Search
 ) -> SolvedZones | SolvedGaps:
-    """The contact solved to a smaller tolerance, from its zones or else by the whole search."""
+    """The contact `found`, solved more precisely: from its zones, or by the whole `search`."""
 
     def again(
         here: SolvedZones | SolvedGaps, tolerance: float

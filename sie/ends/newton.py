@@ -327,7 +327,7 @@ class _Search:
         if changes == 0:
             return None
         if options.allow_loss and changes < len(zones) and not zones.symmetric:
-            # Zones that vanish bear little load, so the search continues with the other zones.
+            # Zones that vanish bear little load, so the search continues without them.
             self.zones, kept = zones.changed(lost, met, equation.kernel.period)
             self.value_response, self.last, self.sizes = None, None, self.sizes.of(kept)
             self.progress.continue_with(

@@ -16,8 +16,8 @@ from sie.slits.slits import OPTIONS as SLITS
 class Step:
     """Record of one Newton step.
 
-    zones: table of the ends before it; move: largest move of an end relative to its zone's width;
-    value: value of the open condition, if there is one.
+    zones: table of the ends before the step. move: largest move of an end, relative to the width of
+    the end's zone. value: value of the open condition, if the equation has one.
     """
 
     zones: Array

@@ -36,7 +36,8 @@ def solve_second_kind(
     sizes = first_sizes(equation, zones, tolerance) if sizes is None else sizes
     least = np.maximum(sizes.least, OPTIONS.first_modes)
     m = modes.coupled(zones, equation.kernel, tolerance, least)
-    # The effect of motions of ends on prescribed intensities takes two solves for each end.
+    # Ends with prescribed intensities need derivatives by differences, two solves for each free
+    # end.
     solves = int(zones.moves.sum()) if zones.follow_ends else 1
     if zones.follow_ends and solves * np.sum(m + 1) > 4 * OPTIONS.max_unknowns:
         raise TooLarge(

@@ -398,8 +398,8 @@ class SlitState(Answered):
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slit_system.slits, self.density.series, strict=True):
             for d in row:
-                # The last two coefficients are compared with the two before, because every second
-                # coefficient may vanish by symmetry.
+                # The last two coefficients are compared with the two coefficients before them,
+                # because every second coefficient may vanish by symmetry.
                 last, before = np.abs(d[-2:]).max(), np.abs(d[-4:-2]).max()
                 fall = min(last / before, 1.0) if before > 0 else 0.0
                 out[here.zone] = max(out[here.zone], last * fall * len(d))

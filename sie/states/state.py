@@ -379,9 +379,8 @@ def residual_errors(
         )
         / size
     )
-    # A few points show the largest residual only to within a factor of about three. The term
-    # `5e-16 * coupled` counts the round-off of each mode once, without the order of the mode as a
-    # factor.
+    # Between the few points the residual may be about three times as large as at the points. The
+    # term `5e-16 * coupled` is the round-off of the `coupled` modes, each counted once.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return np.asarray(beyond + high + 5e-16 * coupled)
 

@@ -136,7 +136,7 @@ class Seen:
         return self.skeleton.shares(self.x)
 
     def as_targets(self, potential: bool) -> Array:
-        """Values (n, r) of the kernel or its potential at the points, for sources at places s_j."""
+        """Kernel or its potential (n, r) at the points, for sources at the skeleton's `places`."""
         if potential not in self._targets:
             kernel = self.skeleton.kernel
             function = kernel.regular_potential if potential else kernel.regular
