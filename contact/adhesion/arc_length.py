@@ -254,8 +254,8 @@ class Step:
 def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterator[Step]:
     """Generate the steps along the curve of equilibria that starts from the equilibrium `here`.
 
-    In the first step, the control rises (`sense` 1) or falls (-1). tight: whether the states at the ends of the
-    steps are solved to full accuracy.
+    At `here`, the control rises (`sense` 1) or falls (-1). tight: whether the states at the ends of
+    the steps are solved to full accuracy.
     """
     place, length, why, stands = (
         _stood_by(curve, here, sense),

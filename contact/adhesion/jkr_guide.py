@@ -28,8 +28,8 @@ from sie import Array
 def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> CohesiveState | None:
     """A state just inside the smallest equilibrium whose zones contain the given `zones`.
 
-    All ends of the state are driven outward. It is built around the zones that a law without range has with
-    a little less adhesion. None where strips are wider than zones, or the guide fails.
+    All ends of the state are driven outward. It is built around the zones that a law without range
+    has with a little less adhesion. None where strips are wider than zones, or the guide fails.
     """
     for margin in MOVES.margins:
         short = _curve_without_range(curve, zones, 1.0 - margin)

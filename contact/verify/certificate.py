@@ -452,7 +452,8 @@ def _samples_in(
     x = np.clip(
         lo[plain, None] + (hi - lo)[plain, None] * _FEW_PLACES, lo[plain, None], hi[plain, None]
     )
-    # In gaps that are as narrow as round-off, some samples coincide. Of equal samples only one is kept.
+    # In gaps that are as narrow as round-off, some samples coincide. Of equal samples only one is
+    # kept.
     differ = np.diff(x, axis=1, prepend=-np.inf) > 0
     every = differ.all(axis=1)
     rows = iter(
