@@ -51,8 +51,8 @@ class SlitOptions:
     # Gaps narrower than this fraction of the wider adjacent zone may be treated as slits.
     max_gap: float = 0.02
     # An existing slit remains a slit up to `max_gap` times this factor. A gap that is not a slit
-    # becomes a slit below `max_gap` divided by this factor. Without this hysteresis, slits come and go
-    # in every Newton step.
+    # becomes a slit below `max_gap` divided by this factor. Without this hysteresis, slits come and
+    # go in every Newton step.
     hysteresis: float = 1.5
     # Largest width of a gap that contains an algebraic point or a jump of the right side's second
     # derivative, relative to the narrower adjacent zone. This limit is stricter than `max_gap`,
