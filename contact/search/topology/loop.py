@@ -74,7 +74,7 @@ class Formulation(Protocol[Kind]):
         """The intervals, with their ends found by Newton's method."""
 
     def refuse(self, table: Array, free: sie.Free) -> None:
-        """Raise WrongTopology if Newton's method lost a gap that `table` had and that must exist."""
+        """Raise WrongTopology if Newton's method lost a gap between the zones `table`."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> Any:
         """Fields of the intervals `free` that Newton's method found, under the load it found."""
