@@ -88,7 +88,7 @@ def checked(fields: PlasticFields, load: float | None) -> Checked:
 def _tips(fields: PlasticFields) -> list[tuple[float, float]]:
     """Intervals about convex kinks in elastic parts, in which the pressure is above the limit.
 
-    There the pressure is infinite, like the logarithm of the distance.
+    At such a kink the pressure is infinite, like the logarithm of the distance.
     """
     density, (kinks, heights) = fields.density, fields.problem.forcing.kinks
     at, zone, inside = density.locate(kinks[heights > 0])

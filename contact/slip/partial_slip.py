@@ -102,8 +102,8 @@ def partial_slip(
 def solved_or_best(scene: Scene, tol: float, near: Solution | None = None) -> Solution:
     """The solution of a scene, or the best one that was reached if it is certified.
 
-    Very small loads have zones whose ends cannot be found to many digits of their widths. Beside
-    the whole contact these errors are small: `slip_of` decides.
+    Very small loads have zones whose ends cannot be found to many digits of their widths. Relative
+    to the whole contact these errors may be small: `slip_of` checks them.
     """
     try:
         with unwarned():

@@ -160,8 +160,8 @@ class Logarithms:
     def off_positions(self, x: Array) -> Array:
         """Points x (any shape), moved by round-off from the positions of the terms.
 
-        There a term is infinite, and so is the transform of a zone that ends there; their sum is
-        finite.
+        At its position a term is infinite, and so is the transform of a zone that ends at this
+        position; their sum is finite.
         """
         period = self.kernel.period
         low = float(self.at.min(initial=0.0))
@@ -172,7 +172,10 @@ class Logarithms:
         )
 
     def _of_complex_lag(self, away: Complex, what: What) -> Complex:
-        """The kernel's potential at z - s in the upper half plane, its derivative or primitive."""
+        """The kernel's potential at z - s in the upper half plane, its derivative or primitive.
+
+        what: "transform", "derivative" or "potential" of the plateaus, in this order.
+        """
         kernel = self.kernel
         if is_hilbert(kernel) and what != "potential":
             assert kernel.period is not None
