@@ -89,8 +89,8 @@ def fields_of_tree(
 class HilbertRest(Kept):
     """Fields of the regular part of Hilbert's kernel.
 
-    middle: middle of all intervals; parts: nodes within half a period of `middle`, and weights, which
-    represent the density.
+    middle: middle of all intervals; parts: nodes within half a period of `middle`, and weights,
+    which represent the density.
     """
 
     kernel: Kernel
