@@ -110,7 +110,7 @@ class PlasticLoop:
             ) from fault
 
     def _without_lost(self, free: sie.Free, spots: Spots) -> Spots | Failure:
-        """The spots without vanished intervals; two of one kind beside a vanished one are united."""
+        """The spots without vanished intervals; two alike beside a vanished one are united."""
         zones, problem = free.density.zones, self.problem
         table, values = zones.table, zones.values
         contacts, plateaus = spots.contacts, spots.plateaus
