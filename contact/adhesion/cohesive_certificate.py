@@ -137,8 +137,8 @@ def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> 
     ends = np.abs(np.linalg.solve(here.rates, here.residual)) + np.abs(
         np.linalg.inv(here.rates)
     ) @ np.full(len(here.residual), rounding)
-    # The contact pressure q carries the given load and the force of the tension. Here `load` is the
-    # round-off of both.
+    # The contact pressure q carries the given load and the force of the tension. The variable
+    # `load` below is the round-off of their sum.
     load = (
         4.0 * np.finfo(np.float64).eps * (abs(here.load) + curve.stress * float(here.widths.sum()))
     )

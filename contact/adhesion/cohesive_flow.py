@@ -125,8 +125,8 @@ def guided(
                 raise
             continue
         except ContactLost:
-            # The equilibrium lies inside the intervals on the grid. If these intervals vanish,
-            # there is no equilibrium.
+            # If the grid loses contact at the last margin, too, ends that recede come to rest
+            # nowhere: there is no equilibrium.
             if sign < 0 and margin == MOVES.margins[-1]:
                 raise
             continue

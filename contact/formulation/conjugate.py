@@ -54,8 +54,8 @@ class ConjugateOptions:
     # larger values between the samples.
     residual_margin: float = 2.0
     # Replaces `residual_margin` if the Fourier terms fall as slowly as those of a jump, by half per
-    # octave. At 1e-5 periods from a corner the transform is 4 times the jump, but the samples of
-    # the residual may show only a quarter of the jump.
+    # octave. The samples of the residual may show only a quarter of a jump, and the residual's
+    # transform 1e-5 periods beside the jump is 4 times the jump. Their ratio is 16.
     jump_margin: float = 16.0
     # Fourier terms that do not decay are noise if they are below this fraction of the largest slope
     # or term. Larger terms may come from an undeclared kink.

@@ -187,8 +187,8 @@ class Problem(sie.Kept):
         )
         factor = exponents * units.length ** (exponents - 1.0) / units.slope
         if self.cell is not None and self.kernel.period is None:
-            # An algebraic point on the border of the cell lies at both ends of the cell. With its
-            # images, the equation contains it at both ends, as symmetric zones require.
+            # An algebraic point on the border of the cell lies at both ends of the cell. So the
+            # copies one cell to the left and to the right are added, as symmetric zones require.
             at, exponents, left, right, factor = (
                 np.tile(part, 3) for part in (at, exponents, left, right, factor)
             )

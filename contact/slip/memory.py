@@ -129,8 +129,8 @@ class Memory:
                 return 1.0, 0.0
         under = self.layers.pop()
         stick, bottom = under.top, self.load
-        # With s = `sign` and the stick load S, s dQ = mu dP - (mu - s h) dS. `falls` is the rate
-        # at which S falls along the path.
+        # The stick load S falls through the layer `under`, where h = `under.h`. With s = `sign`,
+        # s dQ = mu dP - (mu - s h) dS. `falls` is the rate at which S falls along the path.
         change = mu - sign * under.h
         falls = (sign * path.turn - mu * path.rise) / change
         closing = -(path.rise + falls)  # rate at which P comes down to S

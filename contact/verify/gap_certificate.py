@@ -176,7 +176,10 @@ def _sampled(fields: GapFields) -> _Samples:
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
-    """(intervals at concave kinks whose gap is missing, number of kinks with unresolved gaps)."""
+    """(intervals of gaps over concave kinks that the solution lacks, number of unresolved ones).
+
+    Unresolved gaps are narrower than `TOLERANCES.narrowest_gap` periods.
+    """
     relief = fields.relief
     kinks = np.flatnonzero((relief.heights < 0) & ~fields.gap_slope.locate(relief.at)[2])
     if len(kinks) == 0:

@@ -401,8 +401,9 @@ def _solve_once(equation: Equation, system: GradedSystem, sizes: Sizes) -> Grade
         raise SingularSystem(not_finite(equation, system.source_x))
     solver = regular_factors(equation, matrix)
     y = solver(right)
-    # One step of iterative refinement makes the error of each row as small as the row's own terms,
-    # even next to a gap, where these terms are tiny (R. D. Skeel, Math. Comp. 35, 1980, 817-832).
+    # One step of iterative refinement reduces the error of each row to the round-off of the row's
+    # own terms, even next to a gap, where they are tiny (R. D. Skeel, Math. Comp. 35, 1980,
+    # 817-832).
     y = y + solver(right - matrix @ y)
     sizes.solves += 1
     sizes.profile_evaluations += system.nodes

@@ -98,7 +98,7 @@ class SecondKindDensity(DensityBase):
 
     @property
     def jumps(self) -> ForcingJumps:
-        """The jumps with the closed forms for kappa = 0: an empty set."""
+        """No jumps: those of equations with kappa have other closed forms (`known`)."""
         return ForcingJumps.none()
 
     @property

@@ -60,8 +60,8 @@ class SlitOptions:
     max_gap_with_jumps: float = 0.003
     # Largest number of modes of the unknown function (slack) in one slit.
     max_modes: int = 512
-    # Least number of coefficients of the slack (the unknown in a slit) from which the slack's field
-    # far from the wide zone is computed.
+    # The slack (the unknown in a slit) gets at least this many coefficients when its field far from
+    # the wide zone is computed.
     min_slack_modes: int = 48
     # Largest accepted change of the solution in the last step of the iteration between wide zones
     # and slits, relative to the solution's largest coefficient. A smaller change is added to the

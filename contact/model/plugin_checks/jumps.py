@@ -122,11 +122,12 @@ def declared_jumps(
     powers: Array,
     rounding: float = 0.0,
 ) -> tuple[Array, Array]:
-    """Jumps of `slope` at the kinks (n, 2) that a profile declares, and their errors beyond doubt.
+    """(jumps of `slope` at the declared kinks (n, 2), their errors less the allowed errors).
 
     The slope is read at `distance` and at half of it on both sides of each kink, and the jump is
-    extrapolated to the kink. An error is positive if the declared jump is false. powers: the
-    algebraic points of the profile. rounding: round-off of `slope`, beyond that of its values.
+    extrapolated to the kink. A declared jump is false if its entry of the second array is positive.
+    powers: the algebraic points of the profile. rounding: round-off of `slope`, beyond that of its
+    values.
     """
     at, declared = kinks.T
     seen, size = [], np.abs(declared)

@@ -182,7 +182,7 @@ def units_of(cells: Sequence[str]) -> tuple[Unit | None, ...]:
 
 
 def _word_behind_name(field: str) -> str:
-    """The word after a usual name, as in "Height_smoot"; empty if this word cannot be a unit."""
+    """The unit after a usual name, as "furlong" in "Height_furlong"; "" if it cannot be a unit."""
     found = _NAME_WORD.match(field.strip())
     if found is None or not is_name(found[1]) or is_name(found[3]):
         return ""

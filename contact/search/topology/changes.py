@@ -33,7 +33,7 @@ class Change:
 
     @property
     def ahead(self) -> bool:
-        """Whether the change is located with the zones before it (birth, split), not after it.
+        """Whether the change is located with the zones that exist before it, not after.
 
         The condition of the change is smooth with the zones without the one that begins or
         vanishes, or with two zones as one.
