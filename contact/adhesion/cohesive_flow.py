@@ -64,8 +64,8 @@ def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState
     ahead = jkr_guide.before_advanced(curve, here.zones, here.value)
     if ahead is None:
         return here
-    # If a zone of `here` is missing from `ahead`, the surfaces do not snap into contact there under
-    # the law without range (JKR). Then `here` is kept.
+    # If a zone of `here` is missing from `ahead`, the law without range (JKR) gives no contact at
+    # that zone. Then `here` is kept.
     return ahead if ahead.q is not None and ahead.q.inside(here.zones.mean(axis=1)).all() else here
 
 
@@ -296,7 +296,7 @@ def _widened(
 
 
 def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """Old and new intervals; two merge if the gap between them is below the reach everywhere.
+    """Old and new intervals of tension; two merge if `gap` between them is below the reach.
 
     None if nothing changed.
     """

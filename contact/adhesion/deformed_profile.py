@@ -30,7 +30,7 @@ from sie import Array, Index, record
 
 @record
 class TractionLoaded(Problem):
-    """The frictionless problem of the profile deformed by a tension; q is its pressure."""
+    """The frictionless problem, with pressure q, of a profile that a tension has deformed."""
 
     tension: UniformTension | None = field(default=None)
 

@@ -44,7 +44,7 @@ class SpreadEnd:
         return 0.5 * (self.b - self.a)
 
     def log(self, x: Array) -> Array:
-        """Potential at points x of a unit load that is spread like the end of the tension.
+        """Potential at points x of a unit load that is distributed over the zone like mu.
 
         It is int ln|x - xi| d mu, with the measure mu (head of this module).
         """
@@ -167,7 +167,8 @@ def line_load(z: Complex, period: float | None) -> tuple[Complex, Complex]:
     with np.errstate(divide="ignore", invalid="ignore"):
         if period is None:
             return np.log(z), 1 / z
-        # 2 sin(u) = i exp(-iu) (1 - exp(2iu)). Whole turns stay out of the last factor.
+        # 2 sin(u) = i exp(-iu) (1 - exp(2iu)). The last factor repeats when u grows by pi, so
+        # multiples of pi are removed from its u.
         u = np.pi / period * z
         turned = u - np.pi * np.round(z.real / period)
         less = -np.expm1(2j * turned)

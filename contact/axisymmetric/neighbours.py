@@ -100,7 +100,7 @@ class Surroundings:
     density: float = 0.0
 
     def outside(self, x: ArrayLike) -> Array:
-        """sqrt(A^2 - x^2) for x below the circle's radius A, else 0; less A if there is a kernel.
+        """sqrt(A^2 - x^2) for x below the circle's radius A, else 0; minus A if `kernel` is given.
 
         The constant of the kernel contains this A.
         """

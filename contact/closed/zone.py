@@ -262,7 +262,7 @@ def _newton(
                 break
         longer = half * np.exp(move)
         longer = choose(longer >= problem.top, 0.5 * (half + problem.top), longer)
-        # There may be no number between `half` and `top`.
+        # `half` stays as it is if no floating-point number lies between `half` and `top`.
         half = choose(fails | (longer >= problem.top), half, longer)
     g = values.dot(nodal.matrix)
     size_of = np.abs(g) / column(scale)

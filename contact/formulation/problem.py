@@ -103,7 +103,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def corners(self) -> tuple[float, float]:
-        """Scaled ends of the profile or of a localized model's strip; infinite if it has none."""
+        """Scaled ends of the profile or of a localized model's strip; infinite without ends."""
         lo, hi = -np.inf, np.inf
         if self.profile.support is not None:
             lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)

@@ -61,7 +61,7 @@ class Fields(Protocol):
 
     @property
     def deep_pressure(self) -> float:
-        """The limit of -Im F far below the surface [Pa]: 0 if the load is on finite zones only."""
+        """Limit of -Im F far below the surface [Pa]: the mean or nominal pressure, else 0."""
 
     # The next members describe the zones.
 

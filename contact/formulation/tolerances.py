@@ -42,7 +42,7 @@ class Tolerances:
     pressure_noise_multiple: float = 2.0
     # Smallest half width of a gap over a concave kink, relative to the period or to the zone next
     # to it. Narrower gaps are left out, since they are no wider than the round-off of their ends.
-    # The certificate says so.
+    # The certificate reports that gaps are left out.
     narrowest_gap: float = 1e-13
 
     # Largest allowed relative error of load and moment. It is far above rounding, and far below the

@@ -256,8 +256,8 @@ class Operator(sie.Kept):
         if not self.is_periodic or kernel.regular_potential is None or self.is_half_plane:
             return kernel
         assert period is not None
-        # The mean of the potential over a period is subtracted, as the potential of Hilbert's
-        # kernel has mean zero.
+        # The potential of Hilbert's kernel has mean zero over a period. The mean of the rest is
+        # subtracted, so that the whole potential has mean zero.
         mean = float(
             _smooth_rest(
                 kernel, period, period * (np.arange(SYMBOLS.harmonics) + 0.5) / SYMBOLS.harmonics

@@ -23,7 +23,7 @@ from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
 from sie import Array, Mask
 
-# Distances [m] from x = 0 that are far larger than any contact. Each is ten times the one before.
+# Distances [m] from x = 0 that are far larger than any contact.
 _DISTANCES = 10.0 ** np.arange(5, 13)
 _REMEDY = (
     "no load finds a hold. Give a tilt below its slopes, a part that rises on both sides, "

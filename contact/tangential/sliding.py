@@ -42,7 +42,7 @@ from sie import Array, record
 class SlidingOptions:
     """Options of the search that raises kappa in steps; see `_along_kappa`."""
 
-    least_step: float = 1 / 64  # over kappa; smaller steps have not succeeded
+    least_step: float = 1 / 64  # relative to `law.beta`; smaller steps never helped
 
 
 OPTIONS = SlidingOptions()

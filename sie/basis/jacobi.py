@@ -300,7 +300,7 @@ def _upward(family: Family, count: int, less: Number, left: Number) -> Iterator[
 def _downward(
     family: Family, last: int, less: Number, left: Number
 ) -> Iterator[tuple[int, Number]]:
-    """Yield (n, f_n / f_(n-1) - 1) for n = last ... 1.
+    """Yield (n, f_n / f_(n-1) - 1) for n from `last` down to 1.
 
     f_n is the transform F_n divided by the value p_n(1) or q_n(1) of its polynomial.
 

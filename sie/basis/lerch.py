@@ -93,7 +93,7 @@ def beta_share(a: complex, b: complex, x: Any, rest: Any) -> Number:
 
 
 def _complex_share(a: complex, x: Array, rest: Array) -> Number:
-    """I_x(a, 1 - a) for x <= 1/2.
+    """The regularised incomplete beta function I_x(a, 1 - a) for x <= 1/2; `rest` is 1 - x.
 
     It is sin(pi a) / pi times the integral of s^(a - 1) / (1 + s) from 0 to x / (1 - x).
     """
@@ -128,7 +128,7 @@ def _powers(a: complex) -> Number:
 
 
 def _constant(a: complex) -> complex:
-    """The limit of `lerch` plus log(1 - x) at x = 1."""
+    """The limit of the sum `lerch` at x, plus log(1 - x), as x tends to 1."""
     return -complex_or_real(special.digamma(a)) - float(np.euler_gamma)
 
 

@@ -148,7 +148,7 @@ class PowerJump(Kept):
         )
 
     def by_parts(self, order: int = 0) -> Array:
-        """Coefficients of total / pi (t - s)^k w in S_n, along a new first axis."""
+        """Coefficients in S_n of (total / pi) (t - s)^order w, along a new first axis."""
         out: Array = np.asarray(0.0)
         for c, factor in zip(
             _monomials(self.weighted, order + 1), self._binomial(order), strict=True

@@ -92,10 +92,10 @@ class ValueMode:
         return np.asarray(value if self.at_left else self.total - value)
 
     def edge_slopes(self) -> tuple[float, float]:
-        """Factors A of the terms A d^gamma of V at the left and the right end, half width 1.
+        """Factors A of the terms A d^gamma in V at the distance d from the left and right ends.
 
-        gamma is 1 - alpha at the left end and alpha at the right one. At the end with the value 1,
-        A d^gamma is added to this value.
+        The half width is 1. gamma is 1 - alpha at the left end and alpha at the right end. At the
+        end with the value 1, A d^gamma is added to this value.
         """
         w = self._half
         near = -w.sine / np.pi / w.rest * 0.5**w.rest

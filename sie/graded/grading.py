@@ -224,7 +224,7 @@ def log_sinhc(y: Numbers) -> Numbers:
 
 
 def _log1p(z: Numbers) -> Numbers:
-    """log(1 + z); NumPy's function for complex z loses the digits of a small one."""
+    """log(1 + z); for small complex z, NumPy's `log1p` loses digits."""
     if not np.iscomplexobj(z):
         return np.asarray(np.log1p(z))
     x, y = z.real, z.imag

@@ -183,7 +183,7 @@ class ExteriorLogarithms(PerZone):
 
     # The methods below give values at complex points (see `sie.density.plane`).
     def log(self, k: Index, seen: InPlane) -> Complex:
-        """2 log(1 - rho rho_z), with rho of logarithms k and rho_z of points z: (points, k).
+        """2 log(1 - rho rho_z), (points, k): rho is of logarithm k, rho_z of the point z.
 
         Close to the right end 1 - rho rho_z = (1 - rho_z) + rho_z (1 - rho) does not cancel. For
         rho < 0 the left end takes its place, with 1 + rho_z.

@@ -101,7 +101,7 @@ class AlgebraicPoints:
         """For each algebraic point, the common factor of the coefficients of the point's poles."""
         p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
         # `cosdg` and `sindg` (angles in degrees) are exactly zero at their zeros. So the weights
-        # are exactly zero if the point is that of a polynomial.
+        # are exactly zero if the term of the point is a polynomial.
         odd, even = cosdg(90.0 * p) * (right - left), sindg(90.0 * p) * (right + left)
         return np.asarray((odd + 1j * even) / np.pi)
 

@@ -21,7 +21,7 @@ from sie.results.derivative import (
 
 
 class GradedLinearized:
-    """The equations for the derivative of a solution beside narrow gaps.
+    """The equations for the derivative of a solution on zones next to narrow gaps.
 
     The rows are those of `sie.graded.system`, whose right sides are values at nodes.
     """

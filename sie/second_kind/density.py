@@ -31,9 +31,9 @@ from sie.trees.panels import panels_over
 
 @dataclass(frozen=True)
 class TreeOptions:
-    """When a tree sums the fields of zones at points of the line."""
+    """Option for the sums of the zones' fields at points of the line by a tree."""
 
-    min_zones: int = 32  # below, a sum over all zones takes no longer
+    min_zones: int = 32  # with fewer zones, a direct sum takes no longer
 
 
 TREES = TreeOptions()

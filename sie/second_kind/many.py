@@ -414,7 +414,7 @@ class ManySolver:
         return y
 
     def _scale(self, given: Array, firsts: Array) -> Array:
-        """Scale of each unknown: the largest of `given` and `firsts` in its zone, or `least`."""
+        """Scale of each unknown: the largest |given| or |firsts| of its zone, at least `least`."""
         m = self.rows.dense.layout.m
         largest = np.maximum.reduceat(np.abs(given), np.cumsum(m) - m)
         largest = np.maximum(largest, np.abs(firsts))

@@ -125,9 +125,9 @@ def by_gaps_if_better(
     strategy: str = "gaps",
     **newton: bool,
 ) -> SolvedGaps | None:
-    """The contact solved for its gaps; None if zones are better unknowns or the gaps fail.
+    """The contact with its gaps as unknowns; None if zones are better, or if the search fails.
 
-    A failure of the gaps is recorded in the plan, where `strategy` names the attempt. width, zones,
+    A failed search is recorded in the plan, where `strategy` names the attempt. width, zones,
     newton: see `by_gaps`.
     """
     if not gaps_are_better(context, problem, width):

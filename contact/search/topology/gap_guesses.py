@@ -142,7 +142,7 @@ class GapGuesses:
 
     @cached_property
     def _valleys(self) -> tuple[Index, Array]:
-        """Indices of the kinks in valleys; R at each one without the kink's own logarithm."""
+        """(indices of the kinks in valleys, R at each kink without the kink's own logarithm)."""
         kinks = np.flatnonzero(self.relief.heights < 0)
         return kinks, self.relief.without_own(kinks)
 

@@ -73,7 +73,7 @@ class PressureForm:
     def formal(
         self, load: float, table: Array, tolerance: float, decay: float | None = None
     ) -> ZoneFields:
-        """Fields under a load, with as many zones as `table`, whatever the signs are.
+        """Fields under a load, with as many zones as `table`; pressure and gap may have any sign.
 
         decay: see `sie.NewtonOptions`.
         """
@@ -123,7 +123,7 @@ class PressureForm:
         )
         ends = replace(zones, left=left, right=right)
         # The zones are unchanged, so they need the same numbers of modes. An iterative solve begins
-        # from the last solution on them.
+        # from the previous solution on these zones.
         sizes = replace(free.state.sizes, value=0.0)
         state = sie.solve_zones(
             problem.equation(Load(total)), ends, max(0.1 * tolerance, 3e-16), sizes
