@@ -50,7 +50,7 @@ class UniformTension(sie.Kept):
 
     @property
     def spreads(self) -> list[tuple[int, SpreadEnd]]:
-        """The spread ends of the tension: (0 for the first end or -1 for the last end, zone)."""
+        """(0 for the first or -1 for the last end, its `SpreadEnd`) for each spread end."""
         return [
             (end, zone) for end, zone in zip((0, -1), self.spread, strict=True) if zone is not None
         ]

@@ -98,7 +98,7 @@ class Surface:
         )
 
     def kept_slope(self, x: ArrayLike) -> Array:
-        """Derivative of the effect of the neighbours that are summed one by one.
+        """Derivative of the part of `value` due to the neighbours that are summed one by one.
 
         It is smooth up to the edges of these neighbours.
         """

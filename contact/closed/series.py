@@ -16,8 +16,8 @@ from scipy import fft
 
 from sie import Array, Index, record
 
-# Number of samples of the polynomial q = sum g_k U_{k-1}, divided by its degree. So many samples
-# suffice to bound q between them by second differences.
+# Number of samples of the polynomial q = sum g_k U_{k-1}, divided by the degree of q. With so many
+# samples, their second differences bound q between neighbouring samples.
 SAMPLES_PER_DEGREE = 8
 
 

@@ -53,9 +53,9 @@ class ConjugateOptions:
     # residual is the sum of the Fourier terms of f' that are left out. The factor 2 allows for
     # larger values between the samples.
     residual_margin: float = 2.0
-    # Replaces `residual_margin` if the Fourier terms fall as slowly as those of a jump, by half per
-    # octave. The samples of the residual may show only a quarter of a jump, and the residual's
-    # transform 1e-5 periods beside the jump is 4 times the jump. Their ratio is 16.
+    # This margin replaces `residual_margin` if the Fourier terms fall by half per octave, like
+    # those of a jump. The residual's samples may be only 1/4 of the jump, while its transform 1e-5
+    # periods from the jump is 4 times the jump.
     jump_margin: float = 16.0
     # Fourier terms that do not decay are noise if they are below this fraction of the largest slope
     # or term. Larger terms may come from an undeclared kink.

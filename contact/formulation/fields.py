@@ -363,7 +363,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @cached_property
     def spacing(self) -> float:
-        """Smallest scaled length over which the profile varies, and thus the gap."""
+        """Smallest scaled length over which the profile, and therefore the gap, varies."""
         units, profile, ends = (
             self.problem.units,
             self.problem.profile,

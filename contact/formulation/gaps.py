@@ -171,7 +171,8 @@ class GapFields(NoPlateaus, sie.Kept):
         return np.where(np.abs(t) == 1, 0.0, value) * self.problem.units.pressure
 
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
-        # On the surface p = pbar - Re skew (R - S), with the transform S of the gap's slope.
+        # On the surface, the pressure is the real part of mean - skew (R - S). R is the relief, and
+        # S the transform of the gap's slope.
         units = self.problem.units
         relief, bend = self._slope_inside(x, y)
         z = units.scaled(x) + 1j * (y / units.length)

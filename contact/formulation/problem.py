@@ -314,8 +314,8 @@ class Problem(sie.Kept):
         if self.kappa:
             conditions, closure = self._with_mismatch(conditions, closure)
         if self.moment is not None:
-            # The column is the slope of a unit tilt. Its unknown amplitude is the correction of the
-            # tilt.
+            # The column added here is the slope of a unit tilt. The column's unknown amplitude is
+            # the correction of the tilt.
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
             columns = (
                 *columns,

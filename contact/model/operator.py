@@ -418,7 +418,8 @@ def _smooth_rest(kernel: sie.Kernel, period: float | None, lag: Array) -> Array:
 def _crowded_nodes() -> tuple[Array, Array]:
     """Quadrature nodes and weights on (-1/2, 1/2); the nodes are dense near 0."""
     node, weight = np.polynomial.legendre.leggauss(LINE_LOADS.nodes)
-    # The cube makes the nodes dense at the middle, where the potential may vary as a logarithm.
+    # The cube of `u` makes the nodes dense at the middle of the cell, where the potential may vary
+    # as a logarithm.
     u = 0.5 * (1 + node)
     places, weights = 0.5 * u**3, 0.75 * weight * u**2
     return np.concatenate((-places, places)), np.concatenate((weights, weights))

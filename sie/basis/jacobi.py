@@ -46,9 +46,9 @@ class SweepOptions:
     rho^n while all other solutions grow as rho^(-n) (W. Gautschi, SIAM Review 9, 1967, 24-82).
     """
 
-    # The recurrence runs towards larger n as long as round-off grows by less than this factor
-    # rho^(-n). Half this factor halves the largest errors, and adds a third to the longest downward
-    # recurrence.
+    # The recurrence runs towards larger n as long as rho^(-n), the growth of round-off, is below
+    # this factor. Half this value halves the largest errors, but makes the longest downward
+    # recurrence a third longer.
     max_growth: float = 10.0
     # Up to this number of points, one downward recurrence serves all points. More points are
     # divided into groups with similar numbers of steps. One step has an overhead as large as the

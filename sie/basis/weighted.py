@@ -118,7 +118,7 @@ class JacobiFunctions(Kept):
     def sine(self) -> Any:
         """sin(pi alpha)."""
         if isinstance(self.kappa, complex):
-            # 1 + kappa^2 as a product has all digits next to kappa = i and -i, too.
+            # Near kappa = i and kappa = -i, the sum 1 + kappa^2 loses digits. The product does not.
             return 1.0 / cmath.sqrt((1 + 1j * self.kappa) * (1 - 1j * self.kappa))
         return 1.0 / math.hypot(1.0, self.kappa)
 

@@ -367,7 +367,7 @@ def _values(
 
 
 def conformal_radius(left: Array, right: Array) -> Array:
-    """Conformal radius R, at a zone, of the plane without the half-lines on its two sides.
+    """Conformal radius R, at a zone, of the plane without a half-line on each side of the zone.
 
     left, right: distances of the half-lines from the zone. One of them may be infinite.
     """

@@ -343,9 +343,8 @@ def _check_rise(
                 + OPTIONS.max_slope_error * size
                 + SUM_ROUNDING * np.abs(ends).max(axis=1) / (2 * h)
             )
-            # Because positions are rounded, the half length `h` of the interval has a lower limit.
-            # Points are skipped if their zone is too narrow for it, or if values of g are not
-            # finite.
+            # The half length `h` has a lower limit, because positions are rounded. Points are
+            # skipped if `h` is too large for their zone, or if values of `g` are not finite.
             missed = 2 * h * np.maximum(low - slack - rise, rise - high - slack)
             wrong &= (missed > 0.0) & (missing >= 0.5 * np.sqrt(longer / h) * missed)
             wrong &= (h < 0.1 * half) & np.isfinite(g).all(axis=1)

@@ -246,7 +246,7 @@ class Forcing(Kept):
         object.__setattr__(self, "within", _interval("within", self.within))
 
     def trusted(self) -> "Forcing":
-        """This function, declared correct, so that `sie` does not check its values and primitive.
+        """A copy of this function whose values and primitive `sie` does not check.
 
         Returns
         -------

@@ -388,7 +388,8 @@ class GradedDensity(DensityBase):
     def _near(self, zone: int, from_a: Any, from_b: Any) -> Mask:
         """Whether places are so close to a zone that Gauss's rule for 1 / (x - x') is not exact."""
         grading, n = self.system.gradings[zone], int(self.nodes.sizes[zone])
-        # The rule's error is rho^(2 n) in s, with rho = |s - sqrt(s^2 - 1)|.
+        # Gauss's rule has the error rho^(2 n) with rho = |s - sqrt(s^2 - 1)|, s the graded
+        # coordinate.
         excess = excess_of(0.5 * DIGITS / n)
         real = np.real(from_a) > -grading.before, np.real(from_b) > -grading.after
         with np.errstate(invalid="ignore", divide="ignore"):

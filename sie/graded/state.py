@@ -193,7 +193,7 @@ class GradedState(Answered):
 
     @property
     def noise(self) -> Array:
-        """Round-off of the right side: it is contained in the residual."""
+        """Zeros, because `residuals` already contains the round-off of the right side."""
         return np.zeros(len(self.density.zones))
 
     @cached_property
@@ -372,8 +372,8 @@ def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Size
         # Tails that more modes do not halve are round-off.
         more: Mask = (tails > enough) & (count < OPTIONS.max_modes) & (tails < 0.5 * last)
         # Coefficients are assumed to decay exponentially, so that the number of modes is
-        # proportional to the number of digits. The upper bound of `tails` limits the growth if few
-        # digits are known.
+        # proportional to the number of digits. `tails` near 1 would make `wanted` far too large, so
+        # `tails` are clipped.
         digits = np.log(np.clip(tails, enough, HALF_DIGITS**0.5))
         wanted = even_sizes(np.where(more, OPTIONS.growth * np.log(enough) / digits, 1.0) * count)
         wanted = np.minimum(wanted, OPTIONS.max_modes)

@@ -100,8 +100,9 @@ class ExteriorLogarithms(PerZone):
         -2 w (-rho / 4 + sum rho^j / (j (j^2 - 1)), j = 3, 5, ...).
         """
         rho = self.rho
-        # The series is rho E / 2 + E / (2 rho) - artanh(rho) + 3 rho / 4 with E = -ln(1 - rho^2)/2.
-        # The logarithms are combined so that none is infinite at |rho| = 1.
+        # The sum over j is rho E / 2 + E / (2 rho) - artanh(rho) + 3 rho / 4 with
+        # E = -ln(1 - rho^2)/2. The logarithms in E and artanh are combined: their infinite parts at
+        # |rho| = 1 cancel.
         size = np.abs(rho)
         with np.errstate(divide="ignore", invalid="ignore"):
             less = np.where(size < 1.0, (1 - size) ** 2 * np.log1p(-size), 0.0)

@@ -163,7 +163,7 @@ _NO_POTENTIAL = "with kappa the potential of a density with values at its ends i
 
 @record
 class KnownValue:
-    """The part of the density on one zone that has the value of the density at an end.
+    """The closed-form part of the density due to its prescribed value at one end of a zone.
 
     It has the methods of `KnownJumps`. x: the end.
     """

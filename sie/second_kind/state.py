@@ -140,7 +140,7 @@ class SecondKindState(Answered):
 
     @cached_property
     def natural(self) -> Array:
-        """The largest coefficient of each zone's density except c_0, which gives the total."""
+        """Largest |c_n|, n > 0, of each zone's density (Z,); c_0 gives the zone's total."""
         return self._sizes_from(1)
 
     def _sizes_from(self, first: int) -> Array:

@@ -130,7 +130,8 @@ def _require_regular(kernel: sie.Kernel) -> None:
     half = 0.5 * np.sqrt(CHECKS.same)
     rise = potential(_LAGS + half, zero) - potential(_LAGS - half, zero)
     within = half * np.asarray(regular(_LAGS[:, None] + half * nodes, zero)) @ weights
-    # `rise` is a difference of two potentials. Its round-off is therefore relative to their size.
+    # `rise` is a difference of two potentials, so its round-off is relative to the size of the
+    # potentials.
     size = ROUND_OFF * float(np.abs(potential(_LAGS, zero)).max())
     _require_same(rise, within, "smooth part", "is not the derivative in x of its potential", size)
 

@@ -102,8 +102,8 @@ class Preparation:
         if self.invert is not None and not isinstance(self.invert, bool):
             raise SceneError.of("invert", self.invert, "true or false")
         _degree(self.detrend)
-        # True stands for the number of points of the trace (`regrid`), or for its measured length
-        # (`period`). False means that the step is left out.
+        # `regrid` = True means the trace's number of points, `period` = True its measured length.
+        # False leaves out the step.
         for name, check in (("regrid", partial(integer, least=MIN_POINTS)), ("period", positive)):
             given = getattr(self, name)
             if not (given is None or isinstance(given, bool)):

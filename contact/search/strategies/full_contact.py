@@ -107,8 +107,8 @@ def refuse_full_approach(context: SolveContext, problem: Problem, control: Contr
     _refuse_wide_punch(context, control.approach * units.height)
     if not limit.approached or context.operator.compression:
         return
-    # Without a base the mean displacement is zero. The mean gap is therefore the profile's mean
-    # height minus the approach, both above the lowest point. `rounding` is that of the heights.
+    # Without a base the mean displacement is zero, so the mean gap is `highest` minus the approach.
+    # `highest` is the profile's mean height above its lowest point, and `rounding` its round-off.
     highest = mean_shape(problem)
     rounding = 8 * EPS * (highest + abs(problem.lowest) / units.height)
     if control.approach >= highest - rounding:

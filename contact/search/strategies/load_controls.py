@@ -108,8 +108,8 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
     assert goal is not None
     smaller_part = min(goal, 1 - goal)
     start = context.warm_start
-    # A similar solution is a better start than a grid only if its contact fraction is close to the
-    # wanted one.
+    # A similar solution is a better start than a grid only if the solution's contact fraction is
+    # close to `goal`.
     change = (
         math.inf if start is None else abs((start.contact_fraction or 0.0) - goal) / smaller_part
     )
@@ -133,8 +133,8 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
     limits = KnownLoads(closed=64 * EPS)
     for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
         last, fraction = here, contact_fraction(here)[0]
-        # The larger of two relative errors counts, that of the load and that of the contact
-        # fraction. If the fraction grows fast with the load, the second is larger.
+        # `error` is the larger of two relative errors: of the load and of the contact fraction. The
+        # error of the fraction is larger if the fraction grows fast with the load.
         error = max(load_error, abs(goal - fraction) / smaller_part)
         if error > near_enough:
             continue
@@ -266,7 +266,7 @@ def _solver_of_loads(context: SolveContext) -> Callable[[float, Solution | None]
         try:
             return context.solve_scene(loaded, SEARCH.intermediate, start, context.progress)
         except NotConverged as failure:
-            # An error below `SEARCH.rough`, though above the wanted one, is small enough for an
+            # An error above the tolerance but below `SEARCH.rough` is small enough for an
             # intermediate solution.
             if failure.best is None or not failure.best.error < SEARCH.rough:
                 raise

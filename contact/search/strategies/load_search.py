@@ -220,8 +220,8 @@ def by_quantity(
         SEARCH.light_load * scene.E_star * _length(scene) if warm_start is None else warm_start.load
     )
     best: Solution | None = None
-    # `sides` tells whether the quantity exceeded the goal at the loads tried so far. If it contains
-    # True and False, the goal is reached at a load between them.
+    # `sides` tells whether the quantity exceeded the goal at the loads tried so far. If `sides`
+    # contains True and False, the goal is reached at a load between two of those loads.
     sides: set[bool] = set()
     goal, limits = sign * control.value, KnownLoads(bounded=True)
     for here, load_error in nearer(under, quantity, goal, first, limits):
