@@ -111,7 +111,7 @@ class State:
         return self.whole.pinned
 
     def with_pinned(self, pinned: Mask) -> Self:
-        """This state with the given ends pinned, and no other ends."""
+        """A copy of this state in which the ends `pinned` are pinned and all others are free."""
         whole, free = self.whole, ~pinned
         rates = np.where(free[:, None] & free, whole.rates, 0.0) - np.diag(pinned / self.widths)
         corners = replace(whole, pinned=pinned)

@@ -302,8 +302,8 @@ def bounded_step(here: State, sign: float, limit: Array, most_back: Array) -> Ar
         step[far], step[back] = sign * limit[far], -sign * most_back[back]
         free &= ~(far | back)
         if not (far | back).any():
-            # After an end was put at its bound, other ends may have been put at theirs. If the
-            # first end now tends to move back, it is released, but only once.
+            # An end at its bound may tend to move back after other ends were put at their bounds.
+            # The end is then released, but only once.
             driven = np.sign(step) * (residual + rates @ step)
             late = ~(free | released) & (driven < 0.0)
             if not late.any():

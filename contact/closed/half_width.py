@@ -131,7 +131,7 @@ def carried_by(problem: Problem, control: Control, a: float) -> float:
 
 
 def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
-    """(half widths, controlled load or approach at each) from zero load to the first maximum."""
+    """(half widths, load or approach `control` at each), up to the first maximum of the latter."""
     limit = widest(problem)
     if not math.isfinite(limit):
         limit = 1e3 * guess_half_width(problem, control)

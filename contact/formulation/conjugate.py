@@ -423,7 +423,7 @@ class PeriodicPoles:
         return float(sum((np.abs(size) / tanh).sum() for tanh, size in self.poles))
 
     def __call__(self, x: Array, conjugate: bool) -> Array:
-        """Sum of the terms of all poles at places x or, if `conjugate`, of their transforms H."""
+        """Sum of all poles' terms at places x; if `conjugate`, of the terms' Hilbert transforms."""
         out, flat = np.zeros(np.size(x)), np.ravel(x)
         for place, (at, (tanh, size)) in enumerate(
             zip(self.points.places.tolist(), self.poles, strict=True)

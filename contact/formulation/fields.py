@@ -624,8 +624,8 @@ class ZoneFields(NoPlateaus, sie.Kept):
         with np.errstate(divide="ignore", invalid="ignore"):  # at ends, on the surface
             value, slope = self.density.transform_with_slope(z)
         if self._nominal:
-            # Outside the strip (a, b) with its copies acts the nominal pressure P, whose transform
-            # is -P (i + (1/pi) ln((z - a)/(z - b))).
+            # The strip and its copies fill the interval (a, b). The nominal pressure P acts outside
+            # (a, b), and its transform is -P (i + (1/pi) ln((z - a)/(z - b))).
             half = (self.problem.interaction.neighbours + 0.5) * self.problem.repeat_length
             left, right = z - (self.problem.centre - half), z - (self.problem.centre + half)
             value = value - self._nominal * np.asarray(1j + np.log(left / right) / np.pi)

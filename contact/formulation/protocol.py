@@ -53,7 +53,7 @@ class Fields(Protocol):
     # The next members concern the body below the surface.
 
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
-        """F [Pa] and F' [Pa/m] at the points z = x + iy [m] of the body, y >= 0, of one shape.
+        """F [Pa] and F' [Pa/m] at points z = x + iy [m], y >= 0; x and y have the same shape.
 
         F(z) = (1/pi) int p(xi) K(z - xi) dxi is the transform of the pressure p, with the kernel K
         of a half-plane. On the surface it is the limit from inside the body, so that Im F = -p.

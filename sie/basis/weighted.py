@@ -139,7 +139,7 @@ class JacobiFunctions(Kept):
 
     @cached_property
     def images(self) -> Family:
-        """The polynomials D_n of the equation's right side."""
+        """The polynomials D_n in which the equation's right side is expanded."""
         return self.bounded.mirrored
 
     def recurrence(self, count: int) -> tuple[Number, Number]:

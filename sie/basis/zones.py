@@ -65,7 +65,7 @@ class End:
 
     @property
     def surplus(self) -> int:
-        """Unknowns minus equations that this end adds, compared with a bounded end."""
+        """Number of unknowns minus equations that this end adds, relative to a bounded end."""
         return 1 if self.moves or self.intensity is None else 0
 
 

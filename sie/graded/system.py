@@ -47,7 +47,7 @@ class GradedOptions:
     # Up to this number of unknowns, plain coordinates are as fast and give levels with more digits.
     min_plain_unknowns: int = 900
     # A gap wider than this multiple of its zone's width is replaced by this multiple, so that the
-    # coordinate is defined next to infinite gaps. For gaps that wide it is nearly linear.
+    # coordinate is defined next to infinite gaps. Next to such gaps the coordinate is nearly linear.
     max_grading_gap: float = 1.0
     # Number of modes of a zone that the right side gets in addition to those that the kernel needs.
     extra_modes: int = 8
@@ -375,7 +375,7 @@ class GradedSystem(Rows, Kept):
     # The methods below choose the unknowns that are solved for.
     @cached_property
     def source_of(self) -> Index:
-        """Index of each unknown's mirror image if only that is solved for, else its own index."""
+        """Index of each unknown's mirror image if only the image is solved for, else its own."""
         out = np.arange(self.size)
         if self.zones.symmetric:
             mirrored = self.nodes - 1 - np.arange(self.nodes)
@@ -458,7 +458,7 @@ class GradedSystem(Rows, Kept):
 
 
 def _primitive(name: str, forcing: Forcing, x: Array) -> float:
-    """The sum of the primitive of a function of the right side at places x."""
+    """The primitive of a function of the right side, summed over the places x."""
     if forcing.primitive is None:
         raise ValueError(f"a condition on potentials needs the primitive of {name}")
     return float(np.asarray(forcing.primitive(x), dtype=float).sum())

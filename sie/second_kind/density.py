@@ -165,7 +165,10 @@ class SecondKindDensity(DensityBase):
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Edge slopes A at both ends of each zone; A is the coefficient of d^(1 - p)."""
+        """Edge slopes A at both ends of each zone; A is the coefficient of d^(1 - p).
+
+        d: distance from the end; p: `zones.weight.exponent`.
+        """
         unit = np.eye(self.coefficients.shape[1])
         every = np.array(
             [np.array([basis.edge_slopes(one) for one in unit]).T for basis in self._families]

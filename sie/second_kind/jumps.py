@@ -122,7 +122,7 @@ class KnownJumps(Kept):
 
     @cached_property
     def _moments(self) -> Array:
-        """As many moments as `series` needs at the points that are far."""
+        """The `FAR_TERMS` moments that `series` needs at far points."""
         return self.moments(FAR_TERMS)
 
     def in_plane(self, points: InPlane, what: tuple[Array, Array, bool]) -> Complex:

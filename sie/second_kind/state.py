@@ -26,7 +26,7 @@ class SecondKindOptions:
 
     # The first number of modes of a zone, unless near neighbours require more.
     first_modes: int = 16
-    # If modes are missing, their number is multiplied by at least this.
+    # If a zone has too few modes, their number is multiplied by at least this factor.
     growth: float = 1.6
     # Largest number of unknowns; then no modes are added. A matrix of this size takes some seconds.
     max_unknowns: int = 4000

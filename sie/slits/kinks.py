@@ -254,7 +254,7 @@ class SlitKink(Kept):
     def outside_slit(
         self, from_left: Array, from_right: Array, outside: Array, past: Mask
     ) -> Array:
-        """Density outside the slit due to psi (see `slope`), without the part of `edge`.
+        """Density outside the slit due to psi (see `slope`), without the terms a_0, a_1 of `edge`.
 
         outside: distance from the slit in its half widths; past: whether a point is right of it.
         """

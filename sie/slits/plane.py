@@ -168,7 +168,7 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
     first = inner.zeta * (mean_log + 1) - inner.root
 
     def means() -> Iterator[Complex]:
-        """The means over the slit at the head of this file, for q = 0, 1, 2, divided by half^q.
+        """Means over the slit (head of this module) for q = 0, 1, 2, divided by half^q.
 
         For q = 0 it is bar(G), for q = 1 bar((zeta - .) G - sin).
         """

@@ -170,8 +170,8 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     if panels is not None and not any(
         column.resolution.modes is None for column in state.equation.columns
     ):
-        # With `panels.modes` modes a zone resolves the kernel's regular part to round-off, so that
-        # it gets no more modes.
+        # `panels.modes` modes resolve the kernel's regular part on a zone to round-off. A zone that
+        # has this many modes gets no more.
         few &= m < panels.modes(zones.half)
     if not state.equation.grows or not few.any():
         return None

@@ -103,7 +103,7 @@ class Fourier(Profile):
 
 
 def _is_long(harmonics: int) -> bool:
-    """Whether a sum of so many harmonics is computed on a grid and interpolated.
+    """Whether a sum of `harmonics` terms is computed on a grid and interpolated.
 
     The grid takes `WIDTH` exponentials a point, a direct sum takes the root of the number of
     harmonics.

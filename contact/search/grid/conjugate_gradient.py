@@ -482,7 +482,7 @@ class _Run:
             # right. If the number of changes hardly falls, errors of the solve cause the changes.
             if changes <= 2 or changes > 0.7 * fewest:
                 tol = finer
-            # With a cap a few points may join and leave the capped ones in turn for ever.
+            # Under a cap of the pressure, a few points may become capped and uncapped without end.
             repeats = repeats + 1 if changes >= fewest and np.isfinite(cap) else 0
             if repeats > OPTIONS.max_repeats:
                 break
