@@ -241,7 +241,7 @@ def driven_inward(curve: Curve, middle: float, half: float, value: float) -> boo
 def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
     """The contact under a fixed approach, where ends that recede may make other ends advance.
 
-    It is followed from the start of the branch, through all jumps.
+    The contact is followed from the start of the branch, through all jumps.
     """
     value = curve.control.value
     if context.branch == "receding":

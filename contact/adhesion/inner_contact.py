@@ -369,7 +369,7 @@ def _room(pulled: TractionLoaded, zones: Array) -> tuple[Array, Mask]:
 
 
 def _own(pulled: TractionLoaded, zones: Array) -> Array:
-    """The interval of tension around each zone (n, 2); without tension, the sharp corners."""
+    """Interval of tension around each zone (n, 2), or between sharp corners without tension."""
     table = pulled.pulling.table
     return (
         table[interval_of(zones, table)]

@@ -313,8 +313,8 @@ def _share(
 ) -> Number:
     """sin(pi alpha) / pi int_0^(-u) y^(-alpha) / (1 + y) dy at pairs (P,); see the docstring above.
 
-    at_left, at_right: 1 + s and 1 - s; point: zeta + 1, zeta - 1 and zeta - s. It is 0 ... 1 on the
-    line off the interval.
+    at_left, at_right: 1 + s and 1 - s; point: zeta + 1, zeta - 1 and zeta - s. On the line off the
+    interval, the result is between 0 and 1.
     """
     left, less, away = point
     ratio = at_right / at_left

@@ -216,8 +216,8 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     whole = state.whole
     if not isinstance(whole, State) or state.density.slit_count or not np.isfinite(corners).any():
         return rounding
-    # An end within round-off of a corner follows from its distance to the corner. This distance is
-    # exact, so the end has no such error.
+    # The position of an end within round-off of a corner follows from the distance between the two.
+    # This distance is exact, so that the position has no round-off.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
     cornered, g = whole.density.jumps.kinked, whole.system.g
     # The smooth part of the right side has the coefficients g_k. The sum of k |g_k| is an upper

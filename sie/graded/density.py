@@ -141,7 +141,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def powers(self) -> Array:
-        """Powers (2, Z) of the scale by which psi is divided, see `GradedSystem.powers_for`."""
+        """Powers 0 or 1 (2, Z) of the distances from the gaps, see `GradedSystem.powers_for`."""
         return self.system.powers_for(self.unknowns)
 
     @cached_property

@@ -29,7 +29,10 @@ from sie.states.state import State
 
 @dataclass(frozen=True, eq=False)
 class Functional:
-    """J = int weight(x) phi dx + sum intensities * K + sum ends * (positions of the ends)."""
+    """J = int weight(x) phi dx + sum intensities * K + sum ends * (positions of the ends).
+
+    phi: density; K: intensities of phi at singular ends.
+    """
 
     weight: Callable[[Array], Array] | None
     intensities: Array

@@ -28,7 +28,8 @@ class SecondKindOptions:
     first_modes: int = 16
     # If a zone has too few modes, their number is multiplied by at least this factor.
     growth: float = 1.6
-    # Largest number of unknowns; then no modes are added. A matrix of this size takes some seconds.
+    # No modes are added if there would then be more unknowns than this. A matrix of this size takes
+    # some seconds.
     max_unknowns: int = 4000
     # A search for free ends stops if coefficients have hardly decayed up to this mode, as beside
     # gaps below about 1e-4 of a width. Each solution with more modes would take a second.
