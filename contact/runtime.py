@@ -19,10 +19,10 @@ from contact.extras import require
 class _Mallopt(IntEnum):
     """Parameters of the C function mallopt, numbered as in <malloc.h>."""
 
-    # Number of free bytes that the top of the heap may keep. More free bytes are returned to the
-    # system.
+    # The trim threshold is the number of free bytes that the top of the heap may keep. More free
+    # bytes are returned to the system.
     TRIM_THRESHOLD = -1
-    MMAP_MAX = -4  # largest number of blocks that are mapped one by one
+    MMAP_MAX = -4  # bounds the number of blocks that are mapped one by one
 
 
 # These values are restored when freed memory need no longer be kept. The trim threshold is the one

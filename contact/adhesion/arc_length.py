@@ -178,8 +178,8 @@ class Step:
     def turns_once(self) -> bool:
         """Whether the control has exactly one extreme in the step.
 
-        At a single extreme the growth rate is zero. If it is not, there are several extremes and
-        the step is too long.
+        At a single extreme the growth rate is zero. If the growth rate is not zero there, the step
+        has several extremes and is too long.
         """
         try:
             growth = self.at(self.turning(False), False).growth

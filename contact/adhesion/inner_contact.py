@@ -381,8 +381,8 @@ def _own(pulled: TractionLoaded, zones: Array) -> Array:
 def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
     """(zones joined across closed gaps, `first` of these zones).
 
-    first: the widths of the zones when the search began. A joined zone keeps that of its leftmost
-    part.
+    first: the widths of the zones when the search began. A joined zone keeps this width of its
+    leftmost part.
     """
     gap = zones[1:, 0] - zones[:-1, 1]
     width = np.diff(zones, axis=1)[:, 0]

@@ -30,7 +30,8 @@ from sie import Array, Kept, Mask, record
 class PredictorOptions:
     """Options of the prediction of the residuals of moving ends."""
 
-    # Number of places on the path of an end, evenly spaced in the square root of the distance.
+    # Number of places on the path of an end. They are evenly spaced in the square root of the
+    # distance from the end.
     places: int = 64
     # Least number of places for each feature of the profile.
     places_per_feature: int = 4
@@ -165,9 +166,9 @@ class Predictor(Kept):
 
 
 def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) -> Array:
-    """Intensity -K (2n, places) that each end would have at the places on its path.
+    """Intensity -K (2n, places) of each end, if the end were at the places on its path.
 
-    The path is outward or inward.
+    The path leads outward for `sign` > 0, else inward.
     """
     at, outward = here.table.T.ravel()[:, None], np.repeat((-1.0, 1.0), len(here.table))[:, None]
     root = np.sqrt(farthest[:, None] * _parts())

@@ -87,12 +87,12 @@ class _End:
 def _end(curve: Curve, here: State, past_cut: Callable[[State], float]) -> _End:
     """The end of the curve in the direction in which the control falls.
 
-    It is a turning point, a place where an end leaves a sharp corner, or one where an interval is
-    cut.
+    The curve ends at a turning point, or where an end of an interval leaves a sharp corner or an
+    interval is cut.
     """
     for step in steps(curve, curve.settled(here), -1.0, False):
-        # A turning point is first located roughly, as it need not be the end of the curve. An
-        # interval may be cut before it.
+        # A turning point is first located roughly. It need not be the end of the curve, as an
+        # interval may be cut before the turning point.
         length = step.turning(False) if step.turns else step.length
         last = step.at(length, False) if step.turns else step.end.at
         if step.turns or step.lets_go or past_cut(step.start.at) < 0.0 < past_cut(last):

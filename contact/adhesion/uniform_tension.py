@@ -71,9 +71,8 @@ class UniformTension(sie.Kept):
     def lacks(self, zone: Index | int, last: int, left: Array, right: Array) -> Array:
         """1 minus the local fraction eta of the tension, at points of the zones.
 
-        left, right: distances from the ends of the zones, divided by the half-width.
-
-        last: index of the last zone.
+        left, right: distances from the ends of the zone, divided by the zone's half width. last:
+        index of the last zone.
         """
         out = np.zeros(np.broadcast_shapes(np.shape(zone), np.shape(left)))
         for end, _ in self.spreads:

@@ -56,7 +56,7 @@ def powers(count: int) -> Array:
 
 @lru_cache(maxsize=32)
 def table(size: int) -> Table:
-    """The table of the `size` positive Chebyshev nodes."""
+    """The `Table` with `size` nodes: the positive ones of the 2 * `size` Chebyshev nodes."""
     degree, k = 2 * size, orders(size)
     # Multiples of a full turn are removed in integers, since the round-off of k * theta would grow
     # with k.

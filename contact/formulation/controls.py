@@ -83,7 +83,7 @@ class Control:
         raise NotImplementedError
 
     def unit(self, units: Units) -> float:
-        """Value in SI units of the unit of the control's scaled `value`."""
+        """The control's value in SI units for a scaled `value` of 1."""
         return float(getattr(units, self.counted_in))
 
     def described(self, units: Units) -> str:

@@ -21,8 +21,8 @@ from sie import Array
 class InputCheckOptions:
     """Limits of the check for round-off in the heights.
 
-    counts: smallest difference, relative to the rise, that is reported. grows: largest factor by
-    which round-off may grow on the wider intervals.
+    counts: smallest reported difference of height and slope, relative to the rise of the height.
+    grows: largest factor by which round-off may grow on the wider intervals.
     """
 
     counts: float = 1e-7
@@ -46,8 +46,8 @@ def height_rounding(problem: Problem, table: Array) -> str:
     here, rise, largest = _differences(problem, middle, half)
     if not here > _OPTIONS.counts * rise:
         return ""
-    # If the difference exceeds the noise of the heights, it is no round-off. Then the height or the
-    # slope is wrong.
+    # A difference between height and slope that exceeds the noise of the heights is no round-off:
+    # the height or the slope is wrong.
     at = middle + half * np.linspace(-1, 1, _PARTS)
     scale = np.full(at.shape, half / _PARTS)
     if verdicts(problem.shape, problem.slope, at, scale).contradicted.any():

@@ -53,7 +53,7 @@ class Relief(Conjugate):
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
-        """Part of the relief R by kinks that the half-plane lacks: from all waves n with L_n != 1.
+        """Part of R that kinks cause and a half-plane lacks: from all waves n with L_n != 1.
 
         It is the sum over all kinks of (J/pi) times the smooth part of the inverse kernel's
         potential, with J the jump of the slope.

@@ -23,7 +23,7 @@ from sie import Array, Mask, record
 class DerivativeOptions:
     """Options of the derivatives that this module computes."""
 
-    # Tolerance of the densities. Divided by 2 * shift, it is still far below shift^2, the relative
+    # Tolerance of the densities. `tolerance` / (2 `shift`) is far below `shift`^2, the relative
     # error of a central difference.
     tolerance: float = 1e-11
     shift: float = 1e-3  # step of the centre in a central difference, over the gap at the border

@@ -282,9 +282,9 @@ def _tilt(scene: Scene) -> Part:
 
 
 def starts_from_one_zone(scene: Scene) -> bool:
-    """Whether the first guess is one zone about x = 0, as wide as that on a half-plane.
+    """Whether the first guess is one zone about x = 0, as wide as a contact on a half-plane.
 
-    That is so for one symmetric asperity with its tip at x = 0.
+    This holds for one symmetric asperity with its tip at x = 0.
     """
     summits = scene.profile.summits
     if not scene.operator.is_plain:

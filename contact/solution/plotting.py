@@ -291,7 +291,7 @@ def to_html(solution: Solution) -> str:
 
 
 def picture(drawn: Any, draw: Callable[[Any], Any], what: str) -> str:
-    """HTML image of the figure that `draw` makes of an object; a text without matplotlib."""
+    """HTML image of the figure that `draw` makes of `drawn`; a text if matplotlib is missing."""
     stream = io.BytesIO()
     try:
         draw(drawn).savefig(stream, format="png", dpi=96)

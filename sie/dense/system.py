@@ -156,7 +156,7 @@ class Places:
     x: Array
 
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
-        """The points relative to the zones `sources` moved by `shift`, like `Targets.seen`."""
+        """The points relative to the zones `sources`, which are moved by `shift`."""
         return outside(zones.a[sources] + shift, zones.b[sources] + shift, self.x[:, None]), None
 
 
@@ -360,10 +360,10 @@ class System(Rows):
 
     @cached_property
     def unseen_moments(self) -> Array | None:
-        """Moments on the panels of the density's coefficients above mode m; None without any.
+        """Moments on the panels, from the density's coefficients above mode m; or None.
 
-        These coefficients are known, from g and its jumps. The result is None if the regular part
-        of the kernel resolves only modes up to m.
+        These coefficients are known, from g and the jumps of g. The result is None without panels,
+        or if modes up to m resolve the regular part of the kernel.
         """
         zones, panels = self.zones, self.panels
         if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):

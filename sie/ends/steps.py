@@ -34,7 +34,8 @@ class Branch:
 class LastMoves:
     """The last step of the ends as it was carried out, after damping.
 
-    residual: intensities less the prescribed ones before it (2, Z); moves: outward moves (2, Z).
+    residual: intensities before the step minus the prescribed intensities (2, Z). moves: outward
+    moves (2, Z).
     """
 
     residual: Array

@@ -94,13 +94,13 @@ class GradedDensity(DensityBase):
 
     @property
     def jumps(self) -> ForcingJumps:
-        """The jumps within the zones."""
+        """The jumps of the right side within the zones."""
         closed = self.system.closed
         return closed.jumps if self.forced and closed is not None else ForcingJumps.none()
 
     @property
     def closed(self) -> Density | None:
-        """The density of the jumps, in closed form; None if there are none."""
+        """The density caused by the `jumps`, in closed form; None if there are no jumps."""
         closed = self.system.closed
         return closed.density if self.forced and closed is not None else None
 
@@ -304,7 +304,7 @@ class GradedDensity(DensityBase):
         return out[0], out[1], out[2]
 
     def _changes_on(self, zone: int) -> list[Array]:
-        """The quantities at the nodes of a zone whose largest values are those of `sensitivity`.
+        """The three quantities whose largest values give `sensitivity`, at the nodes of a zone.
 
         The slope of the density is a central difference in s, whose steps are resolved beside gaps.
         """

@@ -406,7 +406,7 @@ class GradedSystem(Rows, Kept):
         return np.asarray(matrix[:, self.kept])
 
     def unfold(self, y: Array) -> Array:
-        """All unknowns from the unknowns `kept`."""
+        """All unknowns, from the values `y` of the unknowns `kept`."""
         out = np.zeros((self.size, *y.shape[1:]))
         out[self.kept] = y
         return np.asarray(out[self.source_of])

@@ -242,7 +242,7 @@ class _KernelField:
 
 
 def _kernel_field(density: Density, dkernel: Smooth | Regular) -> Forcing:
-    """Transform and potential of a density with the change `dkernel` of the kernel.
+    """Transform and potential that a density has by the change `dkernel` of the kernel.
 
     The number of nodes on each zone is doubled until the transform no longer changes.
     """

@@ -104,7 +104,7 @@ class KnownJumps(Kept):
         near: Callable[[Outside], Array],
         far: Callable[[Array, Array, Array], Array],
     ) -> Array:
-        """Values at points off the zone by `near`, or by `far` where that is as accurate."""
+        """Values at points off the zone: by `far` where `far` is accurate, else by `near`."""
         sign, excess = np.broadcast_arrays(np.asarray(points.sign), points.excess)
         left, less = from_ends(Outside(sign, excess))
         is_far = np.abs(rho_of(left, less)) < OPTIONS.far

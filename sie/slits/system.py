@@ -498,7 +498,7 @@ class SlitState(Answered):
         return np.asarray(np.sin(THETA) / self._wide_sines)
 
     def _errors_over(self, sizes: Array) -> Array:
-        """Error of the density on each given zone, divided by the given sizes (n,).
+        """Error (n,) of the density on each given zone, divided by `sizes` of the density.
 
         The error is multiplied by sqrt(1 - t^2) of the wide zone.
         """

@@ -248,9 +248,9 @@ class State(Solved):
 
     @cached_property
     def _ends_of_series(self) -> tuple[Array, Array]:
-        """(largest coefficient in the middle of each zone's series, largest one at its end).
+        """Largest |coefficient| near the middle of each zone's series, and near the series' end.
 
-        The series are those of the right side. A few coefficients are compared at each place.
+        The series are those of the right side. A few coefficients are compared at both places.
         """
         head, last = self._some_up_to(0.5), self._some_up_to(1.0)
         return np.array([row.max() for row in head]), np.array([row.max() for row in last])

@@ -201,7 +201,7 @@ class Law(Named, sie.Kept):
     def completed(
         cls, parameters: Mapping[str, Any], moduli: Mapping[str, float]
     ) -> Mapping[str, Any]:
-        """The parameters of a scene file's table; those that are left out and follow from moduli.
+        """The parameters in a scene file, completed by those that follow from the moduli.
 
         moduli: E1, nu1 and perhaps E2, nu2 of the scene file, or E_star alone.
         """
@@ -229,10 +229,10 @@ class Law(Named, sie.Kept):
         return -pi / E_star * self.intensity(E_star) ** 2 * width
 
     def refuses(self, scene: Any) -> str | None:
-        """Reason why the law cannot be used with a scene, as the end of a sentence; None without
-        one.
+        """Reason why the law cannot be used with a scene; None if it can be used.
 
-        The scene (`contact.Scene`) has a control that the law allows.
+        The reason is the end of a sentence. The scene (`contact.Scene`) has a control that the law
+        allows.
         """
         return None
 

@@ -122,7 +122,7 @@ def declared_jumps(
     powers: Array,
     rounding: float = 0.0,
 ) -> tuple[Array, Array]:
-    """(jumps of `slope` at the declared kinks (n, 2), their errors less the allowed errors).
+    """(jumps of `slope` at the declared kinks (n, 2), their errors minus the allowed errors).
 
     The slope is read at `distance` and at half of it on both sides of each kink, and the jump is
     extrapolated to the kink. A declared jump is false if its entry of the second array is positive.
@@ -280,8 +280,8 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
         rounding = EPS * float(np.abs(weights) @ np.abs(values)) * (1.0 + abs(s) / y[0])
         if abs(declared) > 10 * rounding / (2 * CHECKS.jump):
             found.append(abs(float(weights @ values) - declared) / abs(declared))
-    # If the last halving of the step still decreased the fraction, the differences still contain
-    # the smooth part of the function. Then nothing is concluded, and 0 is returned.
+    # If the last halving of the step still decreased the missing fraction, the differences still
+    # contain the smooth part of the function. Then the fraction is unknown, and 0 is returned.
     return 0.0 if len(found) < 3 or found[-1] < 0.7 * found[-2] else min(found)
 
 

@@ -59,7 +59,8 @@ class DifferenceOptions:
         2^-8. The round-off of heights is measured over the same number of steps.
     margin: largest round-off, relative to the median round-off. Also the round-off of an
         extrapolated quotient, relative to that of a height divided by the smallest step.
-    together: number of neighbouring places with one estimate of round-off. 16 to 64 are the same.
+    together: number of neighbouring places with one estimate of round-off. Numbers from 16 to 64
+        are equally good.
     """
 
     wider: int = 24

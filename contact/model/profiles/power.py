@@ -114,8 +114,9 @@ class Power(Profile):
             if self.exponent > 1.0
             else []
         )
-        # Near the border, f contains odd powers of the distance. Powers 1 and 3 are declared in
-        # `kinks` and `jumps`, powers 5 and 7 here. Power 9 is smooth enough to be left out.
+        # Near the border of two periods, f contains odd powers of the distance from this border.
+        # Powers 1 and 3 are declared in `kinks` and `jumps`, powers 5 and 7 here. Power 9 is smooth
+        # enough to be left out.
         border = [
             [at, order, jump / (2 * order), jump / (2 * order)]
             for at, order, jump in self._at_border(5, 7)

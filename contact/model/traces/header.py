@@ -240,7 +240,7 @@ def bare_name(field: str) -> str:
 
 
 def header_fields(line: str, delimiter: str | None) -> Iterator[list[str]]:
-    """Yield the fields of a header, one list for each delimiter; that of the data first.
+    """Yield the fields of a header, a list for each delimiter; `delimiter` comes first.
 
     Units stay with their names: in brackets, after a slash, a comma, a colon or "in".
     """

@@ -78,7 +78,7 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
     """Zones from a grid, under a load at which their scaled total width is about `width`.
 
     The load is first found on grids that just resolve the width. A few grids as fine as the profile
-    needs then correct the remaining error. Without them a rough contact of more than 30
+    needs then correct the remaining error. Without these fine grids a rough contact of more than 30
     zones takes two to four times as long.
     """
     period, length = scaled.problem.repeat_length, scaled.problem.units.length
@@ -97,7 +97,8 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
             break
         before, start = (load, error), found
         load *= math.exp(min(max(-error / rate, -0.5), 0.5))
-    # The width may jump with the load. Then the last trial is not always the closest one.
+    # The width may jump with the load. So the width of the last trial is not always the closest to
+    # `width`.
     return min(fine, key=lambda tried: tried[0])[1]
 
 

@@ -53,9 +53,9 @@ class AtTilt:
 def balanced(
     measure: Callable[[float], AtTilt], centre: float, tilts: Sequence[float], most: int
 ) -> AtTilt:
-    """The contact whose load has the given centre, or the closest one of `most` trials.
+    """The contact whose load is centred at `centre`, or nearest to `centre` in `most` trials.
 
-    tilts: tilts to try first. Raises the error of `measure` if it fails at all of these.
+    tilts: tilts to try first. Raises the error of `measure` if `measure` fails at all of `tilts`.
     """
     low, high = -math.inf, math.inf
     best: AtTilt | None = None

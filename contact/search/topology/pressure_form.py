@@ -177,7 +177,7 @@ class PressureForm:
         )
 
     def is_slight(self, found: Solved) -> bool:
-        """Whether a minimum of the pressure, or a gap between zones, is as small as the error.
+        """Whether a minimum of the pressure, or a gap between zones, is within its error.
 
         Then the number of zones is doubtful. For a reference solution this does not matter.
         """

@@ -159,7 +159,7 @@ def _value(value: Any, whole: bool) -> Value | None:
 
 
 def _unit(scene: Scene, key: str) -> str:
-    """The unit of a key, as its class declares it; "" if it has none."""
+    """The unit of a key, as the key's class declares it; "" if the key has no unit."""
     table, _, name = key.partition(".")
     if key == BRANCH:
         return ""
