@@ -64,7 +64,8 @@ class CohesiveOptions:
     narrowest_strip: float = 5e-7
     # Largest number of earlier states that are kept for warm starts.
     max_known: int = 256
-    # Largest number of zones. Each step of the ends factors a dense matrix of all unknowns.
+    # Largest number of zones. It is bounded, because each step of the ends factors a dense matrix
+    # of all unknowns.
     max_zones: int = 400
 
 

@@ -123,7 +123,7 @@ def near_pull_off(
 
     with suppress(Closed, NoState, NotConverged):
         # The search must start from zones that contain the contact. Zones under a larger work of
-        # adhesion do, as they are wider.
+        # adhesion are wider, so that they contain the contact.
         first = relaxed(short, here.table, here.value)
         if first is None:
             return None

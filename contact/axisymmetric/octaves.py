@@ -76,7 +76,7 @@ class LogDerivative:
         return np.asarray(self._function(np.exp(t)))
 
     def _by_step(self, t: Array) -> Array | None:
-        """The derivative by a complex step; None if it is undefined or not finite."""
+        """Derivative by t = log r, from a complex step; None unless it is finite at every t."""
         slope = self._finite_or_nan(t)
         return slope if np.isfinite(slope).all() else None
 

@@ -328,7 +328,10 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
 
 
 def room(kinds: Sequence[Kind], radii: Array) -> float:
-    """The smallest relative distance of a spot from its neighbours or circle; <= 0 if they meet."""
+    """Smallest of 1 - (sum of two spots' radii) / distance, and 1 - radius / `circle`.
+
+    The number is at most 0 if two spots meet or a spot reaches its circle.
+    """
     taken = [0.0]
     for j in touching(radii):
         for i in touching(radii):

@@ -58,8 +58,8 @@ def powers(count: int) -> Array:
 def table(size: int) -> Table:
     """The `Table` with `size` nodes: the positive ones of the 2 * `size` Chebyshev nodes."""
     degree, k = 2 * size, orders(size)
-    # Multiples of a full turn are removed in integers, since the round-off of k * theta would grow
-    # with k.
+    # Full turns are removed while the angle is an integer. Otherwise the round-off of k * theta
+    # would grow with k.
     turns = (2 * np.arange(size)[:, None] + 1) * k % (4 * degree)
     matrix = np.cos(turns * (np.pi / (2 * degree))) * (4 / degree)
     sums = np.column_stack((matrix[:, 0], matrix @ k, matrix[:, -2:]))

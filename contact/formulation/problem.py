@@ -34,7 +34,7 @@ from sie import Array, Index, nearest_image, record
 Conditions = tuple[sie.Condition, ...]
 
 
-# The module for bodies that slide and differ elastically, imported for their scenes only.
+# The module for bodies that slide and differ elastically; only such scenes import it.
 MISMATCH = "contact.formulation.mismatch"
 
 

@@ -14,8 +14,8 @@ class SearchOptions:
     # Relative error of the solution on the finest grid. Solutions under trial loads have the same
     # error: they serve to find the load that gives a wanted approach or contact fraction.
     intermediate: float = 1e-6
-    # Factor by which a tolerance is reduced if the result magnifies the error that it allows. This
-    # is so for gaps next to wide zones, and for differences of two solutions.
+    # Factor by which a tolerance is reduced if the allowed error is magnified in the result. Errors
+    # are magnified for gaps next to wide zones, and in differences of two solutions.
     tight_factor: float = 1e-2
     # Allowed error on grids that just resolve the contact. An error of the contact width is
     # relative to the smaller of contact width and gap width. An error of the load's centre is

@@ -323,7 +323,7 @@ def pressure_signs(fields: ZoneFields, limit: float | None = None) -> Signs:
 
 
 def bounded_weight(zones: sie.Zones, left: Array, right: Array) -> Array:
-    """The function sqrt(1 - t^2), with other exponents for kappa, by which a pressure ends."""
+    """Factor sqrt(1 - t^2) of a pressure that is 0 at both ends; other exponents with kappa."""
     if zones.weight.is_half:
         return np.asarray(np.sqrt(left * right))
     at_left, at_right = 1 - zones.weight.exponent[:, 0]

@@ -115,7 +115,7 @@ class Weight:
         return -change / ((1 - self.exponent) * move)
 
     def of(self, kept: Index) -> "Weight":
-        """The exponents on some of the zones."""
+        """The weight of the zones that `kept` selects."""
         return self if self.kappa is None else Weight(self.kappa[kept])
 
 

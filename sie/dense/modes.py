@@ -73,7 +73,7 @@ def most(kernel: Kernel) -> int:
 
 
 def enough(kernel: Kernel, tolerance: float) -> float:
-    """Size to which a regular part's coefficients must decay, relative to the largest one.
+    """Size to which the regular part's coefficients must decay, relative to the largest one.
 
     If `kernel.length` is declared, the coefficients decay exponentially, so that a lower level
     costs little. The lower level is needed if the regular part nearly cancels the poles, since the
@@ -283,8 +283,8 @@ def sample(
             ).all(axis=1)
             sizes[group], tails[group] = sizes[group][:, [1, 1]], tails[group][:, [1, 1]]
             sizes[group, 1], tails[group, 1] = n, last
-            # Only a zone with enough nodes between its jumps counts. With too few nodes, the
-            # coefficients do not yet show how they decay.
+            # `calm` rises only for a zone with enough nodes between its jumps. With too few nodes,
+            # the coefficients do not yet show how they decay.
             calm[group] += (
                 slow
                 & (last < OPTIONS.nearly_decayed * scale)

@@ -26,8 +26,8 @@ class Treecode:
     """Transform and potential of a density, from a series on each cell of the central period."""
 
     def __init__(self, density: Series) -> None:
-        # The reference is weak, because the density refers to this object. A reference cycle would
-        # delay the release of both objects.
+        # `self.density` is a weak reference, because the density refers to this object. A reference
+        # cycle would delay the release of both objects.
         self.density: Series = weakref.proxy(density)  # type: ignore[assignment]
         zones, period = density.zones, density.kernel.period
         first, last = float(zones.a[0]), float(zones.b[-1])

@@ -144,7 +144,7 @@ class SingularDensities(Rows):
 
 
 class AppliedMotions(Applied):
-    """Quantities of side conditions, summed over a response and over singular densities."""
+    """Values of the quantities in side conditions, for unknowns y plus singular densities."""
 
     singular: SingularDensities
 

@@ -311,7 +311,7 @@ class ConjugateSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, g: Callable[[Array], Array]
     ) -> "tuple[ConjugateSpline, Array, Array] | None":
-        """(spline, zeros, place and height of an added jump); None if g has other jumps.
+        """(spline, zeros, place and height of an added jump); None if g's jumps are not `jumps`.
 
         The zeros stand for the jumps that remain without the spline: none. The spline is g minus a
         function of two quadratic pieces that has the values and slopes of g at both ends. The added
@@ -553,7 +553,7 @@ class ConjugateSpline(Kept):
 
 
 def _graded(first: float, last: float) -> Array:
-    """Ends of panels that cover (0, pi); their lengths double inwards from `first` and `last`.
+    """Panel ends that cover (0, pi); panel lengths double inwards from `first` and `last`.
 
     No inner panel is longer than its distance from 0 and from pi.
     """

@@ -57,7 +57,7 @@ class DerivativeOptions:
     # the digits of a double.
     max_tail: float = 1e-8
     # The derivative of a solution with slits or graded coordinates is computed from a solution
-    # without them. This is the largest stated error that the latter may have.
+    # without them. `max_error` bounds the stated error of the solution without them.
     max_error: float = 1e-8
     # Least and largest number of nodes on a zone for the field of the kernel's change. The number
     # is doubled until the field no longer changes.

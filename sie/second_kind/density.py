@@ -361,7 +361,7 @@ class SecondKindDensity(DensityBase):
         return out
 
     def _of_zone(self, i: int, x: Array, potential: bool) -> Array:
-        """Transform, or potential, of zone i without its images at real x (P,)."""
+        """Transform or potential of zone i at real x (P,), without the zone's periodic images."""
         w, zone = self.zones.half[i], np.full(len(x), i)
         basis, c = self.bases[i], self.coefficients[i]
         left, right = self.zones.beyond_a(x, zone) / w, self.zones.before_b(x, zone) / w
@@ -388,9 +388,9 @@ class SecondKindDensity(DensityBase):
         return np.asarray(w * (out + total * np.log(w / self.kernel.datum)))
 
     def _off_zone(self, i: int, seen: Outside, potential: bool) -> Array:
-        """Transform of the density of zone i off the zone, or its potential over w.
+        """Transform of zone i's density at points off the zone; if `potential`, potential over w.
 
-        Far away it is a sum over moments, which takes less time than the closed forms.
+        w is the half width. Far away, a sum over moments takes less time than the closed forms.
         """
         basis, of_zone = self.bases[i], [one for one in self.known if one.zone == i]
         left, less = from_ends(seen)

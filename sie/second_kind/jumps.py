@@ -90,7 +90,7 @@ class KnownJumps(Kept):
         return self._off_zone(points, lambda at: self._near_transform(at, self.order), series)
 
     def potential(self, points: Outside) -> Array:
-        """Potential of the density at real points off the zone, of any shape, over w."""
+        """Potential over the half width w at real points off the zone; any array shape."""
 
         def near(at: Outside) -> Array:
             rest = self.closed.weighted.potential_of(self._by_parts, at)

@@ -241,7 +241,7 @@ class FieldSums:
 
 
 def apart(zones: Zones, pairs: Pairs) -> tuple[Array, Array]:
-    """(side of the source on which each target lies, gap between the two)."""
+    """(1 or -1 if the target zone is right or left of the source zone, gap between both)."""
     t, s, shift = pairs.target, pairs.source, pairs.shift
     right = zones.middle[t] > zones.middle[s] + shift
     past = (zones.a[t] - (zones.b[s] + shift)) + (zones.rest[0, t] - zones.rest[1, s])

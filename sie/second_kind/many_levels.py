@@ -169,7 +169,6 @@ class LevelRows(ManyRows):
         heights = [np.asarray(one.primitive(x), dtype=float) for one in columns if one.primitive]
         return np.array(heights).reshape(-1, len(x))
 
-    # Parts of the zones' levels.
     @cached_property
     def near_middles(self) -> Any:
         """Sparse matrix from the unknowns to the potential of near zones in each zone's middle."""

@@ -74,7 +74,7 @@ def solve_moved(state: SecondKindState, outward: Array) -> SecondKindState:
 def _solve_once(
     equation: Equation, zones: Zones, m: Index, sizes: Sizes, fewer: SecondKindState | None
 ) -> SecondKindState:
-    """The solution with m modes on each zone; `fewer`: an earlier one with fewer modes, if any."""
+    """The solution with m modes on each zone; `fewer`: a solution with fewer modes, or None."""
     layout = Layout(m, len(equation.columns))
     parts = known_parts(equation.forcing, zones, equation.kernel.period)
     system = SecondKindRows(equation, zones, layout, parts)

@@ -36,8 +36,8 @@ class SecondKindOptions:
     search_modes: int = 768
     # Number of last coefficients of a zone. The largest of them shows whether modes are missing.
     last: int = 3
-    # Round-off of a complex product over that of a real one, the root of 5 (R. Brent, C. Percival,
-    # P. Zimmermann, Math. Comp. 76, 2007, 1469-1481).
+    # Round-off of a complex product divided by that of a real one: the square root of 5 (R. Brent,
+    # C. Percival, P. Zimmermann, Math. Comp. 76, 2007, 1469-1481).
     complex_rounding: float = 5**0.5
 
 
@@ -240,7 +240,7 @@ class SecondKindState(Answered):
 
     @property
     def _near_ends(self) -> Array:
-        """Angles next to the right end of each zone, where its modes vary (Z, 3)."""
+        """Angles 1/(2 m), 1/m, 2/m from each zone's right end (Z, 3); m >= 2: its highest mode."""
         return np.asarray(np.exp2([-1, 0, 1]) / np.maximum(self.system.layout.m, 2)[:, None])
 
     def _residuals_at(self, theta: Array) -> Array:

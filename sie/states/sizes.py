@@ -187,7 +187,7 @@ def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Siz
     """
     alike = len(left.own) == len(zones)
     if last:
-        # The mask of gaps treated as slits is valid only for the same number of zones.
+        # `joined`, the mask of gaps treated as slits, is valid only for the same number of zones.
         kept = {
             name: getattr(left, name)
             for name in ("carried", "coarse", "solves", "primitive_rounding")

@@ -386,9 +386,10 @@ def residual_errors(
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Last coefficients of the field on each zone, over its density's largest coefficient (Z,).
+    """Size of the last coefficients of the field on each zone, relative to the density (Z,).
 
-    The field is that of the other zones and of the columns.
+    The field is that of the other zones and of the columns. The sizes are divided by the largest
+    coefficient of the zone's density.
     """
     layout, g = system.layout, system.lowest
     if layout.m.max() < 8:

@@ -24,10 +24,10 @@ class PlaneOptions:
 
     block: int = 1 << 15  # points at once; insensitive: 2^13 to 2^17 take the same time
     # Distance from the middle of all intervals, in periods, up to which the regular part of
-    # Hilbert's kernel is a power series. It converges up to 3/2.
+    # Hilbert's kernel is a power series. The series converges up to 3/2.
     series_reach: float = 0.9
-    # The coefficients follow from values on a circle of this radius, in periods. The last terms of
-    # the series are round-off up to `series_reach`.
+    # The coefficients follow from values on a circle of this radius, in periods. At distances
+    # up to `series_reach`, the last terms of the series are round-off.
     circle: float = 1.2
     # Number of coefficients, from twice as many values on the circle. (series_reach / circle)^128
     # is 1e-16, and the aliasing, (circle / 1.5)^256, is far smaller.

@@ -32,8 +32,9 @@ class SkeletonOptions:
     # Largest accepted error of the interpolated kernel at positions not used to build the skeleton,
     # relative to the kernel's largest value.
     max_error: float = 1e-12
-    # Numbers of nodes on each zone, tried in turn until they resolve the kernel's modes there. From
-    # the third on, also numbers of positions, tried in turn, among which the skeleton is chosen.
+    # Numbers of nodes on each zone, tried in turn until they resolve the kernel's modes there. The
+    # numbers from the third on are also tried as numbers of positions among which the skeleton is
+    # chosen.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
     # The kernel's modes on each zone are counted with the kernel's other argument at about this
     # many positions of the skeleton.

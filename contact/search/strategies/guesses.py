@@ -335,7 +335,7 @@ class _GridSearch:
         return None if cell == self.scaled.cell else replace(self.scaled, cell=cell)
 
     def _from_proposal(self, proposal: Proposal) -> Outcome | Failure:
-        """Full contact, or a contact solved for its gaps or its zones, from the zones of a grid."""
+        """The contact found from a grid's zones: full, or solved for its gaps or its zones."""
         context, problem, control = self.context, self.scaled.problem, self.scaled.control
         width = proposal.width / problem.units.length
         if (
