@@ -161,7 +161,7 @@ class Step:
 
     @property
     def lets_go(self) -> bool:
-        """Whether ends jump off sharp corners at the end of this step; the curve ends there."""
+        """Whether the curve ends with this step, because ends jump off sharp corners."""
         return self.after is not None and self.after.growth > ACCURACY.neutral
 
     @property

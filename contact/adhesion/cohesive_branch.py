@@ -168,8 +168,7 @@ def _advanced_from_touch(
     if value == 0.0:
         table, zones = _touch_intervals(scaled, curve)
         if problem.period is None:
-            # A body without a period has, under no load, a contact about as wide as the unit of
-            # length.
+            # Without a load and a period, the contact is about as wide as the unit of length.
             _refuse_narrow(context, problem.units.length)
     else:
         found = start_contact(context)

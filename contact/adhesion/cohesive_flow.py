@@ -125,8 +125,7 @@ def guided(
                 raise
             continue
         except ContactLost:
-            # If the grid loses contact at the last margin, too, ends that recede come to rest
-            # nowhere: there is no equilibrium.
+            # If receding ends lose all contact at the last margin as well, there is no equilibrium.
             if sign < 0 and margin == MOVES.margins[-1]:
                 raise
             continue

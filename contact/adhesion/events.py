@@ -205,7 +205,7 @@ class Events:
         return Jump("full" if after.closed else "birth", place, PathState(here.value, here), after)
 
     def _with_new(self, here: State, place: float, half: float) -> Array:
-        """The zones and a narrow new zone at a place, so narrow that all ends move outward."""
+        """The intervals and a new one at `place`, narrow enough that all ends move outward."""
         table = here.table
 
         while True:

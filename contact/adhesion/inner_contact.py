@@ -182,8 +182,8 @@ def _settled(
         if miss < tolerances.ends or (stuck > 2 and miss < 10 * ACCURACY.resting_step):
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)
-        # Contact covers the end of an interval if it has closed the strip of tension there. Strips
-        # that end at a sharp corner do not count, as they may be arbitrarily narrow.
+        # Contact covers the end of an interval if the strip of tension at this end has closed.
+        # Strips that end at a sharp corner do not count, as they may be arbitrarily narrow.
         covers = (
             ~shared
             & (room < ACCURACY.resting_step * width)

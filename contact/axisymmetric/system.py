@@ -67,7 +67,7 @@ class Source:
     kernel: NeighbourKernel
 
     def value(self, x: Array) -> Array:
-        """The contribution of this kind of spots to e(x), the effect of all neighbours at x."""
+        """The part of e(x) that these spots cause; e(x) is the effect of all neighbours at x."""
         return both_sides(self.kernel.value, x, self.nodes) @ self.weighted / (2.0 * pi)
 
     def slope(self, x: Array) -> Array:

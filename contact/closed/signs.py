@@ -118,7 +118,7 @@ def _opens(zone: ClosedZone) -> tuple[Value, Value]:
     opens = least(rises) > 0.0
     if everywhere(opens):
         return opens, math.inf
-    # Slopes far away may overflow to inf. There the gap rises, so that no contact is possible.
+    # Slopes far away may overflow to inf. Where the slope is inf, the gap rises.
     rises[np.isposinf(slope)] = math.inf
     if rises.ndim == 1:
         return _stays_open(zone, t, own, rises)

@@ -103,7 +103,7 @@ def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
 
 
 def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
-    """The solution on given zones for unit nominal pressure outside a localized model's strip."""
+    """The solution on given zones if the nominal pressure outside the strip is 1."""
     equation = sie.Equation(
         problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential())
     )

@@ -25,8 +25,8 @@ class Tolerances:
     height_rounding: float = 64 * EPS
     # Bound of a gap's noise, divided by the noise that is measured from samples of the heights.
     noise_multiple: float = 8.0
-    # Bound of the error of all gaps, divided by the gap that is computed on the zones. The exact
-    # gap there is zero, so that the computed one shows the error.
+    # Bound of the error of all gaps, divided by the gap computed on the zones. The exact gap on
+    # the zones is zero, so that the computed gap is an error.
     on_zones_multiple: float = 2.0
     # Allowed overlap of surfaces that attract each other without contact, divided by the reach of
     # the tension. It is round-off times a condition number of 1e3.
@@ -76,10 +76,9 @@ class Tolerances:
     # there are 20,000 unknowns, and the solution takes more than 5 s.
     max_kernel_lengths: float = 3000.0
 
-    # Bound of the pressure's relative error, divided by the relative error of a tension's ends.
-    # Pressures are compared at equal normalised positions in a zone. The ratio is bounded for two
-    # reasons: strips of tension move with their zones, and next to an end the pressure's normalised
-    # slope is below this number.
+    # Bound of the pressure's relative error, divided by the relative error of the ends of intervals
+    # of tension. Pressures are compared at equal normalised positions in a zone, and next to an end
+    # the pressure's normalised slope is below this number.
     tension_factor: float = 16.0
     # Smallest angle [rad] from a zone's ends at which the slope of the zone's pressure is sampled.
     # The cosine of the angle is the normalised position.

@@ -77,8 +77,8 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
         if abs(miss) * follows <= close or stalled < abs(miss) < TOLERANCES.noise * width:
             left = abs(miss) * follows / width
             return replace(found, control_error=found.control_error + left)
-        # If a secant step does not reduce `miss` to a quarter, what remains of it is round-off.
-        # This holds only if `miss` is small compared with `width`.
+        # If a secant step does not reduce a small `miss` to a quarter, the remaining `miss` is
+        # round-off. Small means below `TOLERANCES.noise` times `width`.
         stalled = 0.25 * abs(miss) if is_secant else math.inf
         misses.append(abs(miss))
         # The search ends if `miss` has not halved within a few steps. Such a failure shows that the

@@ -41,8 +41,8 @@ from sie import Array, Mask, record
 class RollingOptions:
     """Options of the search for the zones that stick, and tolerances of its checks."""
 
-    # A zone that sticks is left out below this part of its contact zone's width. If the slip there
-    # then has the wrong sign, the zone is added again: 1e-9 to 1e-3 give the same answers.
+    # A sticking zone narrower than this fraction of its contact zone is left out. If the slip in
+    # its place has the wrong sign, the zone is added again. 1e-9 to 1e-3 give the same answers.
     vanished_width: float = 1e-6
     # A value of the wrong sign counts only above this part of the largest value. Smaller ones are
     # errors of the equation's solution.
@@ -220,7 +220,7 @@ class Rolling:
         return self._slip(found, sign, sign * self.friction * (self.solution.load - rest))
 
     def _stick(self, condition: Callable[[float], sie.Condition]) -> sie.Solution:
-        """The solution for the part q'/mu of the shear on the zones that stick.
+        """The solution for q'/mu on the zones that stick; |q| = mu p - q' is the shear.
 
         condition: the total of q'/mu, or theta, at a fraction of the way from full stick.
         """

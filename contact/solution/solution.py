@@ -378,7 +378,7 @@ class Solution(sie.Kept):
         lateral: str = "as loaded",
         tol: float = 1e-9,
     ) -> "Yield":
-        """Load and place of first yield, as the scene's control is raised or lowered to it.
+        """Load and place of first yield, found by a change of the scene's control.
 
         Parameters
         ----------
@@ -445,7 +445,7 @@ class Solution(sie.Kept):
         return self.fields.overlap(real("x", x))
 
     def worn(self) -> Any:
-        """The profile that yielding leaves: height plus `overlap`; the profile itself without it.
+        """The profile that yielding leaves: height plus `overlap`; unchanged if nothing yields.
 
         Elastic contact of it under the same load has the same pressure. Unloading, and loading
         again up to this load, is elastic contact of it.

@@ -89,7 +89,7 @@ def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
 
 
 def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
-    """Largest difference of ends, relative to the zone's width.
+    """Largest distance between an end and its `exact` place, divided by the exact zone's width.
 
     It is None if the numbers of zones differ.
     """

@@ -73,7 +73,7 @@ class SolvedZones(Solved):
         )
 
     def error_with(self, slopes: float) -> float:
-        """The stated error for slopes of the profile with this relative error.
+        """The stated error if the profile's slopes have the relative error `slopes`.
 
         A common factor of all slopes moves the ends like the inverse factor of the load.
         """
@@ -276,7 +276,7 @@ class SolvedGaps(Solved):
         return self._error(self.fields.relief.error)
 
     def error_with(self, slopes: float) -> float:
-        """The stated error for slopes of the profile with this relative error.
+        """The stated error if the profile's slopes have the relative error `slopes`.
 
         The relief R is proportional to the slopes, and near full contact the mean pressure is
         nearly the largest R.

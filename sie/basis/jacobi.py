@@ -142,7 +142,8 @@ def _cached(count: int, *tables: Array) -> tuple[Array, ...]:
     return tuple(table[:count] for table in tables)
 
 
-# Real and complex families may be equal. So whether alpha is complex is a key of the caches, too.
+# A real and a complex family may compare equal. So the last argument, whether alpha is complex,
+# gives each of them its own entry of the cache.
 @lru_cache(maxsize=256)
 def _recurrence(family: Family, count: int, _: bool) -> tuple[Array, Array]:
     n = np.arange(count, dtype=float) + (1.0 if family.bounded else 0.0)

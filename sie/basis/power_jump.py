@@ -56,8 +56,8 @@ Number = NDArray[Any]
 class JumpOptions:
     """Distance at which the transform changes from its closed form to a sum over moments."""
 
-    # |rho| below which a transform is a sum over Chebyshev moments. Nearer to the interval the
-    # closed form loses less than a digit. Insensitive: 0.2 to 0.5.
+    # |rho| below which a transform is a sum over Chebyshev moments. For larger |rho|, the closed
+    # form loses less than a digit. Insensitive: 0.2 to 0.5.
     far: float = 0.35
 
 
@@ -320,8 +320,8 @@ def _share(
     ratio = at_right / at_left
     logarithm, from_minus_one = log_ratio(less, left), 2 * away / (less * at_left)
     y, out = left / less * ratio, np.empty_like(less)
-    # A point is `inside` if |y| <= 1. Close to s, where y is near -1, the test is made with y + 1,
-    # which has more digits.
+    # A point is `inside` if |y| <= 1. If y is near -1, the test uses `from_minus_one`, which is
+    # y + 1 without cancellation.
     size = np.minimum(np.abs(from_minus_one), 1.0)
     inside = np.where(size < 0.5, from_minus_one.real >= 0.5 * size**2, np.abs(y) <= 1)
     for here, a, sign in ((inside, w.rest, 1.0), (~inside, w.alpha, -1.0)):

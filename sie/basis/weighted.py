@@ -69,7 +69,7 @@ def exponent_of(kappa: complex) -> complex:
 
 
 class Split(NamedTuple):
-    """A density by coefficients that give all its digits close to an end where it is bounded.
+    """Coefficients of a density, from which it is accurate close to ends where it is bounded.
 
     Of several densities, k_left and k_right are arrays, and q has a row for each.
 

@@ -244,8 +244,8 @@ def sample(
     # The largest of many coefficients that are noise is about four times their standard deviation.
     noise = np.maximum(jumps.rounding(len(zones)), 4 * np.sqrt(2) * forcing.resolution.rounding)
     found: list[tuple[Index, Array]] = []
-    # `sizes`: the last two numbers of nodes of each zone. `tails`: for each of these two numbers,
-    # the largest of the last coefficients.
+    # `sizes`: the numbers of nodes of each zone in its last two evaluations. `tails`: the largest
+    # of the last coefficients in each of these two evaluations.
     sizes, tails = np.ones((len(zones), 2)), np.full((len(zones), 2), -np.inf)
     calm = np.zeros(len(zones), dtype=np.intp)
     pending = zones.solved

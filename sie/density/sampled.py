@@ -35,8 +35,8 @@ class SamplingOptions:
     # Distance from an end, in half widths, at which the exponent of the function is measured. The
     # next term of the expansion at the end changes the exponent by about this distance.
     end_distance: float = 1e-4
-    # A deviation of this exponent from -1/2, 1/2, 3/2, ... above this is reported. The limit is
-    # some hundred times the effect of the next term.
+    # The measured exponent may deviate by this much from -1/2, 1/2, 3/2, ... A larger deviation is
+    # reported. The limit is some hundred times the effect of the next term.
     exponent_deviation: float = 0.02
 
 

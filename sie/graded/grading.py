@@ -138,7 +138,7 @@ class Grading(Kept):
         return np.asarray(-self.stretch * np.tanh(0.5 * self.ends.u))
 
     def scale(self, places: Places, powers: Array) -> Numbers:
-        """The product of (d + g) / L and (d' + g') / L with powers 0 or 1, see the file's head.
+        """The product of (d + g) / L and (d' + g') / L, each to the power 0 or 1 (file's head).
 
         powers: of the left and of the right factor.
         """

@@ -98,7 +98,7 @@ class SecondKindDensity(DensityBase):
 
     @property
     def jumps(self) -> ForcingJumps:
-        """No jumps: those of equations with kappa have other closed forms (`known`)."""
+        """No jumps: with kappa, the jumps have other closed forms (`known`)."""
         return ForcingJumps.none()
 
     @property

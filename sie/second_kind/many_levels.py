@@ -151,7 +151,6 @@ class LevelRows(ManyRows):
             g = g + amplitude * np.asarray(column.value(targets.x)).reshape(out.shape)
         return np.asarray((out - g) * np.sin(THETA))
 
-    # Values of the columns and of their primitives.
     @cached_property
     def column_rows(self) -> Array:
         """Coefficients (columns, rows) of the columns in the same polynomials as `right`."""

@@ -26,7 +26,7 @@ def intensity_rounding(state: Solved) -> Array:
     density, system = state.density, state.system
     zones = density.zones
     # An intensity is a difference of the right side and the fields of zones. Its round-off is
-    # relative to these two, however small the difference is.
+    # relative to the right side and the fields, however small the difference is.
     subtracted = (
         sum(
             by_rows(lambda rows: np.abs(rows).sum(axis=1), table)

@@ -243,7 +243,7 @@ class FarSum:
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:
-    """Whether fast sums apply.
+    """Whether fast sums of the kernel's regular part over all zones apply.
 
     They apply if the regular part of the kernel is smooth across all zones.
     """

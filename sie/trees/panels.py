@@ -38,8 +38,8 @@ Function = Callable[[Array, Array], Array]
 class PanelOptions:
     """Options of the panels of a smooth kernel."""
 
-    # Largest number of panels for each zone. A kernel that varies so fast that it needs more panels
-    # is summed directly, unless the table of the matrices of all panels is small.
+    # Largest number of panels, divided by the number of zones. If the kernel needs more, it is
+    # summed directly, unless the table of the matrices of all panels is small.
     panels_per_zone: int = 8
     # Least number of zones for a skeleton (`sie.trees.skeleton`). It replaces panels if the kernel
     # does not depend on x - xi alone.

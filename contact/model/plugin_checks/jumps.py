@@ -135,7 +135,8 @@ def declared_jumps(
         left, right = (np.asarray(slope(at + side * d), dtype=np.float64) for side in (-1, 1))
         jump, size = right - left, np.maximum(size, np.maximum(np.abs(left), np.abs(right)))
         for s, n, on_left, on_right in powers:
-            # The slope of a power at the same place differs between the sides, too.
+            # An algebraic point at the kink adds its own difference between the two slopes. It is
+            # subtracted from `jump`.
             jump -= np.where(at == s, (on_left + on_right) * n * d ** (n - 1), 0.0)
         seen.append(jump)
     jump = 2 * seen[1] - seen[0]

@@ -214,7 +214,7 @@ def is_depth(field: str) -> bool:
 
 
 def mentioned(line: str) -> str | None:
-    """The first word of a line that is a unit of length other than the metre; None without one."""
+    """The first unit of length in a line, apart from the metre; None if the line has none."""
     for word in _WORDS.findall(unicodedata.normalize("NFKC", line)):
         scale = scale_of(word)
         if scale in (None, 1.0) or isnan(scale) or len(word) < 2 or word.lower() in _NOT_IN_REMARKS:

@@ -127,8 +127,8 @@ class JKRZone(AdhesiveZone):
         load = float(self.zone.load_rate(np.array(self.half_width)))
         load -= 0.5 * punch / (self.tangent * self._cosine() ** 2)
         # At constant load, the derivative of the approach by a is -Q dC/da. Q is the load and C the
-        # compliance of the punch. dC/da is -2/(pi E* a) isolated, and with a period
-        # -(2/E* L) cot(pi a/L).
+        # compliance of the punch. dC/da is -2/(pi E* a) for an isolated zone, and
+        # -2/(E* L) cot(pi a/L) with the period L.
         return load, self._approach_rate(load, 2.0 * punch / (pi * self.E_star * self.tangent))
 
 

@@ -279,8 +279,7 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
 
     def _pressure(self, r: Array, d: Array) -> Array:
         # With t = cos phi, the terms of (20) are sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi). The
-        # angle phi is computed from the distance d to the zone's end, which is accurate near this
-        # end.
+        # angle phi is computed from the distance d to the zone's end, without cancellation.
         phi = 2.0 * np.arcsin(np.sqrt(0.5 * d / self.half_width))
         j = np.arange(20)  # J_41(pi) is below 1e-40
         weight = (-1.0) ** j * jv(2 * j + 1, self._k * self.half_width)

@@ -465,7 +465,7 @@ class _Run:
             add = self.allowed & ~mask & ~capped & (gap < -error_of_gap)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))
             if np.isfinite(cap):
-                # Points above the cap join the capped ones. Capped points that open leave them.
+                # Points above the cap join `capped`. Points of `capped` that open leave `capped`.
                 above, freed = mask & (p > cap), capped & (gap > error_of_gap)
                 rest = load - cap * self.influence.h * np.count_nonzero((capped | above) & ~freed)
                 above &= rest > 0.0

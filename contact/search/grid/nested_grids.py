@@ -417,8 +417,8 @@ class _Window:
                 wanted_width = (8.0 if extent > 0.9 * width else 3.0) * width
                 centre = 0.5 * (window[0] + window[1])
             else:
-                # The next window is at least twelve of the present cells wide: the place of a
-                # contact is only known to about a cell.
+                # The place of a contact is only known to about one cell of width `h`. So the next
+                # window is at least twelve of these cells wide.
                 wanted_width = max(extent / WINDOW.filled, 12.0 * h, least_width)
                 centre = 0.5 * (left + right)
                 fits = extent <= 2 * WINDOW.filled * width

@@ -104,7 +104,7 @@ class GapForm:
         state, mean = free.state, float(free.density.amplitudes[0])
         if control.load is None:
             equation = self.equation(Load(mean * self.problem.repeat_length))
-            # With kappa there are no slits, which `solve_fixed` is to avoid.
+            # `solve_fixed` solves without slits. Equations with kappa never have slits.
             solve = sie.solve_zones if self.problem.kappa else sie.solve_fixed
             zones = free.density.zones
             state = solve(equation, zones, max(0.1 * tolerance, 3e-16)).with_bounded_ends()

@@ -77,7 +77,7 @@ class Formulation(Protocol[Kind]):
         """Raise WrongTopology if Newton's method lost a gap between the zones `table`."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> Any:
-        """Fields of the intervals `free` that Newton's method found, under the load it found."""
+        """Fields of the intervals `free`, under the load that Newton's method found with them."""
 
     def certificate(self, fields: Any, control: Control, few: float = 0.0) -> Certificate:
         """The check of signs on the whole line. few: fraction of all ends that are unconverged."""

@@ -45,7 +45,7 @@ def gaps() -> Iterator[Extreme]:
             )
     # A zone of width r lies between two gaps of width g. If the gaps were closed, the pressure in
     # the zone would have a slope of about g r^2 at the distance g from an end. So an error eps of
-    # the pressure moves the end by eps/(g r^2), which is eps/(g r^3) times the width r.
+    # the pressure moves the end by eps/(g r^2). Relative to the width r, this is eps/(g r^3).
     for gap in (1e-3, 1e-5):
         yield Extreme(
             group,
