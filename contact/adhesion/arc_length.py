@@ -477,8 +477,8 @@ def _begun(curve: Curve, here: State, sense: float) -> CurvePoint:
 def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
     """The curve point at the equilibrium `ahead`, whose tangent leads away from `before`."""
     # Near a turning point, a small change of the control moves the ends far, so that `_unit` tends
-    # to 0. From one point to the next, it falls at most by the factor `MOVES.least_part`. Otherwise
-    # the tangent would turn too sharply.
+    # to 0. From one point to the next, the scale of the control falls at most by the factor
+    # `MOVES.least_part`. Otherwise the tangent would turn too sharply.
     scales = np.append(ahead.widths, max(_unit(curve, ahead), MOVES.least_part * before.scales[-1]))
     tangent, carried = _tangent(ahead, scales), scales / before.scales
     tangent = tangent if before.tangent @ (tangent * carried) >= 0.0 else -tangent

@@ -439,8 +439,8 @@ class CohesiveCurve(Curve):
         if here.whole.by_value.any():
             return super().unit(here)
         # No residual depends on the control, so that `super().unit` would divide by zero. Under a
-        # fixed load the total force of the tension, `bears`, is used instead. Under another control
-        # it is the reach plus the change of the control's value by that force.
+        # fixed load the unit is the total force of the tension, `bears`. Under another control the
+        # unit is the reach plus the change of the control's value due to that force.
         bears = self.stress * float(np.diff(here.table, axis=1).sum())
         return bears if self.control.load is not None else self.reach + self.yields * bears
 
@@ -553,8 +553,8 @@ class CohesiveCurve(Curve):
             values[first, :-1], values[first, -1] = self.stress, 1.0
         else:
             # Under a fixed approach, the right side of each zone's side condition is minus the
-            # value of `inner_control`. `values` holds its derivatives by the free ends and by
-            # `value`.
+            # value of `inner_control`. `values` holds the derivatives of this right side by the
+            # free ends and by `value`.
             values[first : first + len(density.zones)] = np.append(
                 np.full(len(free), -self.yields * self.stress), -1.0
             )

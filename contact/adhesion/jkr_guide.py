@@ -43,9 +43,10 @@ def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> Cohesiv
 
 
 def _curve_without_range(curve: CohesiveCurve, zones: Array, share: float) -> Curve | None:
-    """The curve of equilibria of a law without range (JKR), with `share` of the adhesion work.
+    """The equilibria under a law without range (JKR), with `share` times the adhesion work.
 
-    None if the strip of tension is wider than a typical zone, or if there is no such law.
+    None if the strip of tension is wider than the median zone, if the profile has a `support`, or
+    if the problem's law has no such limit.
     """
     if curve.problem.profile.support is not None or curve.strip > float(
         np.median(np.diff(zones, axis=1))

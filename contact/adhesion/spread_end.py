@@ -178,9 +178,9 @@ def line_load(z: Complex, period: float | None) -> tuple[Complex, Complex]:
 
 
 def _remainder(z: Complex, period: float) -> tuple[Complex, Complex]:
-    """`line_load` with a period minus ln(z (z - L) (z + L)), and its derivative, |Re z| < L.
+    """(r, dr/dz), with r = `line_load` - ln(z (z - L) (z + L)) for the period L and |Re z| < L.
 
-    It is the sum of ln(1 - (z/kL)^2) over k > 1, by psi(2 + z/L) and the gamma function.
+    r is the sum of ln(1 - (z/kL)^2) over k > 1, by psi(2 + z/L) and the gamma function.
     """
     u = z / period
     value = np.log(2 * np.pi / period**3) - loggamma(2 - u) - loggamma(2 + u) - 1j * np.pi

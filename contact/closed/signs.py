@@ -84,8 +84,8 @@ def places(zone: ClosedZone) -> Array:
     feature, count = problem.profile.resolution, OPTIONS.outer_places
     if feature is not None:
         room = problem.limit - float(np.min(zone.half_width))
-        # `most` limits the number of places. It is enough: a profile that varies on lengths too
-        # short for `OPTIONS.max_nodes` nodes is not solved in closed form.
+        # At most `most` places are needed. A profile that varies on lengths too short for
+        # `OPTIONS.max_nodes` nodes is not solved in closed form.
         most = SAMPLES_PER_DEGREE * OPTIONS.max_nodes
         count = int(min(max(SAMPLES_PER_DEGREE * room / feature, count), most))
     return 1.0 + (problem.top / half - 1.0) * _squares(count)

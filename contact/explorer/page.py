@@ -323,7 +323,7 @@ class Explorer:
     _of_curve = ""
 
     def _forget_curve(self) -> None:
-        """Remove the load curve of the previous scene, and note that a new one is due."""
+        """Remove the previous scene's load curve, and note that the new scene's curve is due."""
         self._walk, self._curve_is_due = None, True
         self._of_curve = self.branch.value
         if self.pictures.curve["points"][0]:

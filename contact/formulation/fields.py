@@ -345,7 +345,8 @@ class ZoneFields(NoPlateaus, sie.Kept):
         totals, passed = density.totals, place > density.zones.b[zone]
         before = (np.cumsum(totals) - totals)[zone] + np.where(passed, totals[zone], 0.0)
         before = np.where(inside, before + density.integral(x), before)
-        # The column of the mean pressure is not periodic: it counts from the places themselves.
+        # The column of the mean pressure is linear in x. So the pressure is integrated up to x, and
+        # not only up to the image `place` of x in the period.
         if self.problem.period is not None:
             before = before + np.round((x - place) / self.problem.period) * density.total
         return np.asarray(self._shift(density) - self.problem.kappa * before)

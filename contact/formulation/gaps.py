@@ -104,7 +104,7 @@ class GapFields(NoPlateaus, sie.Kept):
         return np.asarray(self.mean - self.relief(x) + self._by_gaps(self.gap_slope.transform(x)))
 
     def _by_gaps(self, value: Array) -> Array:
-        """Part of the pressure by the gap slope s, from T s; see contact.formulation.mismatch."""
+        """Part G s of the pressure, from `value` = T s; see contact.formulation.mismatch."""
         kappa = self.problem.kappa
         return value / (1 + kappa**2) if kappa else value
 

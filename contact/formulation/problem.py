@@ -326,9 +326,10 @@ class Problem(sie.Kept):
         )
 
     def _with_mismatch(self, conditions: Conditions, closure: Conditions) -> tuple[Conditions, ...]:
-        """The conditions, with levels from which the mean displacement is taken off.
+        """(conditions, closure), with a `MeanLevel` in place of each prescribed level.
 
-        With a period, the amplitude of the last column is kappa times the mean pressure.
+        With a period, `closure` gets one more condition: the amplitude of the last column is kappa
+        times the mean pressure.
         """
         kappa, period = self.kappa, self.period
         mean_level = require(MISMATCH).MeanLevel

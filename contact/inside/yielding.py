@@ -31,8 +31,8 @@ CRITERIA = ("mises", "tresca")
 class YieldOptions:
     """Options of the searches for the largest stress and for the load of first yield."""
 
-    # Ratio of successive depths. From one depth to the next a stress changes by some per cent, so
-    # that the best places need a refinement.
+    # Ratio of successive depths of the scan. From one depth to the next a stress changes by some
+    # per cent. So the search then refines the places of the largest stress.
     depth_ratio: float = 1.3
     places_per_depth: float = 2.0  # places along the surface, per depth
     samples_per_length: float = 4.0  # of the pressure, per length over which the profile varies

@@ -34,7 +34,7 @@ def refined(context: SolveContext, found: Outcome, search: Search | None = None)
     if not (context.previous or context.warm_start):
         return outcome
     # A solution found from a warm start may have larger rounding errors than one that is found
-    # without a warm start. So the search is repeated without it.
+    # without a warm start. So the search is repeated without the warm start.
     afresh, decisions = replace(context, previous=(), warm_start=None), context.plan.decisions
     context.plan.decisions = dict(decisions)
     other: Outcome | Failure = attempted(lambda: _refined_once(afresh, search(afresh), search))

@@ -25,11 +25,12 @@ from sie import Array
 
 _FIGURES = "contact.slip.plotting"
 _FILES = "contact.slip.export"
-# Error of the stresses by a shear, over `error_at` of the shear: s_xx contains 2 Re H.
+# Error of the stresses due to a shear, divided by the result of `error_at` for this shear. It is 2,
+# because s_xx contains 2 Re H, with H the transform of the shear.
 _ERROR_BY_SHEAR = 2.0
 
 # Bound of the lost energy's error, in units of friction^2 times the load times the error of an
-# approach. The energy is a sum of at most so many products of a load and an approach.
+# approach. The energy is a sum of at most this many products of a load and an approach.
 _OF_APPROACHES = 20.0
 
 

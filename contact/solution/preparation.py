@@ -46,7 +46,8 @@ def preparation_warnings(
 def shares(solution: Solution, samples: int = 4096) -> list[Borne]:
     """The share of the load on each kind of unmeasured interval, for each body that has any.
 
-    samples: number over all zones, equally many in each; 4096 give three digits of the shares.
+    samples: number of samples on all zones together, equally many on each zone. 4096 samples give
+    three digits of the shares.
     """
     profile = solution.scene.profile
     bodies = {place: body.unmeasured for place, body in profile.bodies.items() if body.unmeasured}

@@ -21,8 +21,8 @@ from sie import Array
 def may_hide(low: Solution, high: Solution, rate_error: float, max_rate_ratio: float) -> bool:
     """Whether some end moved between two loads in another way than the end's rates predict.
 
-    rate_error: relative error of a motion predicted by its rates. max_rate_ratio: ratio of the
-    two rates of an end above which their mean is no prediction.
+    rate_error: relative error of an end's motion predicted from the end's rates at both loads.
+    max_rate_ratio: ratio of these two rates above which their mean predicts nothing.
     """
     before, after = ends_and_rates(low), ends_and_rates(high)
     if before is None or after is None or low.load >= high.load:

@@ -215,9 +215,9 @@ def _load_balance(fields: ZoneFields, load: float) -> float:
 
 
 class _Equilibrium(NamedTuple):
-    """Result of the check of an equilibrium: its error of the edge intensity, its stability.
+    """Result of the check of an equilibrium: error of the edge intensity, and stability.
 
-    fault: the checks that fail, in words. note: those that hold.
+    fault: the checks that fail, in words. note: the checks that hold.
     """
 
     intensity: float

@@ -81,7 +81,7 @@ class Grouped:
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Indices of zones in `count` and `first`; zones beyond the last get its index."""
+        """Indices in `count` and `first`; larger zone indices get the last entry, without items."""
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:

@@ -21,9 +21,9 @@ from sie.basis.data import Array, Index
 
 
 def alphas(kappa: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """(alpha, 1 - alpha) for factors kappa: cot(pi alpha) = kappa, the real part in (0, 1).
+    """(alpha, 1 - alpha) for factors kappa: cot(pi alpha) = kappa, Re alpha in (0, 1).
 
-    Both have all digits for large kappa too.
+    Both alpha and 1 - alpha have all digits even for large kappa.
     """
     if not np.iscomplexobj(kappa):
         return np.arctan2(1.0, kappa) / np.pi, np.arctan2(1.0, -kappa) / np.pi

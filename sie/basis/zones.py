@@ -104,7 +104,7 @@ def free_with_intensity(intensity: float) -> End:
 
 
 def free_with_value(value: float, until: float | None = None) -> End:
-    """A free end at which the density takes a given value like sqrt(d).
+    """A free end near which the density is `value` plus a multiple of sqrt(d), d the distance.
 
     Beyond the end the density keeps this value: on a *plateau*, which ends at the next zone (whose
     end must have the same value) or at a given place. Examples are the edge of a part of a contact

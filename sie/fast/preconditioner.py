@@ -99,8 +99,8 @@ class TwoLevelPreconditioner:
             assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
-            # In this equation the constant itself has the coefficient 1. `__call__` adds it to
-            # `_small`, as the constant is the first column of the basis.
+            # In the equation for the common constant, the constant has the coefficient 1. This
+            # coefficient is not part of the result: `__call__` adds it in the constant's column.
             out.append(self.coarse.lowered * total)
         return np.array(out)
 

@@ -158,7 +158,7 @@ class GradedState(Answered):
     # The methods below estimate errors of the solution. Charges are the values of F.
     @cached_property
     def tails(self) -> Array:
-        """Last coefficients of each zone's series over its largest one (Z,)."""
+        """Largest of the last four coefficients of each zone, over the zone's largest one (Z,)."""
         c, out = np.abs(self.density.divided), np.zeros(len(self.density.zones))
         for zone, n in enumerate(self.system.sizes.tolist()):
             out[zone] = _ratio(c[zone, n - 4 : n].max(), c[zone].max())

@@ -52,9 +52,10 @@ class GradedOptions:
     # Number of modes of a zone that the right side gets in addition to those that the kernel needs.
     extra_modes: int = 8
     # If the modes of a zone do not suffice, their rate of decay gives the number for the next
-    # solution. It is multiplied by this margin.
+    # solution. This number is multiplied by this margin.
     growth: float = 1.1
-    # Largest number of modes of a zone, and of all zones. A matrix of that size takes some seconds.
+    # Largest number of modes of one zone, and of all zones together. A matrix for the second number
+    # takes some seconds.
     max_modes: int = 1024
     max_unknowns: int = 4000
 

@@ -22,8 +22,8 @@ class CapacityOptions:
 
     # Positions on each zone, from -1 to 1, at which the potential must be the same.
     places: tuple[float, ...] = (-0.9, 0.0, 0.7)
-    # Largest difference of the potentials, as a multiple of the density's stated error. A potential
-    # adds up the errors of a few coefficients.
+    # Largest difference of the potentials at `places`, as a multiple of the density's stated error.
+    # It is above 1, because a potential adds up the errors of several coefficients of the density.
     margin: float = 100.0
 
 

@@ -13,7 +13,7 @@ from sie.trees import lazy
 class FigureOptions:
     """Points at which a density is drawn, and the range of its values that is shown."""
 
-    # Number of points of each zone. Twice as many change no pixel of a figure of this width.
+    # Number of points of each zone. Twice as many points change no pixel of a figure of `size`.
     points: int = 400
     # Largest number of points of all zones together. With many zones, each has fewer points.
     max_points: int = 100_000

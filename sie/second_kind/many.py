@@ -274,7 +274,7 @@ class ManyRows(Rows):
 
     @cached_property
     def others(self) -> Index:
-        """Indices of the coefficients c_k with k > 0; they are as many as rows of the equation."""
+        """Indices of the coefficients c_k with k > 0; there is one for each row of the equation."""
         layout = self.dense.layout
         return np.delete(np.arange(layout.coefficients), layout.offset)
 

@@ -51,7 +51,10 @@ class ManyState(SecondKindState):
         return np.asarray(rows.applied(self.unknowns)[1].level + rows.level_constants)
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of the levels; ValueError without a condition on levels."""
+        """Changes of the levels if the values of the side conditions change by `values`.
+
+        Raises ValueError if there is no condition on levels.
+        """
         rows = self.solver.rows
         if not isinstance(rows, LevelRows):
             raise ValueError(_NO_LEVELS)

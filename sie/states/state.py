@@ -138,8 +138,8 @@ class State(Solved):
     def missing(self) -> Array:
         """Estimated sum of the truncated coefficients of each zone (Z,).
 
-        It adds those of the right side, those of the other zones' fields, and the residual above
-        its round-off.
+        It adds the truncated coefficients of the right side, those of the other zones' fields, and
+        the part of the residual above the residual's round-off.
         """
         out, solved = self._missing + self._missing_fields, self.density.zones.solved
         out[solved] += 3 * np.maximum(self._residual - self.residual_rounding[solved], 0.0)

@@ -85,10 +85,9 @@ class Biquadratic(Profile):
 
     @property
     def jumps(self) -> Array:
-        """The jump of the third derivative of f, 3x/(R c^2) with R the radius, where the cells
-        meet.
+        """The jump of the third derivative f''' = 3x/(R c^2) where the cells meet.
 
-        The second derivative has none.
+        R is the radius, and c half the spacing. The second derivative has no jump.
         """
         if self.period is None:
             return np.empty((0, 3))

@@ -395,8 +395,9 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
     # half (`before`). A median of 0 is excluded: such steps were too short to change a height.
     level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
     found = np.where(level, np.max(windows, axis=2), np.inf)
-    # The differences in a level window are the round-off, or at the shortest steps as little as
-    # 1/128 of it. So a window with more than 128 (`part`) times the least value is left out.
+    # The differences in a level window show the round-off. At the shortest steps they may be as
+    # small as 1/`part` of the round-off. So a level window is left out if its largest difference
+    # exceeds `part` times the least value of all level windows.
     found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)

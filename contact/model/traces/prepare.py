@@ -47,8 +47,8 @@ _TRENDS = ("none", "line", "quadratic")
 class TraceLimits:
     """Limits of the preparation, and limits of plausible values of a measured trace."""
 
-    # Highest degree of a polynomial to be subtracted. Shorter waves than such a polynomial has
-    # should be removed by a filter.
+    # Highest degree of a polynomial that is subtracted from the heights. Waves too short for such a
+    # polynomial should be removed by a filter.
     max_trend: int = 12
     # Largest number of points that `regrid` may create. More points would add corners and computing
     # time, but no information.

@@ -152,7 +152,7 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
 def _by_first_guess(
     context: SolveContext, scaled: ScaledScene, goal: float
 ) -> SolvedZones | SolvedGaps | float:
-    """The contact of the fraction `goal` from a first guess, else the load that a grid gives."""
+    """The contact of fraction `goal` from a first guess; if this fails, the load from a grid."""
     problem, control = scaled.problem, scaled.control
     # Close to full contact, grids do not resolve the narrow gaps that remain. The gaps are guessed
     # from the places where full contact needs tension.
