@@ -548,8 +548,8 @@ def _unit(curve: Curve, at: State) -> float:
         # At a turning point, the ends move while the control does not change. So the unit is set to
         # its lower bound `least`.
         return least
-    # The unit of the control is chosen so that one unit changes the residual r of a pinned end by at
-    # most max(1, |r|), unless `least` is larger than this unit.
+    # The unit of the control is chosen so that one unit changes the residual r of a pinned end by
+    # at most max(1, |r|), unless `least` is larger than this unit.
     driven = np.where(
         whole.pinned,
         (whole.by_value - whole.rates @ moves) / np.maximum(1.0, np.abs(whole.residual)),

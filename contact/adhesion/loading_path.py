@@ -84,7 +84,7 @@ class LoadingPath:
     def _along(
         self, here: State, value: float, sense: float
     ) -> Generator[Jump | PathState, None, Jump | PathState]:
-        """Generate the events from the equilibrium `here` to `value` of the control or to a jump."""
+        """Generate the events from the equilibrium `here` to the control's `value` or to a jump."""
         law = self.law
         try:
             for step in steps(law.curve, here, sense, False):

@@ -297,8 +297,8 @@ class IterativeSystem(System):
                 (root_of_squares(self.g) * np.sqrt(zones.half / zones.half.sum()))[None]
             )[0]
         )
-        # Two neighbouring zones share the far field of the smallest tree node that contains both. The
-        # round-off of this field cancels in the difference of the zones' potentials.
+        # Two neighbouring zones share the far field of the smallest tree node that contains both.
+        # The round-off of this field cancels in the difference of the zones' potentials.
         apart = np.maximum(slope * self._gaps[2], typical * self.sums.far.targets.tree.parted)
         steps = 2.2e-16 * apart + (
             self._across_gaps[1] if self.integrated and not self.rough else 0.0

@@ -47,7 +47,7 @@ class GradedOptions:
     # Up to this number of unknowns, plain coordinates are as fast and give levels with more digits.
     min_plain_unknowns: int = 900
     # A gap wider than this multiple of its zone's width is replaced by this multiple, so that the
-    # coordinate is defined next to infinite gaps. Next to such gaps the coordinate is nearly linear.
+    # coordinate is defined next to infinite gaps. Next to such gaps it is nearly linear.
     max_grading_gap: float = 1.0
     # Number of modes of a zone that the right side gets in addition to those that the kernel needs.
     extra_modes: int = 8

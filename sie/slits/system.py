@@ -587,8 +587,8 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
-    # If no modes are added (`equation.grows` is false), the solution on the zones joined across slits
-    # only starts an iteration. A relative error of 1 of this solution is then accepted.
+    # If no modes are added (`equation.grows` is false), the solution on the zones joined across
+    # slits only starts an iteration. A relative error of 1 of this solution is then accepted.
     inner.linear = sizes.linear if equation.grows else 1.0
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value
