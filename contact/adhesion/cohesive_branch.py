@@ -348,7 +348,7 @@ def _receded(
 
 
 def _receded_from_all(context: SolveContext, curve: CohesiveCurve, value: float) -> State | None:
-    """The contact reached from tension on the whole period, as the tension intervals recede.
+    """The state reached from tension on the whole period when the ends of the tension recede.
 
     None if contact is lost. Raises Closed where the gap stays below the reach.
     """

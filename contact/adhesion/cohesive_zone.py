@@ -137,7 +137,7 @@ class CohesiveState(State):
 
     @property
     def gains(self) -> Array:
-        """1 for each end (2n,): residuals are proportional to derivatives of the energy by ends."""
+        """1 for each end (2n,): residuals are proportional to energy derivatives by end places."""
         return np.ones(len(self.residual))
 
 

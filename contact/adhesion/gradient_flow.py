@@ -203,9 +203,10 @@ def _chord(here: State, ahead: State, most: float = 0.5) -> Array:
 
 
 def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(state after the longest implicit Euler step within the limits, inf for its move).
+    """(state after an implicit Euler step within the limits, inf as the size of the move).
 
-    It is taken where some ends are driven back while others advance, as under a fixed approach.
+    This step is taken where some ends are driven back while others advance, as under a fixed
+    approach.
     """
     inward, outward = inward_and_outward(curve, here)
     onward, back = (outward, inward) if sign > 0 else (inward, outward)

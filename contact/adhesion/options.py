@@ -43,7 +43,7 @@ class MoveOptions:
     # the wrong sign after an end has passed an equilibrium.
     small_drive: float = 0.05
     # If the residuals of both ends of a gap or zone exceed this, the gap or zone vanishes before
-    # the ends come to rest.
+    # the ends reach equilibrium.
     hard_drive: float = 0.5
     # A gap has closed if it is narrower than this fraction of the narrower zone next to it. A zone
     # is lost if it is narrower than this fraction of its former width. In the gradient flow, the

@@ -29,7 +29,7 @@ from sie import Array, record
 class OctaveOptions:
     """Degrees of the series on an octave, and tolerances for truncation and round-off."""
 
-    # Degrees of the series that are tried one after another; the first one resolves any power of r.
+    # Degrees of the series that are tried in turn; the first degree resolves any power of r.
     degrees: tuple[int, ...] = (24, 96, 384)
     # A higher degree should reduce the last coefficients of a series. If they stay above this
     # fraction of their size at the lower degree, they are round-off.
@@ -52,7 +52,7 @@ class LogDerivative:
     """The derivative r F'(r) = dF/d ln r of a function, by a complex step or by differences.
 
     A complex step is used if differences confirm it at the first radii where they are accurate.
-    Near the tip they are not: heights such as 1 - cos r are round-off there.
+    Near the tip, differences are inaccurate: heights such as 1 - cos r are round-off there.
     """
 
     def __init__(self, function: Callable[[Any], Any]) -> None:

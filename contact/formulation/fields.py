@@ -340,7 +340,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return raised + self._sheared(x, self.density) if self.problem.kappa else raised
 
     def _sheared(self, x: Array, density: sie.AnyDensity) -> Array:
-        """Scaled displacement by the shear of a pressure, but for the mean pressure's column."""
+        """Scaled displacement by shear, without the mean pressure's column (`_with_columns`)."""
         place, zone, inside = density.locate(x)
         totals, passed = density.totals, place > density.zones.b[zone]
         before = (np.cumsum(totals) - totals)[zone] + np.where(passed, totals[zone], 0.0)

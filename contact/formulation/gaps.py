@@ -117,18 +117,18 @@ class GapFields(NoPlateaus, sie.Kept):
         half = 0.5 * (b - a)
         x = np.where(left <= right, a + half * left, b - half * right)
         # Near an end, the pressure is proportional to the square root of the distance from the end.
-        # The factor replaces the distance `kept`, computed from the rounded x, by the exact
-        # `nearer`.
+        # The pressure at the rounded x belongs to the distance `kept`. The factor corrects it to
+        # the exact distance `nearer`.
         nearer, kept = half * np.minimum(left, right), np.where(left <= right, x - a, b - x)
         ratio = nearer / np.where(kept > 0, kept, np.inf)
         if not self.problem.kappa:
             return np.asarray(self.bearing(x) * np.sqrt(ratio))
-        # With kappa the exponents at the two ends differ. The zone's left end is a gap's right end.
+        # With kappa, the exponents at both ends differ. A zone's left end is a gap's right end.
         at_right, at_left = 1 - self.gap_slope.zones.weight.exponent[:, 0]
         return np.asarray(self.bearing(x) * ratio ** np.where(left <= right, at_left, at_right))
 
     def bounded_weight(self, left: Array, right: Array) -> Array:
-        """The function sqrt(1 - t^2), with other exponents for kappa, by which p ends in a zone."""
+        """The factor sqrt(1 - t^2) of the pressure near zone ends; with kappa, other exponents."""
         if not self.problem.kappa:
             return np.asarray(np.sqrt(left * right))
         at_right, at_left = 1 - self.gap_slope.zones.weight.exponent[:, 0]

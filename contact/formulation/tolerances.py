@@ -65,8 +65,8 @@ class Tolerances:
     margin: float = 10.0
     # Relative round-off of the closed forms of full contact and of surfaces that do not touch.
     closed_form_rounding: float = 1e-13
-    # Factor of the stated error if the pressure is infinite at an end of a zone. It is the pressure
-    # next to such an end, divided by the mean pressure.
+    # Factor of the stated error if the pressure is infinite at an end of a zone. It is a typical
+    # pressure next to such an end, divided by the mean pressure.
     singular_end: float = 8.0
     # No error of the pressure is stated closer to a gap than this fraction of the period.
     unresolved_distance: float = 1e-7

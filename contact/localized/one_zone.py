@@ -53,7 +53,7 @@ class WidthOptions:
 
 @record
 class _AtWidth:
-    """Two contacts of the same width: that of the strip, and that of its profile alone.
+    """Two contacts of equal width: that of the strip, and that of the strip's profile alone.
 
     present, wanted: the controlled quantity, and its given value. slope, by_load: rates of the
     controlled quantity with the width and with the load. following: rates of centre, nominal

@@ -221,7 +221,7 @@ def _part(name: str, used: bool, why: str, why_not: str) -> Part:
 
 
 def _inverse(scene: Scene) -> Part:
-    """The part of the plan that solves full contact, and solves nearly full contact by its gaps."""
+    """The part "inverse operator" of the plan: it serves full and nearly full contact."""
     operator, name = (
         scene.operator,
         scene.interaction.name if scene.operator.is_own else scene.substrate.name,

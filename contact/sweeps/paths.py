@@ -307,11 +307,11 @@ class _Path:
 
 
 def _just_beyond(change: Change, side: Solution, other: Solution) -> float | None:
-    """A load just beyond the event, from the ends' rates; None if not between the two loads.
+    """A load just beyond the event; None if it is not between the loads of `side` and `other`.
 
-    The load is predicted from the solution `other`. The square of the width of a zone (a gap) is
-    linear in the logarithm of the load as the zone appears (the gap closes). Its rate gives the
-    load at which the width is zero.
+    The load is predicted from the rates of the ends in the solution `other`. The square of the
+    width of a zone (a gap) is linear in the logarithm of the load as the zone appears (the gap
+    closes). The rate of this square gives the load at which the width is zero.
     """
     found, period = ends_and_rates(other), other.scene.period
     if found is None:

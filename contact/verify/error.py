@@ -324,8 +324,8 @@ class SolvedGaps(Solved):
         if not unit > 0.0:
             return np.inf  # zones so narrow have no sample
         slope = min(fields.steepest / unit, 1 / varies)
-        # The effect of moved ends on the pressure decreases with the distance from their gap, as
-        # (width / distance)^2.
+        # The effect of a gap's moved ends on the pressure decreases with the distance from the gap,
+        # as (width of the gap / distance)^2.
         seen = (
             np.minimum((gaps.b - gaps.a) / (TOLERANCES.unresolved_distance * fields.period), 1.0)
             ** 2

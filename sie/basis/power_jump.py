@@ -269,7 +269,7 @@ class PowerJump(Kept):
         out = np.empty_like(point[1])
         at_left, at_right = np.ravel(self.left), np.ravel(self.right)
         before, beyond = (np.ravel(level) for level in self.levels)
-        # The smaller of the two levels is the constant term, so that a small transform keeps its
+        # The level of smaller magnitude is the constant term, so that a small transform loses no
         # digits.
         kept = (-before <= beyond)[which]
         at, pair = which[kept], tuple(x[kept] for x in point)

@@ -138,7 +138,7 @@ class ValueMode:
     def _mirrored(
         self, points: Points, of: Callable[[JacobiFunctions, Number, Number], Number], sign: float
     ) -> Number:
-        """The value of `of` at the points; if the right end has the value 1, by mirror symmetry."""
+        """`of` at the points; for the value 1 at the right end, from the mirrored function."""
         left, less = from_ends(points)
         if self.at_left:
             return of(self._half, left, less)

@@ -24,13 +24,14 @@ class SamplingOptions:
 
     # Initial number of nodes of a zone. It is the same for right sides (`sie.dense.modes`).
     first_nodes: int = 16
-    # Largest number of nodes of a zone. It is the same for right sides.
+    # Largest number of nodes of a zone. Right sides have the same limit.
     max_nodes: int = 8192
     # Number of points between the nodes at which the series is compared with the function. The
     # residual of an equation is sampled at the same number of points (`sie.states.state`).
     check_points: int = 15
     # Largest deviation at these points and at ends of prescribed intensity, in units of the
-    # tolerance. It is the sum of some hundred coefficients, each within the tolerance.
+    # tolerance. A deviation sums some hundred coefficients, each with an error within the
+    # tolerance.
     margin: float = 100.0
     # Distance from an end, in half widths, at which the exponent of the function is measured. The
     # next term of the expansion at the end changes the exponent by about this distance.

@@ -519,8 +519,8 @@ def rows_of_motions(state: State, matrix: Array, moved: Moved) -> Array:
     """
     singular = moved.coefficients
     rows = matrix @ singular[state.symmetry.keep]
-    # Each row of `matrix` contains minus one times its own coefficient, for the transform of a mode
-    # on its own zone. A singular density has no transform there, so this term is cancelled.
+    # Row n of a zone contains -1 times coefficient n: the transform of mode n on its own zone. A
+    # singular density adds no such term on its own zone, so the term is cancelled.
     rows[: state.conditions_from] += singular[state.system.diagonal]
     view = SingularDensities(state.system, moved)
     asked = condition_rows(state.equation, view, singular.shape[1])[0]

@@ -115,9 +115,9 @@ def newton_step(
 
 
 def wanted_signs(zones: Zones, signs: tuple[float, float]) -> Array:
-    """Sign of the wanted density, less the value there, beside each left and right end (2, Z).
+    """Wanted sign of the density minus the end's value, near each left and right end (2, Z).
 
-    Beside an end with a value the density is nearer to zero than this value.
+    Near an end with a value, the density is wanted nearer to zero than this value.
     """
     side = np.broadcast_to(np.array(signs, dtype=float)[:, None], (2, len(zones)))
     return (
@@ -168,7 +168,7 @@ def _safe_slopes(
 
     A is the edge slope of the density. At the solution A has the sign of the density. Far from the
     solution A may have the other sign or vanish. There the change of the residual in the last step
-    gives a slope. If that has the wrong sign, too, A is replaced by its natural size. On a thin
+    gives a slope. If its sign is wrong, too, A is replaced by its natural size. On a thin
     layer, A and its natural size can be a hundred times too large, and the steps a hundred times
     too short. natural: largest coefficient of each zone beyond c_0 (Z,); residual: intensities less
     the prescribed ones (2, Z).

@@ -145,7 +145,7 @@ class Iterative:
         return np.maximum(out, out[::-1]) if zones.symmetric else out
 
     def scale_of(self, folded: Array) -> Array:
-        """Scale of each unknown, which is the largest unknown of the same zone, bounded below.
+        """Scale of each unknown: the largest unknown of the same zone, but no less than a bound.
 
         The scale of amplitudes is 1.
         """

@@ -328,9 +328,9 @@ class IterativeSystem(System):
 
 @record
 class Applied(Rows):
-    """Values for given unknowns y of the quantities that side conditions use.
+    """Quantities that side conditions use, evaluated at given unknowns y.
 
-    It implements `conditions.Rows`. Each matrix has one column with the values for y. edges:
+    The class implements `conditions.Rows`. Each matrix has one column with the values for y. edges:
     intensities K at the left and right ends of the solved zones (2, n), if they are not to be
     computed from y.
     """

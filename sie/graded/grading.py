@@ -173,7 +173,7 @@ class Grading(Kept):
         return np.asarray(0.5 * self.stretch * (rest - np.tanh(0.5 * points.u)[:, None]))
 
     def smooth_kernel_slope(self, points: Places, sources: Places) -> Complex:
-        """Derivative of `smooth_kernel` by the point's s."""
+        """Derivative of `smooth_kernel` by the coordinate s of the points."""
         slope = coth_less_pole_slope(self.turns(points, sources))
         bend = 1 / np.cosh(0.5 * points.u)[:, None] ** 2
         return np.asarray((0.5 * self.stretch) ** 2 * (slope - bend))

@@ -127,10 +127,10 @@ class AlgebraicPoints:
         return away, _STEP * (away[:, None] ** (p + 1.0)) @ weights
 
     def left_out(self, place: int, farthest: float) -> complex:
-        """Sum of coefficient / distance over the omitted poles, all very close to the position.
+        """Sum of coefficient / distance over the omitted poles next to position number `place`.
 
-        They matter at the position itself only, and only for small exponents. The sum is infinite
-        if an exponent is not positive.
+        The omitted poles matter at the position itself only, and only for small
+        exponents. The sum is infinite if an exponent is not positive.
         """
         p = np.asarray(self.exponents)[self._at(place)]
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -438,7 +438,7 @@ class SecondKindDensity(DensityBase):
         if np.iscomplexobj(self.coefficients):
             out, below = np.empty(len(z), dtype=complex), z.imag < 0
             out[~below] = self._above(z[~below], what)
-            # Below the line F is the conjugate of that of the conjugate density above it.
+            # At z below the real line, F is the conjugate of the conjugate density's F at conj(z).
             out[below] = np.conj(self._conjugate._above(np.conj(z[below]), what))
             return out
         above = self._above(z.real + 1j * np.abs(z.imag), what)

@@ -152,9 +152,7 @@ class KnownJumps(Kept):
         return float(left @ self.factors), float(right @ self.factors)
 
     def moments(self, length: int) -> Array:
-        """Chebyshev coefficients of the density as seen from outside, see
-        `JacobiFunctions.moments`.
-        """
+        """Chebyshev coefficients (`JacobiFunctions.moments`) of the field outside the zone."""
         return np.asarray(self.factors @ self.closed.moments(length, self.order))
 
 

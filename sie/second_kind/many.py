@@ -167,7 +167,7 @@ class FieldSums:
         return sparse.coo_array((entries, places), shape=shape).tocsr()
 
     def _far_series(self, y: Array, rough: bool) -> Array:
-        """Chebyshev series (Z, TERMS) of the transform of far zones."""
+        """Chebyshev series (Z, TERMS), on each zone, of the transform of all far zones."""
         return self._far(y, rough)[0]
 
     def _far(self, y: Array, rough: bool) -> tuple[Array, Array, Array]:

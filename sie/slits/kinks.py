@@ -126,7 +126,7 @@ class SlitKink(Kept):
 
         left, right: distances of the points from the slit's ends, in half widths of the slit.
 
-        At the jump itself it is the mean of the values on both sides.
+        At the jump itself, psi is the mean of the values on both sides.
         """
         place = left - self._jump_distances[0]
         own = np.heaviside(place, 0.5) * (self.half * place) ** self.order
@@ -174,7 +174,7 @@ class SlitKink(Kept):
 
     @property
     def total(self) -> float:
-        """Integral of psi (see `slope`) over the slit, divided by pi times its half width."""
+        """Integral of psi (see `slope`) over the slit, over pi times the slit's half width."""
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:
@@ -184,7 +184,7 @@ class SlitKink(Kept):
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the opening due to psi (see `slope`), in its half widths.
+        """Mean of the opening due to psi (see `slope`) over the wide zone, per half width of it.
 
         The opening is the integral of psi from the slit's left end. The weight of the mean is
         1 / sqrt(1 - t^2).

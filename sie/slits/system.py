@@ -43,11 +43,11 @@ from sie.trees.krylov import gmres
 
 @record
 class Opened(Trial):
-    """Changes of the quantities in side conditions by the slack s (the unknown in the slits).
+    """Contributions of the slack s (the slits' unknown) to quantities in side conditions.
 
-    The changes are known numbers, so that all matrices are zero. slack: coefficients s_k of the
-    slack in every wide zone that has slits; mean_opening: mean of the integral of s over each wide
-    zone.
+    The contributions are known numbers, so that all matrices are zero. slack: coefficients s_k of
+    the slack in every wide zone that has slits; mean_opening: mean of the integral of s over each
+    wide zone.
     """
 
     slack: dict[int, Array]
@@ -61,7 +61,7 @@ class Opened(Trial):
         """Contribution of the slack s (the slits' unknown) to integrals of weight times density.
 
         The first coefficients of the density are unknowns of the system and contain the share of s
-        already. Only the coefficients of s beyond them are added here.
+        already. Only the higher coefficients of s are added here.
         """
         out = np.zeros(len(self.zones.solved))
         for place, i in enumerate(self.zones.solved.tolist()):

@@ -86,14 +86,14 @@ def _of_others(state: Solved) -> Array | float:
 
 
 def _of_levels(state: Solved) -> Array | float:
-    """Error of intensities K (Z,) due to round-off of levels (potentials); 0 if none is used."""
+    """Error of intensities K (Z,) by round-off of levels; 0 if no condition uses levels."""
     equation, zones = state.system.equation, state.density.zones
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
     w = zones.half
     # Let w be the half width, and R the conformal radius between neighbours that are grounded
     # half-lines. Then an error e of a zone's level changes its coefficient c_0 by e / (w log(2R /
-    # w)). Neighbours no wider than the zone screen it less than half-lines. So the smaller
+    # w)). Neighbours no wider than the zone screen the zone less than half-lines do. So the smaller
     # logarithm log(R / 2w) is used, and at least 1. The intensity K changes by `edge_scale` times
     # the change of c_0.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))

@@ -173,7 +173,7 @@ class State(Solved):
     def left_out(self) -> Array:
         """Sum of the neglected coefficients of each zone's right side (Z,).
 
-        It is extrapolated from the decay of the last ones.
+        The sum is extrapolated from the decay of the last coefficients.
         """
         return np.asarray(
             self.neglected * self.zone_sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1)
@@ -182,7 +182,7 @@ class State(Solved):
     def made_of(self, left_out: Array) -> Array:
         """Errors of each zone's density (Z,) caused by neglected coefficients with given sums (Z,).
 
-        These count twice, since sampling at nodes also adds them to the kept ones.
+        The neglected coefficients count twice, since sampling at nodes adds them to kept ones.
         """
         return np.asarray(2 * left_out * np.maximum(self.sizes.own[: len(left_out)], 1))
 

@@ -84,7 +84,8 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = 0) -> Panels | N
     while True:
         first = 0 if kernel.period is None else math.floor(lo / step)
         count = round(whole / step) if kernel.period is None else math.floor(hi / step) - first + 1
-        # With a period, all lags up to half a period from the middle of the zones are needed.
+        # With a period, fields are needed up to half a period from the middle of the zones. `away`
+        # is the largest distance between such a point and a point of the zones.
         away = 0.0 if kernel.period is None else 0.5 * (kernel.period + hi - lo)
         farthest = max(count - 1, math.ceil(away / step))
         if farthest >= most:
@@ -123,10 +124,10 @@ class Panels(Kept):
     def modes(self, half: Array) -> Index:
         """Number of Chebyshev modes that resolve the kernel on zones of the half widths `half`.
 
-        It holds both for the field on a zone and for the effect of the density of a zone.
+        The number suffices both for the field on a zone and for the effect of a zone's density.
         """
         # The series on a panel decays to round-off within TERMS terms. So the kernel has no
-        # singularity closer to the line than this distance.
+        # singularity closer to the real line than `reach`.
         reach = 0.5 * self.step * math.sinh(-math.log(SUM_ROUNDING) / TERMS)
         fall = np.arcsinh(reach / half)
         return np.asarray(np.ceil(-math.log(SUM_ROUNDING) / fall), dtype=np.intp) + 2
@@ -201,7 +202,7 @@ class Panels(Kept):
     def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
         """Series of the field on the panels low to high (panels, TERMS, n), from moments.
 
-        They are a convolution of the matrices K^(d) and the moments, computed by FFT.
+        The series are a convolution of the matrices K^(d) and the moments, computed by FFT.
         """
         kernel, length = self._waves(potential, low, high)
         moments = moments.reshape(self.count, TERMS, -1)

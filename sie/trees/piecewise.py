@@ -285,8 +285,8 @@ class PiecesInPlane(Kept):
         p, q, r = self.local[piece].T
         z = np.where(np.abs(left) < np.abs(right), left - 1, right + 1)
         value, bend = p + z * (q + z * r), q + 2 * z * r
-        # The logarithm is infinite at an end of a piece. There f is continuous, and the infinite
-        # terms of the pieces on both sides cancel.
+        # The infinite logarithm at an end of a piece is replaced by 0. The infinite terms of the
+        # two adjacent pieces cancel, since f is continuous.
         log = np.log(np.where(left == 0, 1.0, left)) - np.log(np.where(right == 0, 1.0, right))
         fields = []
         for what in whats:

@@ -151,8 +151,8 @@ class Seen:
 
 def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
     """The skeleton of the kernel's regular part on the zones; None if its rank is too high."""
-    # The search takes longest if the rank is too high. So this outcome is stored, and with the same
-    # number of zones no skeleton is searched again.
+    # The search takes longest if it fails because the rank is too high. So a failure is stored, and
+    # the search is not repeated for the same number of zones.
     key, too_high = zones.table.tobytes(), ("rank", len(zones))
     if too_high in kernel.kept_panels:
         return None

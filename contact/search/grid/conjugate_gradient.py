@@ -446,7 +446,7 @@ class _Run:
         for _ in range(OPTIONS.max_stalled + int(4 * np.log2(self.influence.n))):
             before = self.iterations
             if not mask.any():
-                # At least one point stays in `mask`: it bears what the capped points do not.
+                # One point stays in `mask`, to bear the load that the capped points cannot bear.
                 last = np.flatnonzero(capped)[np.argmax(self.shape[capped])]
                 mask[last], capped[last] = True, False
             p, u, level, error, solved = self._on_sets(load, mask, capped, p, tol)
@@ -499,7 +499,7 @@ class _Run:
     def _on_sets(
         self, load: float, mask: Mask, capped: Mask, guess: Array | None, tol: float
     ) -> tuple[Array, Array, float, float, bool]:
-        """As `conjugate_gradient`, with the cap as the pressure on the points `capped`."""
+        """The result of `conjugate_gradient` if the pressure at the points `capped` is the cap."""
         if not capped.any():
             return self.conjugate_gradient(load, mask, guess, tol)
         fixed = np.where(capped, self.influence.cap, 0.0)

@@ -475,7 +475,7 @@ class _Window:
         return window
 
     def _compliance(self, state: GridState) -> float:
-        """Derivative of level by load, for a flat punch on the points of this contact.
+        """Derivative of level by load, for a flat punch on the points in contact in `state`.
 
         The level is displacement plus height in the contact.
         """

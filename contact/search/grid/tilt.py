@@ -41,9 +41,9 @@ class TiltOptions:
 
     @property
     def farthest(self) -> float:
-        """Largest distance, in half widths of a window, at which the lowest place is searched.
+        """Largest distance of the search for the lowest point, in half widths of a window.
 
-        For a shape that becomes level and has no length of its own, it is a length [m].
+        For a shape that becomes level and has no length of its own, the distance is in metres.
         """
         return self.farther**3
 

@@ -41,7 +41,7 @@ class ContinuationOptions:
     # Largest ratio of successive values of the control. Above this ratio, the units of length and
     # slope chosen for the last solution do not suit the size of the new contact.
     max_ratio: float = 16.0
-    max_changes: int = 4  # zones that come or go; with more a grid is faster
+    max_changes: int = 4  # largest number of zones that appear or vanish
 
 
 OPTIONS = ContinuationOptions()

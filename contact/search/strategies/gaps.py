@@ -25,8 +25,8 @@ from sie import Array
 class GapOptions:
     """Contact fractions above which the gaps are the unknowns, and not the zones."""
 
-    # Between 0.5 and 0.9 the solution is found with either unknown. Above about 0.7, the gaps need
-    # fewer modes.
+    # For values from 0.5 to 0.9, both kinds of unknowns lead to the solution. At contact fractions
+    # above about 0.7, the gaps need fewer modes than the zones.
     wide_contact: float = 0.7
     # This fraction replaces `wide_contact` for several asperities with kinks in their valleys. No
     # load closes a gap over a kink, and a search for zones loses narrow gaps.
@@ -61,7 +61,7 @@ def why_not_gaps(context: SolveContext, problem: Problem) -> str:
 def gaps_are_better(
     context: SolveContext, problem: Problem, width: float, options: GapOptions | None = None
 ) -> bool:
-    """Whether contact of about this scaled width is better solved with the gaps as the unknown.
+    """Whether gaps are the better unknowns for a contact of about the scaled width `width`.
 
     The answer is noted in the plan.
     """

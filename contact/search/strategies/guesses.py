@@ -78,7 +78,7 @@ _AT_STRIP = (
 
 
 def search(context: SolveContext, scaled: ScaledScene, start: Array | None = None) -> Outcome:
-    """The contact from the first guess that leads to one. start: zones of a similar solution."""
+    """The contact from the first successful guess. start: zones of a similar solution."""
     if scaled.control.approach is not None and (full := full_under(context, scaled.control)):
         return full
     refuse_full_approach(context, scaled.problem, scaled.control)
