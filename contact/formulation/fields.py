@@ -155,7 +155,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return levels - self._shift(self.density) if self.problem.kappa else levels
 
     def _shift(self, density: sie.AnyDensity) -> float:
-        """The constant c of the displacement under a density, see `contact.formulation.mismatch`."""
+        """Constant c of the displacement under a density, see `contact.formulation.mismatch`."""
         problem = self.problem
         shift: float = require(MISMATCH).shift(
             problem.kappa, problem.period, density.total, density.moment()
