@@ -21,7 +21,7 @@ from typing import Any, NoReturn
 import click
 import numpy as np
 
-from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scene_of
+from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, require_netcdf, scene_of
 from contact.commands.path import path_command
 from contact.commands.slip import slip_command
 from contact.commands.stress import stress_command
@@ -203,10 +203,7 @@ def solve_command(
     outputs.add("--csv", table, {".csv": export.write_csv})
     outputs.add("--fields", fields, {".csv": export.write_fields})
     outputs.add_figure(figure, plot)
-    for needed in (
-        ("xarray", "h5netcdf", "h5py") if save is not None and save.suffix.lower() == ".nc" else ()
-    ):
-        require(needed)
+    require_netcdf(save)
     start = time.perf_counter()
     with Progress(wanted=not quiet) as progress:
         solution = solve(problem, tol=tol, progress=progress, branch=branch)

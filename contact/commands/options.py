@@ -91,6 +91,13 @@ def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = F
         raise SceneError.of(option, str(path), "a file that is not there yet, or --overwrite given")
 
 
+def require_netcdf(path: Path | None) -> None:
+    """Import what a netCDF file needs, before any work is done; nothing for other files."""
+    if path is not None and path.suffix.lower() == ".nc":
+        for needed in ("xarray", "h5netcdf", "h5py"):
+            require(needed)
+
+
 class Outputs:
     """The output files of a command, each with the function that writes the file.
 

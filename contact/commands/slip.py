@@ -6,7 +6,15 @@ from typing import Any
 
 import click
 
-from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scene_and_tangential_of
+from contact.commands.options import (
+    OVERWRITE,
+    QUIET,
+    SCENE,
+    TOL,
+    Outputs,
+    require_netcdf,
+    scene_and_tangential_of,
+)
 from contact.commands.trace import show_profile
 from contact.extras import require
 from contact.model.tangential import Tangential
@@ -76,10 +84,7 @@ def slip_command(
     outputs.add("--csv", table, {".csv": export.write_csv})
     outputs.add("--fields", fields, {".csv": export.write_fields})
     outputs.add_figure(figure, require(_PLOT).plot)
-    for needed in (
-        ("xarray", "h5netcdf", "h5py") if save is not None and save.suffix.lower() == ".nc" else ()
-    ):
-        require(needed)
+    require_netcdf(save)
     start = time.perf_counter()
     with Progress(wanted=not quiet) as progress:
         slip = _slip(solve(problem, tol=tol, progress=progress), tangential, tol)

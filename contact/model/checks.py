@@ -58,6 +58,15 @@ def of_author(what: str, field: str, given: str = "", hint: str = "") -> Iterato
         ) from error
 
 
+def both_or_neither(E2: float | None, nu2: float | None) -> None:
+    """Raise SceneError if only one of the two constants of the counter-body is given."""
+    for name, value, other, given in (("E2", E2, "nu2", nu2), ("nu2", nu2, "E2", E2)):
+        if value is None and given is not None:
+            raise SceneError.of(
+                name, value, f"given with {other}, or both left out for a rigid counter-body"
+            )
+
+
 def positive(field: str, value: Any) -> float:
     """Return a finite number > 0."""
     return such(field, value, "a finite number > 0", lambda number: number > 0)

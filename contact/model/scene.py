@@ -18,7 +18,14 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError
-from contact.model.checks import finite, finite_or_none, keep, poisson_ratio, positive
+from contact.model.checks import (
+    both_or_neither,
+    finite,
+    finite_or_none,
+    keep,
+    poisson_ratio,
+    positive,
+)
 from contact.model.controls import CONTROLS, TURNING, Control, Quantity, fields_under
 from contact.model.interactions.base import Interaction
 from contact.model.laws import Frictionless, Law
@@ -74,15 +81,8 @@ def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = N
     115.385
     """
     compliance = _plane_compliance("E1", E1, "nu1", nu1)
-    if E2 is not None or nu2 is not None:
-        if E2 is None:
-            raise SceneError.of(
-                "E2", E2, "given with nu2, or both left out for a rigid counter-body"
-            )
-        if nu2 is None:
-            raise SceneError.of(
-                "nu2", nu2, "given with E2, or both left out for a rigid counter-body"
-            )
+    both_or_neither(E2, nu2)
+    if E2 is not None and nu2 is not None:
         compliance += _plane_compliance("E2", E2, "nu2", nu2)
     return positive("E_star", 1.0 / compliance)
 

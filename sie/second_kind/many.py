@@ -383,10 +383,9 @@ class ManySolver:
         none = np.zeros(len(layout.m))
         rounding = 4 * EPS * np.sqrt(len(layout.m))
         wanted = max(self.tolerance if tolerance is None else tolerance, float(rounding))
-        is_rough = wanted > ITERATION.correction
         y = np.zeros(layout.size)
         y[layout.offset] = self._firsts(np.zeros(equations), right[equations:])
-        given = rows.sums(y, is_rough) - right[:equations]
+        given = rows.sums(y, wanted > ITERATION.correction) - right[:equations]
 
         def operator(v: Array, rough: bool) -> Array:
             y = np.zeros(layout.size)
@@ -394,8 +393,30 @@ class ManySolver:
             return v - rows.sums(y, rough)
 
         scale = self._scale(given, right[equations:])
-        x = np.zeros(equations) if guess is None else guess[others]
-        left_over = (given if guess is None else given - operator(x, is_rough)) / scale
+        start = None if guess is None else guess[others]
+        x, left_over = self._iterated(operator, given, scale, start, wanted)
+        if tolerance is None:
+            starts = np.cumsum(layout.m) - layout.m
+            self.error = np.maximum.reduceat(np.abs(left_over * scale), starts)
+        y[others], y[layout.offset] = x, self._firsts(x, right[equations:])
+        return y
+
+    def _iterated(
+        self,
+        operator: Callable[[Array, bool], Array],
+        given: Array,
+        scale: Array,
+        start: Array | None,
+        wanted: float,
+    ) -> tuple[Array, Array]:
+        """(x with operator(x) = given, by GMRES and corrections; what is left over / `scale`).
+
+        operator: its second argument says whether rough sums suffice. start: a first guess of x.
+        wanted: largest norm of what is left over.
+        """
+        is_rough = wanted > ITERATION.correction
+        x = np.zeros(len(given)) if start is None else start
+        left_over = (given if start is None else given - operator(x, is_rough)) / scale
         before = float(norm(left_over))
         while True:
             part = max(wanted, ITERATION.correction * before)
@@ -406,12 +427,7 @@ class ManySolver:
             size, before = before, float(norm(left_over))
             stagnant = not before <= np.sqrt(ITERATION.correction) * size
             if found.steps == 0 or before <= 4 * wanted or stagnant:
-                break
-        if tolerance is None:
-            starts = np.cumsum(layout.m) - layout.m
-            self.error = np.maximum.reduceat(np.abs(left_over * scale), starts)
-        y[others], y[layout.offset] = x, self._firsts(x, right[equations:])
-        return y
+                return x, left_over
 
     def _scale(self, given: Array, firsts: Array) -> Array:
         """Scale of each unknown: the largest |given| or |firsts| of its zone, at least `least`."""

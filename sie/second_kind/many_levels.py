@@ -22,7 +22,6 @@ from sie.basis.interval import Outside
 from sie.basis.zones import Zones
 from sie.equation.conditions import Linear, Rows, Trial, asked
 from sie.equation.equation import Equation
-from sie.fast.iteration import OPTIONS as ITERATION
 from sie.second_kind.many import (
     ManyRows,
     ManySolver,
@@ -34,7 +33,6 @@ from sie.second_kind.many import (
 )
 from sie.second_kind.system import bases_of, targets_at
 from sie.states.options import THETA
-from sie.trees.krylov import gmres
 from sie.trees.tree import TERMS
 
 
@@ -349,7 +347,6 @@ class LevelSolver(ManySolver):
         lasts = np.concatenate((layout.offset, layout.coefficients + np.arange(layout.columns)))
         rounding = 4 * EPS * np.sqrt(count)
         wanted = max(self.tolerance if tolerance is None else tolerance, float(rounding))
-        is_rough = wanted > ITERATION.correction
 
         def unknowns(x: Array) -> Array:
             y = np.zeros(layout.size)
@@ -366,21 +363,8 @@ class LevelSolver(ManySolver):
         starts = np.cumsum(layout.m) - layout.m
         top = np.full(layout.columns, float(scale.max()))
         scale = np.concatenate((scale, scale[starts], top))
-        x = np.zeros(len(given))
-        if guess is not None:
-            x = np.concatenate((guess[others], guess[lasts]))
-        left_over = (given if guess is None else given - operator(x, is_rough)) / scale
-        before = float(norm(left_over))
-        while True:
-            part = max(wanted, ITERATION.correction * before)
-            found = gmres(lambda v: operator(v * scale, True) / scale, left_over, part)
-            self.iterations += found.steps
-            x = x + found.x * scale
-            left_over = (given - operator(x, is_rough)) / scale
-            size, before = before, float(norm(left_over))
-            stagnant = not before <= np.sqrt(ITERATION.correction) * size
-            if found.steps == 0 or before <= 4 * wanted or stagnant:
-                break
+        start = None if guess is None else np.concatenate((guess[others], guess[lasts]))
+        x, left_over = self._iterated(operator, given, scale, start, wanted)
         if tolerance is None:
             rest = np.abs(left_over * scale)
             self.error = np.maximum.reduceat(rest[:equations], starts)

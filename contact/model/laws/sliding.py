@@ -17,8 +17,15 @@ from typing import Any
 
 import numpy as np
 
-from contact.errors import SceneError
-from contact.model.checks import finite, keep, non_negative, poisson_ratio, positive, such
+from contact.model.checks import (
+    both_or_neither,
+    finite,
+    keep,
+    non_negative,
+    poisson_ratio,
+    positive,
+    such,
+)
 from contact.model.controls.base import Quantity
 from contact.model.laws.base import Law, Routes
 from contact.model.registry import register_law
@@ -60,11 +67,7 @@ def dundurs_beta(E1: float, nu1: float, E2: float | None = None, nu2: float | No
     (0.0, -0.1167)
     """
     one = _compliances("1", E1, nu1)
-    if (E2 is None) != (nu2 is None):
-        name, value = ("E2", E2) if E2 is None else ("nu2", nu2)
-        other = "nu2" if E2 is None else "E2"
-        allowed = f"given with {other}, or both left out for a rigid counter-body"
-        raise SceneError.of(name, value, allowed)
+    both_or_neither(E2, nu2)
     other_body = (0.0, 0.0) if E2 is None or nu2 is None else _compliances("2", E2, nu2)
     return 0.5 * (one[0] - other_body[0]) / (one[1] + other_body[1])
 
