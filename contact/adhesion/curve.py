@@ -185,9 +185,9 @@ class State:
         return np.asarray(self.rates[np.ix_(ends, ends)] / self.weight[ends, None])
 
     def _second(self, ends: Index) -> tuple[Array, Array] | None:
-        """(symmetric matrix with the eigenvalues of `_driven`, factor for each end).
+        """(symmetric matrix with the eigenvalues of `_driven`, factor of each end's motion).
 
-        The factors turn the eigenvectors of the matrix into motions of the ends.
+        An eigenvector of the matrix, times the factors, is a motion of the ends.
 
         None where K/K* of an end is not positive, since the energy does not determine the rates, or
         where an interaction has no energy.

@@ -78,7 +78,7 @@ def _with_range(
     for _ in range(LIMITS.max_iterations):
         d -= (d * (1 + by_slope * np.sqrt(d)) - wide) / (1 + 1.5 * by_slope * np.sqrt(d))
     # The strip of tension next to a tip takes up the fraction sqrt(d / wide) of the intensity K.
-    # The tips move inward until their residual is the rest of K, 1 - sqrt(d / wide).
+    # The tips move inward until their residual is the remaining fraction, 1 - sqrt(d / wide).
     inward: Array = np.asarray(
         np.linalg.solve(-tips.rates, 1 - np.sqrt(d / wide) - tips.residual), dtype=np.float64
     )

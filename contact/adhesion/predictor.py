@@ -166,7 +166,7 @@ class Predictor(Kept):
 
 
 def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) -> Array:
-    """Intensity -K (2n, places) of each end, if the end were at the places on its path.
+    """Intensity -K (2n, places) that each end would have at each of the places on its path.
 
     The path leads outward for `sign` > 0, else inward.
     """

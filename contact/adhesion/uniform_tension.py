@@ -170,7 +170,7 @@ class UniformTension(sie.Kept):
     def _between(
         self, of_ends: EndSum, spread: Callable[[Array, SpreadEnd], Array], x: Array
     ) -> Array:
-        """Sum over all intervals: a function of the left end, minus that of the right end."""
+        """Sum over all intervals of a function of the left end minus that of the right end."""
         x = np.asarray(x, dtype=float)
         out = of_ends(x) if len(self.table) else np.zeros(x.shape)
         for end, zone in self.spreads:

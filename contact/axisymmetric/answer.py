@@ -247,7 +247,7 @@ class Spot(sie.Kept):
                 "contact is not a full circle: "
                 f"the pressure would fall to {least:.6g} Pa in the spot"
             )
-        # The gap is checked up to the middle between this spot and the edge of its neighbours. The
+        # The gap is checked from the edge of this spot halfway to the edge of the nearest spot. The
         # checks of the neighbouring spots cover the other half.
         end = 3.0 * self.radius if isinf(self.reach) else 0.5 * (self.reach + self.radius)
         r = np.linspace(self.radius, end, count + 1)[1:]

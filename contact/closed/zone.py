@@ -37,8 +37,8 @@ class OneZoneOptions:
     """Options of Newton's method on the half length of a zone, and of the samples around it."""
 
     # Number of decades in which a half length, or a position outside the zone, is searched if
-    # nothing limits it. Loads of narrower zones are lost in round-off, and no gap closes farther
-    # away.
+    # nothing limits it. Loads of still narrower zones are lost in round-off, and no gap closes
+    # still farther away.
     decades: int = 12
     # Number of half lengths that are scanned in each decade; the controlled quantity varies
     # smoothly.

@@ -133,7 +133,7 @@ class Approach(Control):
 
 @dataclass(frozen=True)
 class Machine(Control):
-    """Control by the approach of a spring's far end: the contact's approach + give * load."""
+    """Control by the approach of a spring's far end: the contact's approach + `give` * load."""
 
     give: float
     name, counted_in = "machine", "height"

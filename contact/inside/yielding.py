@@ -31,8 +31,8 @@ CRITERIA = ("mises", "tresca")
 class YieldOptions:
     """Options of the searches for the largest stress and for the load of first yield."""
 
-    # Ratio of successive depths of the scan. From one depth to the next a stress changes by some
-    # per cent. So the search then refines the places of the largest stress.
+    # Ratio of successive depths of the scan. From one depth to the next, a stress changes by some
+    # per cent. After the scan, the search therefore refines the places of the largest stress.
     depth_ratio: float = 1.3
     places_per_depth: float = 2.0  # places along the surface, per depth
     samples_per_length: float = 4.0  # of the pressure, per length over which the profile varies
@@ -298,9 +298,10 @@ def _apart(x: Array, y: Array, value: Array, size: Array) -> tuple[Array, Array,
 
 
 def _refined(body: Body, criterion: Criterion, x: Array, y: Array, size: Array) -> Peak:
-    """The largest stress near given places, by a search that halves steps without progress.
+    """The largest stress near given places, by a search with ever smaller steps.
 
-    A paraboloid, fitted to the values around each place, proposes the next place.
+    A paraboloid, fitted to the values around each place, proposes the next place. If a place moves
+    by less than half a step, its step is halved.
     """
     dx, dy = (part.ravel() for part in np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]))
     step = 0.25 * size

@@ -258,7 +258,7 @@ def stated_error(
 
     ends: error of the ends of zones that stick, divided by the width of their zone of contact.
     """
-    # A load that is not given has an error of its own, which adds to each of these errors.
+    # A load that is not given has an error as well. The factor 2 allows for this error.
     factor = 1.0 if solution.scene.given_load is not None else 2.0
     return factor * max(shear_error(solution, terms, friction), ends, solution.error)
 

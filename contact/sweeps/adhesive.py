@@ -374,7 +374,7 @@ class _PathRun:
         self.rises = 1.0
 
     def note(self, point: State | None, value: float = 0.0) -> None:
-        """Record the equilibrium `point`, or separate surfaces at the given value if it is None."""
+        """Record the equilibrium `point`; if `point` is None, separate surfaces at `value`."""
         units = self.problem.units
         if point is not None:
             approach = -point.level * units.height if self.problem.operator.has_approach else np.nan

@@ -49,7 +49,7 @@ def may_hide(low: Solution, high: Solution, rate_error: float, max_rate_ratio: f
         distance = np.abs(motion)
         error = np.abs(motion - 0.5 * step * (first + last))
         unexplained = (error > rate_error * distance) | (fast > max_rate_ratio * slow)
-        # A motion smaller than the stated errors of the ends is taken for round-off.
+        # A motion below the sum of the stated errors does not count, since it may be an error.
         if np.any(unexplained & (distance > (low.error + high.error) * (b - a))):
             return True
     return False

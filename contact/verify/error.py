@@ -316,7 +316,7 @@ class SolvedGaps(Solved):
         if mean_error:
             moved = moved + mean_error * self.widening / width
         shift = np.maximum(moved * width, self._place_error[:, None])
-        # In the period, the zone before the first gap is the last zone.
+        # The contact is periodic, so the zone to the left of the first gap is the last zone.
         zones = fields.zones[:, 1] - fields.zones[:, 0]
         ends = float((shift / np.column_stack((np.roll(zones, 1), zones))).max())
         varies = (profile.resolution or units.length * fields.period) / units.length / (2 * np.pi)

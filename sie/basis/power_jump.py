@@ -133,7 +133,7 @@ class PowerJump(Kept):
         return np.asarray(np.where(away == 0, 0.0, out) * away**order if order else out)
 
     def integral_to(self, left: Any, right: Any, away: Any, order: int = 0) -> Array:
-        """Integral of (t - s)^k J_s from -1 to t.
+        """Integral of (t - s)^`order` J_s from -1 to t.
 
         By parts, as (t - s) J_s' is -total / pi times the weight w.
         """

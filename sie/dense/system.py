@@ -670,7 +670,7 @@ class MirrorSymmetry:
         return np.asarray(places[unknowns])
 
     def fold(self, matrix: Array) -> Array:
-        """The matrix for the unknowns solved for: each column includes that of the mirror image."""
+        """The matrix of the unknowns solved for; columns of their mirror images are added."""
         if len(self.follow):
             matrix[:, self.source] += matrix[:, self.follow] * self.sign
         return np.asarray(matrix[:, self.keep])

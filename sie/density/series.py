@@ -34,7 +34,7 @@ class DensityOptions:
     # relative to the half width. The error grows without bound there.
     end_distance: float = 0.01
     # Least number of angles at which the density is sampled on a zone. The density is also sampled
-    # on both sides of the zone's highest kinks, of which there are at most this many.
+    # on both sides of the zone's highest kinks, at most `samples` kinks.
     samples: int = 32
     # Largest number of angles of a zone at which the density's response to motions of the ends is
     # evaluated.

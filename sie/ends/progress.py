@@ -40,7 +40,7 @@ class Convergence:
 
 @dataclass(eq=False)
 class Progress:
-    """Record of all steps of one search for the ends so far.
+    """Record of the steps that one search for the ends has taken so far.
 
     first_width, first_gap: widths of the zones and of the gaps right of them at the start;
     initial_error: see `WarmStart`; trace: the steps; branches: residual and growth rate at each

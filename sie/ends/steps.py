@@ -115,7 +115,7 @@ def newton_step(
 
 
 def wanted_signs(zones: Zones, signs: tuple[float, float]) -> Array:
-    """Wanted sign of the density minus the end's value, near each left and right end (2, Z).
+    """Wanted sign of (density - value of the end), near each left and right end (2, Z).
 
     Near an end with a value, the density is wanted nearer to zero than this value.
     """
@@ -236,7 +236,7 @@ def bordered(
     slope: Array,
     largest: tuple[float, float] = (np.inf, np.inf),
 ) -> tuple[Array, float]:
-    """Damped steps of the ends and change of the open value, which meet the end condition.
+    """(damped steps of the ends, change of the open value) that meet the end condition.
 
     delta: steps (2, Z) at the present value; slope: steps caused by a unit change of the value;
     largest: largest steps inward and outward, relative to the width of the zone. If undamped steps

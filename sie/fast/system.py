@@ -210,7 +210,7 @@ class IterativeSystem(System):
         )
 
     def _forcing_differences(self) -> Array:
-        """Differences between neighbouring zones of the mean of the right side's primitive.
+        """Mean of the right side's primitive over each zone, minus the mean over the previous zone.
 
         The rise across the gap comes from quadrature of the right side g. The rise along the zones
         comes from the coefficients of g, since the antiderivative of U_{k-1} is T_k / k.

@@ -296,7 +296,7 @@ class ManyRows(Rows):
         return np.array([*left, *right], dtype=np.intp), out
 
     def conditions(self) -> tuple[Array, Array]:
-        """(values of the conditions divided by their scales, the scales)."""
+        """((values of the conditions minus their known parts) / scales, scales)."""
         zones, equation = self.zones, self.dense.equation
         if equation.conditions:
             _, constants, totals = equation.conditions[0].rows(self)

@@ -233,7 +233,7 @@ class LevelRows(ManyRows):
         return np.concatenate(rows)
 
     def integral_rows(self, weight: Weight, degree: int | None) -> tuple[list[Array], Array]:
-        """(for each zone, the row of the integral of weight * density; its constants)."""
+        """(rows of the zones' integrals of `weight` * density, known parts of these integrals)."""
         if (weight, degree) not in self._integrals:
             known, rows, layout = np.zeros(len(self.zones)), [], self.sums.layout
             for i, basis in enumerate(bases_of(self.zones)):

@@ -183,7 +183,7 @@ class SlitSystem(Kept):
         def operator(folded: Array) -> Array:
             return np.asarray(folded - base.solver(slit_response(folded)))
 
-        # The effect of a slit decreases as the square of (slit's width / distance from the slit). A
+        # The effect of a slit is about proportional to (slit's width / distance from the slit)^2. A
         # few steps of GMRES therefore suffice.
         folded = start + base.solver(slit_response(start))
         for _ in range(2):  # the second pass corrects the round-off of the first

@@ -326,7 +326,7 @@ def separated_modes() -> tuple[Array, Array]:
 
 
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
-    """(whether the coefficients `row` hardly decrease, the next one divided by their largest).
+    """(whether the coefficients `row` hardly decrease, estimate of the next one / max(row)).
 
     row: last coefficients in descending order of the mode; fall: mean ratio of successive
     coefficients of the whole series. If the last ones decrease at less than half of this rate, they

@@ -49,7 +49,7 @@ CHECKS = CheckOptions()
 # Number of halvings of a step until it is round-off relative to the first step.
 _HALVINGS = int(-np.log2(ROUND_OFF))
 # Step of the differences that estimate the second derivative, relative to the checked interval. A
-# corner is examined at distances that decrease to this fraction of the first one.
+# corner is examined at distances that decrease to this fraction of the first distance.
 BEND_STEP = np.sqrt(ROUND_OFF)
 
 

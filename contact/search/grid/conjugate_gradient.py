@@ -59,9 +59,9 @@ class GridOptions:
     # times the one before, but not below the wanted tolerance. While many points still join or
     # leave the contact, a precise pressure would be wasted.
     first_tolerance: float = 1e-2
-    # Number of successive solves, under a cap of the pressure, in which the number of points that
-    # change reaches no new minimum.
-    # Ends of plateaus and contacts are then known to a cell, which is all a first guess needs.
+    # Under a cap of the pressure, the iteration ends after more than this many successive solves in
+    # which the number of changed points reaches no new minimum. Ends of plateaus and contacts are
+    # then known to a cell, which is all a first guess needs.
     max_repeats: int = 8
 
     @property
