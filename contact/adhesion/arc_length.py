@@ -210,7 +210,7 @@ class Step:
         accuracy: float = ACCURACY.neutral,
         tight: bool = True,
     ) -> float:
-        """Length inside the step at which a function of the equilibrium is zero.
+        """Arc length, from the start of the step, at which `function` of the equilibrium is zero.
 
         first, last: values of the function, of opposite signs, at the start and at `length` (None:
         at the end of the step). accuracy: relative accuracy.
@@ -493,7 +493,7 @@ def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
 
 
 def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
-    """Coefficients (2, 2n + 1) of length^2 and length^3 in the cubic for ends and control.
+    """Coefficients (2, 2n + 1) of `length`^2 and `length`^3 in the cubic for ends and control.
 
     The length is measured from the present point along the unit vector `tangent`. The cubic starts
     there with this tangent. It passes through a second point, displaced by `moved`, with the

@@ -42,8 +42,8 @@ class StateAccuracy:
     # Accuracy of intermediate states in the search for an equilibrium. A residual smaller than this
     # may have the wrong sign.
     rough: float = 1e-9
-    # Length of Newton's step below which the ends are at rest at an intermediate equilibrium.
-    # Smaller steps may be round-off.
+    # Largest Newton step, relative to the widths, at which an intermediate equilibrium has
+    # converged. Smaller steps may be round-off.
     resting_step: float = 1e-6
     # Accuracy of auxiliary quantities: rates, residuals, turning points, solutions on grids. Errors
     # of rates make Newton's method slower, but its result no less accurate.

@@ -36,8 +36,8 @@ def relaxed(curve: Curve, table: Array, value: float) -> State | None:
                 or float(np.abs(here.residual).max()) > ACCURACY.coarse
             ):
                 continue
-            # Overlaps are searched for only once the ends are at rest. A search costs as much as
-            # many steps, and overlaps found before that may vanish again.
+            # Overlaps are searched for only after the ends have converged. A search costs as much
+            # as many steps, and overlaps of moving surfaces may vanish again.
             overlaps = curve.within(openings(curve.fields(here, ACCURACY.rough)).overlaps)
             if len(overlaps) == 0:
                 if here.growth < 0.0:

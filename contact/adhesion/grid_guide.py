@@ -69,7 +69,7 @@ class GridGuide(sie.Kept):
 
     @classmethod
     def of(cls, problem: Problem, table: Array | None, by_load: bool) -> "GridGuide | None":
-        """The grid for moving scaled intervals; None if the strips of tension are too narrow."""
+        """The guide for scaled intervals `table`; None if its grid would need too many cells."""
         profile, law, units = problem.profile, problem.law, problem.units
         if problem.period is not None and profile.period is not None:
             x0, width = profile.x0, profile.period

@@ -43,7 +43,7 @@ _OPTIONS = InnerContactOptions()
 
 
 class ContactLost(NoState):
-    """Error: no contact is left under a tension."""
+    """Error: under the given tension, no zone of contact is left."""
 
 
 class EndsCovered(NoState):

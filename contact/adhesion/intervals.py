@@ -104,7 +104,7 @@ def below(
 def joined(
     table: Array, joins: Mask, new: list[tuple[float, float]], period: float | None
 ) -> Array:
-    """The intervals `table` and `new`; a row of `table` with `joins` is united with the next."""
+    """The intervals `table` and `new`; rows of `table` marked in `joins` are joined to the next."""
     joins = joins.copy()
     if period is None:
         joins[-1] = False

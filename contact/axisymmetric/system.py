@@ -149,7 +149,7 @@ class Linear:
         self.w = {j: self.displaced(j, self.smooth[j][0], every[self.at_e[j]]) for j in self.active}
 
     def _rough(self, j: int) -> tuple[Array, Array]:
-        """Nodes, and doubled weights times -g, where g is the transform of the profile."""
+        """(nodes, -2 g times their weights), with the transform g of the profile."""
         a, profile = float(self.radii[j]), self.kinds[j].profile
         nodes, weights = panels([0.0, *(min(b, a) for b in profile.breakpoints), a])
         return nodes, -2.0 * weights * profile.line(nodes)

@@ -146,8 +146,8 @@ def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[b
     lowest = float(gap[top:].min())
     lost = allowed_overlap(series=float((np.abs(height) + np.abs(sunk)).max()))
     rising = bool(np.all(np.diff(gap[: top + 1]) >= -lost))
-    # If the gap falls between two samples by less than its least sampled value, it is positive
-    # between these samples, too.
+    # The gap is positive between the samples, too, if its largest fall from one sample to the next
+    # is smaller than its least sampled value.
     steepest = float(-np.diff(gap[top:]).min(initial=0.0))
     return rising and lowest > max(steepest, TOLERANCES.noise * float(gap[top])), lowest
 

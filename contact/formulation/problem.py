@@ -39,7 +39,7 @@ MISMATCH = "contact.formulation.mismatch"
 
 
 def minus_one(x: Array) -> Array:
-    """The slope -1 at places x, which a unit tilt adds; the unknown tilt is its amplitude."""
+    """The slope -1 that a unit tilt adds, at places x; the unknown tilt multiplies this slope."""
     return np.full(np.shape(x), -1.0)
 
 
@@ -259,12 +259,12 @@ class Problem(sie.Kept):
 
     @property
     def kappa(self) -> float:
-        """Factor of the pressure itself on the left side; 0 unless different bodies slide."""
+        """Factor of p itself in T p + kappa p = (E*/2) f'; 0 unless different bodies slide."""
         return self.law.kappa
 
     @property
     def skew(self) -> complex:
-        """Factor 1 / (1 + i kappa) of the transform of a slope in the pressure; 1 for kappa = 0."""
+        """Factor 1 / (1 + i kappa) by which a slope's transform enters the pressure."""
         return 1 / (1 + 1j * self.kappa) if self.kappa else 1.0
 
     @cached_property

@@ -123,7 +123,7 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def alone_by_centre(self) -> Array:
-        """Motions of the zone ends of the contact `at.alone`, for a unit motion of the centre.
+        """Motions of the zone ends of the contact `at.alone`, for a unit motion of the strip.
 
         An end at a border of the strip moves with this border, and the other ends react.
         """

@@ -81,7 +81,7 @@ def _plateaus(state: GridState, x: Array) -> Array:
             one, two = below[(at + side) % n], below[(at + 2 * side) % n]
             inner = min(one / (two - one), 1.0) if two > one else 0.5
             ends.append(float(x[0]) + h * (at + side * (1.0 - float(inner))))
-        # A run keeps at least half of a cell about its middle.
+        # A plateau is at least half a cell wide, and contains the middle of its run.
         middle = float(x[0]) + 0.5 * h * (first + last)
         rows.append((min(ends[0], middle - 0.25 * h), max(ends[1], middle + 0.25 * h)))
     return np.array(rows).reshape(-1, 2)

@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Loads of a smaller relative difference count as equal: a few units in the last digit.
+# Loads count as equal if their relative difference is smaller: a few units in the last digit.
 SAME_LOAD = 8 * float(np.finfo(float).eps)
 
 

@@ -36,7 +36,7 @@ class LoadPoint:
 
     @classmethod
     def unloaded(cls, solution: Solution) -> "LoadPoint":
-        """The values of a solution's scene at zero load."""
+        """The state at zero load: the work is 0, the approach is that of the first touch."""
         return cls(0.0, first_approach(solution), 0.0)
 
 

@@ -81,7 +81,7 @@ def plot(solution: Solution) -> Any:
 
 
 def summary(solution: Solution) -> str:
-    """A line of text on the solution: model, load or mean pressure, contact, and peak pressure."""
+    """A line of text: model, load or mean pressure, peak pressure, and contact fraction."""
     scene = solution.scene
     parts = [
         f"{scene.profile.title}, {scene.interaction.name}",

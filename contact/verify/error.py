@@ -374,7 +374,7 @@ class SolvedGaps(Solved):
 
     @property
     def _steepest(self) -> Array:
-        """Slope of the pressure near a tip in each zone, at the least distance with a stated error.
+        """Slope of the pressure in each zone, at the least distance from a tip with a stated error.
 
         A tip is a convex kink of the profile. The slope is J / pi divided by the distance from the
         tip, with J the largest jump of f' at the tips in the zone. At smaller distances the stated

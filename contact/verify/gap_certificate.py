@@ -176,7 +176,7 @@ def _sampled(fields: GapFields) -> _Samples:
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
-    """(intervals of gaps over concave kinks that the solution lacks, number of unresolved ones).
+    """(intervals of gaps that the solution lacks at concave kinks, number of unresolved gaps).
 
     Unresolved gaps are narrower than `TOLERANCES.narrowest_gap` periods.
     """

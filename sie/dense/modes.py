@@ -276,8 +276,8 @@ def sample(
             grow &= (n < OPTIONS.max_nodes) | (last <= OPTIONS.nearly_decayed * scale)
             # The last of n coefficients decrease as 1/n if the right side g jumps, and as 1/sqrt(n)
             # if they are round-off. So they count as round-off if they decrease more slowly than
-            # n^-0.75 from both previous numbers of nodes. Next to knots, the decrease from one of
-            # them may be slow by chance.
+            # n^-0.75 from both previous numbers of nodes. If the right side has knots, one of the
+            # two decreases may be slow by chance.
             slow = (tails[group, 1] >= 0) & (
                 last[:, None] > tails[group] * (sizes[group] / n) ** 0.75
             ).all(axis=1)

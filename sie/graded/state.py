@@ -147,7 +147,7 @@ class GradedState(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved zone, the mean of the potential minus the right side's primitive."""
+        """Level of each solved zone: mean of the potential less the right side's primitive."""
         rows, constants = self.system.levels()
         return np.asarray(rows @ self.density.unknowns + constants)
 
@@ -294,7 +294,7 @@ class GradedState(Answered):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Error of the density times sqrt(1 - t^2) on each zone (Z,) by errors of the rows."""
+        """Error of the density times sqrt(1 - t^2) on each zone (Z,), due to errors of the rows."""
         return self._errors[0]
 
     def _intensity_errors(self, of_ends: Array) -> Array:

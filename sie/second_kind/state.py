@@ -166,7 +166,7 @@ class SecondKindState(Answered):
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Error of a moving end's place by truncated series, over the zone's width (Z, 2)."""
+        """Error of each moving end due to truncated series, relative to its zone's width (Z, 2)."""
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
         steps = zones.weight.end_step(self.intensity_truncation, np.maximum(slopes, 1e-300))
@@ -240,7 +240,10 @@ class SecondKindState(Answered):
 
     @property
     def _near_ends(self) -> Array:
-        """Angles 1/(2 m), 1/m, 2/m from each zone's right end (Z, 3); m >= 2: its highest mode."""
+        """Angles 1/(2 m), 1/m, 2/m from each zone's right end (Z, 3); m: the zone's highest mode.
+
+        A highest mode below 2 counts as 2.
+        """
         return np.asarray(np.exp2([-1, 0, 1]) / np.maximum(self.system.layout.m, 2)[:, None])
 
     def _residuals_at(self, theta: Array) -> Array:

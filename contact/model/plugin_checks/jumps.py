@@ -260,9 +260,9 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) -> float:
-    """The fraction of the declared powers that differences of the function do not show.
+    """Relative deviation of the function's differences from those of the declared powers.
 
-    Steps are halved again and again, and the smallest fraction is returned. It is 0 if round-off
+    Steps are halved again and again, and the smallest deviation is returned. It is 0 if round-off
     hides the powers at all steps, or at all steps for which the smooth part is negligible.
     """
     derived = profile.slope_is_derived
@@ -281,8 +281,8 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
         rounding = EPS * float(np.abs(weights) @ np.abs(values)) * (1.0 + abs(s) / y[0])
         if abs(declared) > 10 * rounding / (2 * CHECKS.jump):
             found.append(abs(float(weights @ values) - declared) / abs(declared))
-    # If the last halving of the step still decreased the missing fraction, the differences still
-    # contain the smooth part of the function. Then the fraction is unknown, and 0 is returned.
+    # If the last halving of the step still decreased the deviation, the differences still contain
+    # the smooth part of the function. Then the deviation is unknown, and 0 is returned.
     return 0.0 if len(found) < 3 or found[-1] < 0.7 * found[-2] else min(found)
 
 

@@ -165,8 +165,8 @@ def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
     if not inner.any() or float(np.median(steps[inner])) == 0:
         return False
     usual = float(np.quantile(steps[inner], 0.75))
-    # On the flanks of a narrow bump all steps are large, not only the one at the bump's top. The
-    # usual step is therefore at least the median of the steps next to a `border` step.
+    # On a narrow bump all steps are large, those on its flanks as well as the `border` steps at its
+    # top. The usual step is therefore at least the median of the steps next to a `border` step.
     following = inner & (np.append(border[1:], False) | np.append(False, border[:-1]))
     if following.any():
         usual = max(usual, float(np.median(steps[following])))

@@ -42,8 +42,8 @@ from sie import Array
 class LoadControlOptions:
     """Limits up to which the zones of a similar solution are a better start than a grid."""
 
-    # Change of the contact width, relative to the smaller of the contact width and the gap width.
-    # Known zones whose width differs by more are no better start for Newton's method than a grid.
+    # Largest change of the contact width, relative to the contact width or the gap width, whichever
+    # is smaller. After a larger change, a grid is as good a start for Newton's method.
     max_change: float = 0.2
 
 

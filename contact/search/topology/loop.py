@@ -249,7 +249,7 @@ class _Loop(Generic[Kind]):
         raise WrongTopology(f"the number of {self.form.what}s did not settle", free)
 
     def _begin_roughly(self, count: int) -> None:
-        """Make the first rounds rough if the intervals are very many and their number uncertain."""
+        """Loosen the first rounds if there are very many intervals and their number is uncertain."""
         newton = self.newton
         known = newton.initial_error < 1.0 or newton.abandon_if_far or newton.max_steps
         if count >= ROUGH.min_intervals and not (self.formal or known):
