@@ -154,7 +154,7 @@ class Conjugate(sie.Kept):
         return Transform(smooth, sum(part.error for part in parts.values()), worst.limit)
 
     def _difference(self, closed: Callable[[Array], Array], series: "Transform") -> float:
-        """Error of a user's closed form of the transform: twice its difference from the series.
+        """Error of a user's transform `closed`: twice its largest difference from `series`.
 
         Raises SceneError if the difference is so large that the closed form must be wrong.
         """

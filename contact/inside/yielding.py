@@ -298,7 +298,7 @@ def _apart(x: Array, y: Array, value: Array, size: Array) -> tuple[Array, Array,
 
 
 def _refined(body: Body, criterion: Criterion, x: Array, y: Array, size: Array) -> Peak:
-    """The largest stress near given places, by a search with ever smaller steps.
+    """The largest stress near given places, by a search with decreasing steps.
 
     A paraboloid, fitted to the values around each place, proposes the next place. If a place moves
     by less than half a step, its step is halved.

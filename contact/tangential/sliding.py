@@ -147,7 +147,7 @@ def _under_loads(context: SolveContext, first: float) -> Solution | None:
 
 
 def _from(context: SolveContext, start: Start) -> Outcome | Failure:
-    """The contact, from the zones of a similar contact; a Failure if no contact is found."""
+    """The contact, found from the zones of a similar contact; else a Failure."""
     scene = context.scene
     if scene.turned and scene.moment is not None:
         scaled = scaled_scene_about(scene, start.tilt or 0.0, start.zones)

@@ -414,8 +414,8 @@ class GradedDensity(DensityBase):
         """Field of one zone at places on it or close to it; the kernel's pole is integrated exactly."""
         row, c = np.full(places.u.shape, zone, dtype=np.intp), self.coefficients
         if np.iscomplexobj(places.u):
-            # A place on the zone counts as a place on the zone's upper side, whether the imaginary part
-            # is 0.0 or -0.0.
+            # A place on the zone counts as a place on the zone's upper side, whether its imaginary
+            # part is 0.0 or -0.0.
             seen: Any = InPlane(_upper(places.left), _upper(-places.right))
             on = np.zeros(places.u.shape, dtype=bool)
         else:

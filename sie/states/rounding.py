@@ -266,8 +266,8 @@ def _largest(coefficients: Array) -> Array:
     distance `OPTIONS.end_distance` from an end.
     """
     k = np.arange(max(coefficients.shape[1], 2))
-    # At an end all |T_k| are 1, so that many modes may add up. So the angles lie closer together
-    # near the ends.
+    # At an end all |T_k| are 1, so that the terms of many modes may add up there. Therefore the
+    # angles lie closer together near the ends.
     theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, SAMPLES.samples)[:, None]) ** 2
     u = bounded_part(coefficients)[2]
     whole = (
