@@ -123,7 +123,7 @@ def _greatest(
 def _lowered(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The contact on the advancing branch; for `value` < 0 it recedes from the contact at 0."""
+    """The advanced contact; for `value` < 0 the contact that has receded from control value 0."""
     try:
         start = advancing(context, scaled, curve, max(value, 0.0))
     except Closed:

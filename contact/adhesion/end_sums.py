@@ -55,8 +55,7 @@ class Cells(sie.Kept):
             long = np.diff(edges) > self.longest
             dense = np.flatnonzero(long | (self._is_near(edges).sum(axis=1) > _OPTIONS.near_ends))
             middle = 0.5 * (edges[dense] + edges[dense + 1])
-            # Two neighbouring floating-point numbers have no number between them, so such a cell is
-            # not halved.
+            # A cell between two neighbouring floating-point numbers cannot be halved.
             middle = middle[(middle > edges[dense]) & (middle < edges[dense + 1])]
             if len(middle) == 0:
                 break

@@ -134,7 +134,7 @@ def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor
 
 
 def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, largest motion of an end divided by the smaller width of its zone and gap)."""
+    """(next state, largest motion of an end over the width of its zone or gap, the smaller)."""
     onward = sign * here.residual
     if onward.min() < -MOVES.small_drive or (
         here.growth >= 0.0 and onward.max() <= ACCURACY.coarse < -onward.min()

@@ -46,7 +46,7 @@ GRID = GridOptions()
 
 @record
 class GridRest:
-    """Scaled intervals at rest (m, 2), ascending, and the zones of contact inside them."""
+    """Scaled intervals of tension in equilibrium (m, 2), and the zones of contact inside them."""
 
     table: Array
     zones: Array

@@ -43,8 +43,8 @@ class OneZoneOptions:
     # Number of half lengths that are scanned in each decade; the controlled quantity varies
     # smoothly.
     points_per_decade: int = 4
-    # Number of positions at which the gap is sampled next to the zone. It is also the number in
-    # each decade of the distance far from the zone.
+    # Number of samples of the gap next to the zone. Farther from the zone, each decade of the
+    # distance gets the same number of samples.
     outer_places: int = 32
     gauss_points: int = 64  # of the mean height over an angle, in which heights are smooth
     first_nodes: int = 8  # a sinusoid or a parabola needs no more

@@ -139,8 +139,8 @@ def _control(scene: Scene, solution: Solution | None) -> Handle:
         return _between(key, value, -1.2 * reach, 4 * reach)
     if value <= 0:
         return _between(key, value, -4 * abs(value) or -1.0, 4 * abs(value) or 1.0)
-    # The slider reaches from a thousandth of the load to ten times the load. At ten times the load,
-    # most contacts are full.
+    # The slider reaches from a thousandth of `value` to ten times `value`. At ten times the load,
+    # most periodic contacts are full.
     return _times(key, value, decades_down=3)
 
 

@@ -352,7 +352,7 @@ def _lines(
     x: Array,
     xi: Array,
 ) -> Array:
-    """`factor` times the sum of `of` at the distances x - xi - s [m], over all poles s."""
+    """`factor` times the sum over all poles s of `of` at the distance (x - xi - s) * `unit` [m]."""
     lag = x - xi
     total = sum((of((lag - pole) * unit) for pole in poles), np.zeros(np.shape(lag)))
     return np.asarray(factor * total)

@@ -44,7 +44,7 @@ OPTIONAL = {"substrate": SUBSTRATES, "law": LAWS}
 # The table of a rough counter body. It has the keys of [profile], and further keys for the position
 # of the body.
 COUNTER = "counter"
-# The table of a tangential load or a creepage.
+# The table of the friction, with a tangential load or a creepage.
 TANGENTIAL = "tangential"
 MODULI = ("E_star", "E1", "nu1", "E2", "nu2")
 

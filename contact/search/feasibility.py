@@ -151,8 +151,8 @@ def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
     for side, slope in (("right", right - tilt), ("left", left + tilt)):
         turned = f", turned by {tilt:.6g}," if tilt else ""
         # The body is taken to fall without bound if its height falls at least twice as much in each
-        # decade of distance as in the one before. The factor 10 is the ratio of the widths of two
-        # successive decades.
+        # decade of distance as in the decade before. The factor 10 is the ratio of the widths of
+        # two successive decades.
         if np.all(slope < 0) and np.all(10 * slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(f"the profile{turned} falls without bound on the {side}: {_REMEDY}")
         if tilt and np.all(np.abs(slope) <= TOLERANCES.rounding * abs(tilt)):

@@ -68,7 +68,7 @@ class PathOptions:
 
     @property
     def retries_beyond(self) -> tuple[float, ...]:
-        """Relative distances from two equal loads at which an event is sought outside them.
+        """Relative distances outside two nearly equal loads at which an event is sought.
 
         The two loads are equal except for round-off. Round-off can give a certified sign the wrong
         value, so that the event between the loads seems to lie beyond them.
@@ -268,7 +268,7 @@ class _Path:
         """The events between a solution and full contact; the last event closes the last gap."""
         assert low.scene.period is not None
         load = self.curve.cache.full.onset_pressure * low.scene.period
-        # `last` is a solution just below the load of full contact: only one gap is still open.
+        # `last` is a solution just below the load of full contact, where one gap is still open.
         last = self.intermediate(max(low.load, load * (1 - _OPTIONS.same)), low)
         return [*self._events(low, last), *_full_event(load, full, last)]
 

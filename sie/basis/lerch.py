@@ -26,9 +26,9 @@ class LerchOptions:
     # Number of terms of the power series in x and in 1 - x. They are used where |x| or |1 - x| is
     # at most 1/2, so that the omitted terms are below round-off.
     terms: int = 56
-    # Number of Gauss-Legendre nodes for the integral in log y in `_by_ray`, over a length of log 2
-    # or less. The pole y = 1 of the integrand is 0.5 or more away, so that the error is 3.6^(-2
-    # nodes).
+    # Number of Gauss-Legendre nodes in `_by_ray`, which integrates over log y on a path no longer
+    # than log 2. The pole y = 1 of the integrand is at least 0.5 from this path, so that the error
+    # is 3.6^(-2 nodes).
     nodes: int = 18
 
 

@@ -41,9 +41,9 @@ class ModeOptions:
     # if 1.5 times as many modes do not halve them. Even for a kernel as rough as |x - xi|, 1.5
     # times as many modes more than halve them.
     nearly_decayed: float = 1e-5
-    # First number of nodes of a zone. It is larger if the right side is singular close to the zone,
-    # so that the coefficients decay to round-off. It is also the number of leading coefficients
-    # from which the size of the jumps' series is taken.
+    # First number of nodes of a zone. A zone begins with more nodes if the right side is singular
+    # close to the zone. `first_nodes` is also the number of leading coefficients from which the
+    # size of the jumps' series is taken.
     first_nodes: int = 16
     # The decay of a zone's coefficients is judged only if the zone has at least this number of
     # nodes for each jump.

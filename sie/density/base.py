@@ -40,7 +40,7 @@ class DensityBase(Kept):
 
     @property
     def plateaus(self) -> Array:
-        """Intervals (m, 2) beside the zones on which the density has a given value."""
+        """Intervals (m, 2) outside the zones; on each of them the density has a given value."""
         return np.zeros((0, 2)) if self.beside is None else self._plateaus.table
 
     @property

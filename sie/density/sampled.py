@@ -26,8 +26,8 @@ class SamplingOptions:
     first_nodes: int = 16
     # Largest number of nodes of a zone. Right sides have the same limit.
     max_nodes: int = 8192
-    # Number of points between the nodes at which the series is compared with the function. The
-    # residual of an equation is sampled at the same number of points (`sie.states.state`).
+    # Number of points of a zone, none of them a node, at which the series is compared with the
+    # function. The residual of an equation is sampled at as many points (`sie.states.state`).
     check_points: int = 15
     # Largest deviation at these points and at ends of prescribed intensity, in units of the
     # tolerance. A deviation sums some hundred coefficients, each with an error within the

@@ -66,9 +66,9 @@ class Treecode:
         return self._summed(x, self.potential_series, True)
 
     def _summed(self, x: Array, series: Array, potential: bool) -> Array:
-        """Field at points x.
+        """Transform at points x, or the potential if `potential` is true.
 
-        It is the sum of the series of the point's cell and of closed forms of near zones.
+        It is the sum of `series` of the point's cell and of closed forms of near zones.
         """
         out = np.empty(len(x))
         order = np.argsort(x, kind="stable")

@@ -57,7 +57,7 @@ def border_distances(zones: Zones, equation: Equation) -> Array:
 
 
 def _interval(zones: Zones, equation: Equation) -> tuple[float, float]:
-    """The interval of the outermost ends: the right side is known, and plateaus do not vanish."""
+    """Interval allowed for ends: the right side is known in it, and no outer plateau vanishes."""
     low, high = equation.within
     left, right = zones.left[0].until, zones.right[-1].until
     return low if left is None else max(low, left), high if right is None else min(high, right)

@@ -84,8 +84,8 @@ class Progress:
     def left_to_solve(self) -> float:
         """Tolerance of the next solution: `forcing` times the cube of the last relative move."""
         last = self.trace[-1].move if self.trace else 1.0
-        # If a fraction of the ends may stay unconverged, `most` leaves out this fraction of the
-        # zones: those with the largest moves, which may vanish.
+        # `most` is the largest relative move without the `unresolved_fraction` of zones whose ends
+        # move most. Those zones may vanish.
         last = self.most if self.options.unresolved_fraction else min(last, self.initial_error)
         return self.options.forcing * last**3
 

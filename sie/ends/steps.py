@@ -164,7 +164,7 @@ def _safe_slopes(
     residual: Array,
     last: LastMoves | None,
 ) -> tuple[Array, Mask]:
-    """(slopes (2, Z) that divide Newton's step, mask of ends whose edge slope A is not used).
+    """(slopes (2, Z) for Newton's step, mask of ends whose edge slope A is 0 or of wrong sign).
 
     A is the edge slope of the density. At the solution A has the sign of the density. Far from the
     solution A may have the other sign or vanish. There the change of the residual in the last step

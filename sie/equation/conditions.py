@@ -242,7 +242,7 @@ class Trial(Rows):
 
 
 def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
-    """Coefficients of a condition that acts on each zone by itself; None for other conditions.
+    """Coefficients of a condition with the rows of `ByZone`; None for other conditions.
 
     The response of its rows to trial values that are equal on all zones, or rise evenly, gives the
     coefficients. The response to random values shows whether the condition contains anything else.

@@ -79,7 +79,7 @@ class GradedDensity(DensityBase):
 
     @property
     def whole(self) -> GradedDensity:
-        """The density on the zones without slits, which is this object itself."""
+        """The density with no gap treated as a slit: this object itself."""
         return self
 
     @property
@@ -141,7 +141,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def powers(self) -> Array:
-        """Powers 0 or 1 (2, Z) of the distances from the gaps, see `GradedSystem.powers_for`."""
+        """Powers 0 or 1 (2, Z) of the factors of `Grading.scale`, see `GradedSystem.powers_for`."""
         return self.system.powers_for(self.unknowns)
 
     @cached_property

@@ -156,7 +156,7 @@ class Grading(Kept):
 
     # The methods below are functions of pairs: points along the first axis, sources along the last.
     def turns(self, points: Places, sources: Places) -> Numbers:
-        """B (s - s') / 2; s - s' is formed at the zone's end that is nearer to the point."""
+        """B (s - s') / 2; s - s' is computed from the zone's end that is nearer to the point."""
         from_left = points.left[:, None] - sources.left
         from_right = sources.right - points.right[:, None]
         nearer = (np.real(points.left) < np.real(points.right))[:, None]

@@ -89,13 +89,13 @@ class GradedState(Answered):
 
     @property
     def whole(self) -> Any:
-        """The solution on the zones without slits, which is this object itself."""
+        """The solution with no gap treated as a slit: this object itself."""
         return self
 
     def wide_of(self, zones: Index) -> tuple[Any, Index]:
-        """(solution on zones without slits, indices of the given zones in it).
+        """(solution with no gap treated as a slit, indices of the given zones in that solution).
 
-        Here the solution has no slits: it is this object itself.
+        In this class no gap is treated as a slit, so the solution is this object itself.
         """
         return self, zones
 
@@ -275,7 +275,7 @@ class GradedState(Answered):
 
     @cached_property
     def density_error(self) -> float:
-        """Estimated error of the density on these zones.
+        """Estimated relative error of the density and of the charges F_k.
 
         It is the sum of two relative errors: that of the density times sqrt(1 - t^2), and that of
         the charges F_k. Next to a narrow gap the density may be orders of magnitude larger than on

@@ -426,7 +426,7 @@ class GradedSystem(Rows, Kept):
         return out
 
     def powers_for(self, unknowns: Array) -> Array:
-        """Powers 0 or 1 (2, zones) of the distances from both gaps, by which F is divided.
+        """Powers 0 or 1 (2, zones) of the two factors of `Grading.scale`, by which F is divided.
 
         The series is that of the quotient.
 

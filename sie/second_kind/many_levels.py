@@ -217,9 +217,9 @@ class LevelRows(ManyRows):
         return field - amplitudes @ self.column_rows, AppliedRows(self, y, level)
 
     def condition_values(self, opened: float) -> Array:
-        """Values of all conditions, minus their constants.
+        """Prescribed values of all conditions, minus the constants of the conditions.
 
-        opened: value that is added for the open condition.
+        opened: added to the value of the open condition.
         """
         applied, out = self.applied(np.zeros(self.sums.layout.size))[1], []
         for condition in self.dense.equation.conditions:

@@ -91,8 +91,8 @@ class ManyState(SecondKindState):
     def intensity_noise(self) -> Array:
         """Round-off of the intensity K at the left and right ends (2, Z)."""
         if self.solver.is_loose:
-            # Here the error of the iteration is larger than round-off. The next Newton step removes
-            # this error.
+            # With a loose solver, the error of the iteration is larger than round-off. The next
+            # Newton step removes this error.
             return np.asarray(ERRORS.safety * self.density.zones.edge_scale * self.solver.error)
         zones, count = self.density.zones, self._changes.shape[2]
         left, right = self.density.edge_values(count)

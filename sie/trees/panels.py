@@ -41,8 +41,8 @@ class PanelOptions:
     # Largest number of panels, divided by the number of zones. If the kernel needs more, it is
     # summed directly, unless the table of the matrices of all panels is small.
     panels_per_zone: int = 8
-    # Least number of zones for a skeleton (`sie.trees.skeleton`). It replaces panels if the kernel
-    # does not depend on x - xi alone.
+    # Least number of zones for a skeleton (`sie.trees.skeleton`). A skeleton replaces panels if the
+    # kernel does not depend on x - xi alone.
     min_zones_of_skeleton: int = 32
 
 

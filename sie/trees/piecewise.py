@@ -300,7 +300,7 @@ class PiecesInPlane(Kept):
 
     @cached_property
     def nodes(self) -> tuple[Array, Array]:
-        """(nodes on all pieces, weights with the first moments of the function)."""
+        """(nodes over all pieces, weights that reproduce the first moments of f / pi)."""
         tree = self.tree
         xi = 0.5 * (tree.lo[0] + tree.hi[0]) + tree.half[0] * chebyshev.gauss(TERMS)
         weights = chebyshev.t_matrix(TERMS, TERMS) @ self.series[0] * (tree.half[0] / TERMS)
@@ -324,7 +324,7 @@ def clenshaw(table: Array, cell: Index, t: Array) -> Array:
 
 
 def _cells(ends: Array, at: Array) -> Array:
-    """Ends of the cells: intervals between `ends` are halved until few jumps `at` are near each."""
+    """Ends of the cells: the intervals of `ends`, halved until each has few jumps `at` nearby."""
     between = np.append(np.diff(at), np.inf)
     while True:
         length = np.diff(ends)

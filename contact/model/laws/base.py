@@ -216,13 +216,13 @@ class Law(Named, sie.Kept):
         return None
 
     def work_of_adhesion(self, E_star: float) -> float:
-        """Work [J/m^2] that separates a unit of area against the edge intensity and the tension."""
+        """Work of adhesion [J/m^2]: the part of the edge intensity plus that of the tension."""
         return pi / E_star * self.intensity(E_star) ** 2 + self.tension * self.reach
 
     def surface_energy(self, fields: Any, width: float) -> float:
         """Energy of the interface [J/m] of a contact whose zones have the total width `width` [m].
 
-        It is minus the energy that closing the surfaces has released, (pi/E*) K^2 for each width.
+        It is minus the energy that closing the surfaces has released: (pi/E*) K^2 times `width`.
         fields: `contact.formulation.protocol.Fields`.
         """
         E_star = fields.problem.units.E_star

@@ -228,7 +228,8 @@ def is_symmetric(problem: Problem, table: Array) -> bool:
     if problem.cell is not None and max(-table[0, 0], table[-1, 1]) >= 0.5 * problem.cell:
         return False
     width = table[:, 1] - table[:, 0]
-    # Two guessed zones count as mirror images if they differ by at most a quarter of their width.
+    # A guessed zone counts as the mirror image of another one if no end is off by more than a
+    # quarter of the narrower width.
     return bool(
         np.all(np.abs(table + table[::-1, ::-1]) <= 0.25 * np.minimum(width, width[::-1])[:, None])
     )
