@@ -479,10 +479,7 @@ def _solvable(equation: Equation, zones: Zones) -> bool:
 
 
 def _best(solutions: Iterator[Solution], tol: float) -> Solution:
-    """The first of ever more accurate solutions that meets the tolerance.
-
-    If none does, it is the best one.
-    """
+    """The first solution that meets the tolerance, or else the one with the smallest error."""
     best = next(solutions)
     while best.error > tol and (found := next(solutions, None)) is not None:
         best = found if found.error < best.error else best

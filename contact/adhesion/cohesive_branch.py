@@ -320,7 +320,7 @@ def _receded(
     intervals, are driven inward.
     """
     if np.isfinite(curve.problem.corners[0]):
-        # The interval extends from one sharp corner to the other corner.
+        # The interval of tension extends from one sharp corner to the other corner.
         table = np.array([curve.problem.corners])
         curve.from_zones(
             table,

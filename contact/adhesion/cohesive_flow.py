@@ -284,8 +284,8 @@ def _widened(
     out = (by - 1) * np.clip(strips, ACCURACY.resting_step * width[:, None], 0.5 * width[:, None])
     out = np.minimum(out, MOVES.max_move * np.column_stack((np.roll(gaps, 1), gaps)))
     table = table + np.column_stack((-1.0 * left, right)) * out
-    # Two intervals are joined if the gap between them is very narrow and contact covers one of its
-    # ends.
+    # Two intervals are joined if the gap between them is very narrow and contact covers an end of
+    # this gap.
     joins = (curve.gaps(table) < MOVES.vanished * np.minimum(width, np.roll(width, -1))) & (
         right | np.roll(left, -1)
     )

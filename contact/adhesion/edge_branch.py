@@ -123,10 +123,10 @@ def curve_of(context: SolveContext) -> tuple[ScaledScene, Curve]:
 
 
 def branch_scaling(context: SolveContext, intensity: float) -> ScaledScene:
-    """The scaled scene; without period or corners, the unit of length is a contact's width.
+    """The scaled scene; without period or corners, its unit of length is a contact's width.
 
-    This contact has no adhesion, and a load that stands for the adhesion (`_typical`). intensity:
-    that of the adhesion at the ends of zones.
+    It is the width of the contact `_typical`. This contact has no adhesion, and a load that stands
+    for the adhesion. intensity: that of the adhesion at the ends of zones.
     """
     scene = context.scene
     if scene.profile.period is not None or scene.profile.support is not None:

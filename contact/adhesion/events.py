@@ -170,7 +170,7 @@ class Events:
         return Jump(self.kind(before, after, rises), place, before, after)
 
     def vanishing(self, here: State, sense: float) -> Jump | None:
-        """The jump where the curve stops without a turning point; None if it never does."""
+        """The jump where the curve stops without a turning point; here there is none."""
         return None
 
     def smooth_changes(self, step: Step, length: float, last: State) -> Iterator[Jump]:

@@ -124,7 +124,10 @@ class Predictor(Kept):
         )
 
     def _rests(self, more: Array) -> Array:
-        """Distance (2n,) that each end moves until its residual plus `more` (2n,) is first zero."""
+        """Distance (2n,) that each end moves until its residual plus `more` (2n,) is first zero.
+
+        It is `farthest` if this sum stays positive.
+        """
         left = self.driven + more[:, None]
         rests, row = left <= 0.0, np.arange(len(left))
         k = np.where(rests.any(axis=1), np.argmax(rests, axis=1), _OPTIONS.places)

@@ -38,8 +38,8 @@ class OctaveOptions:
     # Two series count as equal if their values differ by less than this multiple of the noise.
     noise_factor: float = 10.0
     # A series is long enough if its last coefficients are below this fraction of the largest one.
-    # On an octave whose derivative has a larger relative error, a power law fitted to the octave
-    # above may replace the series.
+    # If the relative error of the derivative on an octave exceeds this number, a power law fitted
+    # to the octave above may replace the series.
     exact: float = 1e-13
 
 

@@ -99,7 +99,7 @@ def _squares(count: int) -> Array:
 
 @lru_cache(maxsize=1)
 def _to_far_away() -> Array:
-    """Positions from 1 to the farthest one, closer together near 1."""
+    """Positions t > 1 up to 4 * 10^`OPTIONS.decades`, closer together near 1."""
     far = 4.0 * np.geomspace(1.0, 10.0**OPTIONS.decades, OPTIONS.decades * OPTIONS.outer_places + 1)
     return np.concatenate((1.0 + 3.0 * _squares(OPTIONS.outer_places), far))
 

@@ -51,8 +51,8 @@ class OneZoneOptions:
     finer: int = 4  # factor to the next number of nodes if the series is not resolved
     max_nodes: int = 512  # contact over 0.95 of a period, the widest taken, needs some 250
     max_steps: int = 60  # five are usual; a load that no zone carries uses all of them
-    # The number of nodes is raised only after a step in ln h below this value. The series is then
-    # nearly that of the solution.
+    # The number of nodes is raised only after a Newton step in ln h, with h the half length, below
+    # this value. The series is then nearly that of the solution.
     refine_below: float = 0.1
 
 

@@ -223,8 +223,8 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
         np.take_along_axis(of, rest, axis=0).sum(axis=0) for of in (difference, size)
     )
     seen = np.abs(difference) > panels.doubt[which] + 4 * OPTIONS.margin * parts.noise
-    # An error is relative to at least `CHECKS.same` times the largest slope. Without this limit,
-    # errors of tiny slopes would count.
+    # An error is divided by `size`. This is at least `CHECKS.same` times the largest slope times
+    # the panel's length, so that errors of tiny slopes do not count.
     size = np.maximum(size, CHECKS.same * panels.largest * (panels.b - panels.a)[which])
     relative = np.where(seen, np.abs(difference) / size, 0.0)
     worst = int(np.argmax(relative))

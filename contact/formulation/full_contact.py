@@ -147,7 +147,8 @@ class FullFields(NoZones):
         return np.asarray(self.mean_pressure - 0.5 * self.problem.units.E_star * slope)
 
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
-        # On the surface p = pbar - (E*/2) Re skew R, and Im F = -p.
+        # On the surface, the pressure is p = Re(`mean_pressure` - `half` * `value`). The returned
+        # transform F has Im F = -p there.
         value, slope = self._slope_inside(x, y)
         half = 0.5 * self.problem.units.E_star * self.problem.skew
         return -1j * (self.mean_pressure - half * value), 1j * half * slope

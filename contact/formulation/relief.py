@@ -53,7 +53,7 @@ class Relief(Conjugate):
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
-        """Part of R that kinks cause and a half-plane lacks: from all waves n with L_n != 1.
+        """The kinks' part of the relief R, minus this part on a half-plane, where all L_n are 1.
 
         It is the sum over all kinks of (J/pi) times the smooth part of the inverse kernel's
         potential, with J the jump of the slope.

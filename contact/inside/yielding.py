@@ -220,7 +220,7 @@ class _Samples:
             # With friction, the largest stress may be a tension at the end of a zone.
             parts.append(np.array([a, b]))
             scales.append(np.full(2, half))
-        # The pressure has a cusp at the tip of a power law.
+        # The pressure has a cusp at the tip of a profile that is a power law.
         tips = np.asarray(scene.profile.algebraic_points, dtype=float)[:, 0]
         parts.append(tips)
         scales.append(np.full(len(tips), min(detail, float(np.diff(zones, axis=1).min()))))

@@ -277,7 +277,7 @@ class Rolling:
         return None
 
     def _stuck(self, widths: Array) -> sie.Zones:
-        """Scaled zones of these widths at the leading ends of the zones of contact."""
+        """Scaled stick zones of these widths at the contact's leading ends; none for a width 0."""
         active = widths > 0.0
         contact, widths = self.zones[active], widths[active]
         if self.to_right:

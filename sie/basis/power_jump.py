@@ -255,7 +255,7 @@ class PowerJump(Kept):
     def _by_moments(
         self, which: NDArray[np.intp], left: Number, less: Number, what: tuple[int, int]
     ) -> Number:
-        """Transform or slope at points far away: sum m_l rho^l / sqrt(zeta^2 - 1)."""
+        """Transform sum m_l rho^l / sqrt(zeta^2 - 1) far away, or its derivative by zeta."""
         table = self.moments(FAR_TERMS, what[0]).reshape(-1, FAR_TERMS)[which].T
         return series_slope(table, left, less) if what[1] else series(table, left, less)
 

@@ -134,7 +134,7 @@ class _Sampled:
         )
 
     def _exponent(self, side: str) -> float:
-        """Exponent with which f varies close to an end; 1/2 if f vanishes there."""
+        """Exponent with which f varies between two points near an end; 1/2 if f is 0 at a point."""
         d = OPTIONS.end_distance * np.array([1.0, 4.0])
         near, far = np.abs(self.at(self.place(*((d, 2 - d) if side == "left" else (2 - d, d)))))
         return math.log(far / near, 4.0) if min(near, far) > 0.0 else 0.5

@@ -224,8 +224,8 @@ class IteratedMotions(FreeEnds):
         system: IterativeSystem = self.system
         y = system.symmetry.unfold(folded)
         rows, plain = system.applied(y + moved.coefficients)
-        # Each row contains minus one times its own coefficient, for the transform of a mode on its
-        # own zone. A singular density has no transform there, so this term is cancelled.
+        # Each row contains -1 times the coefficient of the row's mode, for the transform of this
+        # mode on its zone. A singular density has no transform on its zone: the term is removed.
         rows = rows + moved.coefficients[system.diagonal]
         edges = (
             np.array(system.intensities_of(system.layout.padded(y)))

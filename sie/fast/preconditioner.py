@@ -99,8 +99,8 @@ class TwoLevelPreconditioner:
             assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
-            # In the equation for the common constant, the constant has the coefficient 1. This
-            # coefficient is not part of the result: `__call__` adds it in the constant's column.
+            # In the equation for the common constant, the constant itself has the coefficient 1.
+            # This 1 is not part of the result: `__call__` adds it to a copy of `_small`.
             out.append(self.coarse.lowered * total)
         return np.array(out)
 

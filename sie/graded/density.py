@@ -294,7 +294,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """(largest density, its largest rate by motions of the left end, of the right end).
+        """Largest density on each zone, and largest rates by motions of its left and right end.
 
         See `Density.sensitivity`. All are absolute values at the nodes, times sqrt(1 - t^2).
         """

@@ -402,8 +402,7 @@ def _solve_once(equation: Equation, system: GradedSystem, sizes: Sizes) -> Grade
     solver = regular_factors(equation, matrix)
     y = solver(right)
     # One step of iterative refinement reduces the error of each row to the round-off of the row's
-    # own terms, even next to a gap, where they are tiny (R. D. Skeel, Math. Comp. 35, 1980,
-    # 817-832).
+    # own terms (R. D. Skeel, Math. Comp. 35, 1980, 817-832). Next to a gap these terms are tiny.
     y = y + solver(right - matrix @ y)
     sizes.solves += 1
     sizes.profile_evaluations += system.nodes

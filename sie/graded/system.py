@@ -76,7 +76,7 @@ def gradings_of(zones: Zones, kernel: Kernel) -> list[Grading]:
 
 
 def resolving_sizes(gradings: list[Grading]) -> Index:
-    """Number of modes that resolve functions singular at the distance pi / `stretch` in s."""
+    """Number of modes for functions of s with singularities pi / `stretch` from the real axis."""
     stretch = np.array([one.stretch for one in gradings])
     return even_sizes(-np.log(EPS) / np.arcsinh(np.pi / stretch) + OPTIONS.extra_modes)
 

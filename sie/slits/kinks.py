@@ -174,7 +174,7 @@ class SlitKink(Kept):
 
     @property
     def total(self) -> float:
-        """Integral of psi (see `slope`) over the slit, over pi times the slit's half width."""
+        """Integral of psi (see `slope`) over the slit, divided by pi times its half width."""
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:

@@ -496,8 +496,8 @@ class Slits(Kept):
             for j, other in enumerate(self.slits):
                 columns = slice(self.offset[j], self.offset[j + 1])
                 if i == j:
-                    # The first row gives the integral of the slack (the unknown in a slit) over the
-                    # slit. The other rows give the coefficients d_l of U_(l-1).
+                    # The slit's first row gives the integral of the slack (its unknown) over the
+                    # slit. The slit's other rows give the coefficients d_l of U_(l-1).
                     matrix[self.offset[i], columns] = slit.means(1 / slit.x_root)
                     matrix[rows, columns] = np.eye(slit.modes, slit.modes + 1, 1)
                     continue

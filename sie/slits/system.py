@@ -384,8 +384,8 @@ class SlitState(Answered):
         At the ends of slits it acts at one point and is not averaged.
         """
         rest = self.rest * row_sizes(self.whole.density.coefficients).max()
-        # An intensity K is `edge_scale` times a sum of the zone's coefficients. So its round-off,
-        # divided by `edge_scale`, is that of the sum.
+        # An intensity K is `edge_scale` times a sum of the zone's coefficients. So the round-off of
+        # K, divided by `edge_scale`, is the round-off of this sum.
         noise = self.whole.intensity_noise.max(axis=0) / self.geometry.wide.edge_scale
         return self._intensities_of(noise + rest, ERRORS.safety)
 

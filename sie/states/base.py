@@ -65,7 +65,7 @@ class Answered(Kept):
     def values(self, condition: int = 0, change: float = 1.0) -> Array:
         """Changes of the values of all side conditions, if only one condition is changed.
 
-        They are `change` for this condition, and zero for the others.
+        The change is `change` in the first row of this condition, and zero in all other rows.
         """
         out = np.zeros(len(self.whole.condition_scale))
         out[self.condition_index[condition]] = change

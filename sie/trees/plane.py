@@ -109,7 +109,7 @@ class HilbertRest(Kept):
                 total *= scaled
                 total += coefficient
         out[near] = total
-        # The other points are so deep that subtracting the poles loses no digits.
+        # The other points have so large an Im z that subtracting the poles loses no digits.
         far = regular if what == "potential" else partial(_less_poles, period, what)
         out[~near] = self._summed(far, z[~near])
         return out

@@ -198,7 +198,8 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
         room = room_around(found, np.concatenate((declared, found, ends)), width, periodic)
         seen = jumps_at(profile, found, room, nearest=100 * step)
         # A place found by differences lies at a distance d from the true jump of f''. The slopes
-        # extrapolated from its two sides therefore differ by about d times the jump, which gives d.
+        # extrapolated from its two sides differ by about d times the jump. So d is this difference
+        # divided by the jump.
         distance = seen.height[:, 0] / np.where(seen.height[:, 1] == 0, np.inf, seen.height[:, 1])
         found = found - np.where(np.abs(distance) < 10 * step, distance, 0.0)
         seen = jumps_at(profile, found, room, nearest=step / 100)

@@ -259,8 +259,8 @@ def _shapes(profile: Profile, x: Array) -> Iterator[str]:
         size = float(np.max(np.abs(np.asarray(function(x.copy())))))
         if not np.array_equal(given, x[:6]):
             yield f"{name}(x) changes the array it is given"
-        # The step of a derived slope's differences depends on all given points. So its values for
-        # fewer points may differ a little.
+        # A slope derived from heights is a difference quotient, whose step depends on all given
+        # points. So the slopes for fewer points may differ a little.
         tolerance = CHECKS.same * size
         tries: list[tuple[str, Any, Array]] = [
             ("an array of shape (2, 3)", x[:6].reshape(2, 3), whole.reshape(2, 3)),

@@ -327,7 +327,7 @@ class Profile(Named, sie.Kept):
         return ()
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> "Profile":
-        """The profile with other values of parameters, given by table and name."""
+        """The profile with the new parameter values from the table `profile` of `changes`."""
         return anew(type(self), {**self.parameters(), **changes.get("profile", {})})
 
     @property

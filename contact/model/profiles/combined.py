@@ -261,7 +261,7 @@ class Combined(Profile):
         return self._added(self._in_cells(PlacedBody.jump_rows))
 
     def _in_cells(self, rows_of: Callable[[PlacedBody], Array]) -> Array:
-        """Rows of both bodies, each in all cells of its body; their first column is a place."""
+        """Rows of each body, repeated in all cells of this body; column 0 holds the places."""
         parts = [self._repeated(rows_of(one), one.body.period) for one in self._placed.values()]
         return np.concatenate(parts)
 

@@ -198,9 +198,9 @@ class PeriodicPower(PeriodicZone, _Power):
 
         def integrand(w: Array, rest: Array) -> Array:
             at, cos_s, sin_s = self._position(column, w, rest)
-            # The integrand of the load is proportional to f'(s) sin A/cos(pi s/L), at a fixed ratio
-            # sin(pi s/L)/sin A. The derivative of the integrand by A = pi a/L is the integrand
-            # times cot A (tan(pi s/L) `growth` + 1).
+            # With A = pi a/L, s = `at` and a fixed ratio sin(pi s/L)/sin A, the load's integrand is
+            # proportional to f'(s) sin A/cos(pi s/L). The derivative of the integrand by A is the
+            # integrand times cot A (tan(pi s/L) `growth` + 1).
             by_slope = (self.exponent - 1.0) * length / (pi * np.maximum(at, 1e-300))
             growth = by_slope + sin_s / cos_s
             return np.asarray(self._slope(at) * (sin_s / cos_s * growth + 1.0))

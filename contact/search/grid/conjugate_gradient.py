@@ -50,7 +50,7 @@ Symbol = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class GridOptions:
-    """Tolerances of the linear solves between changes of the contact set."""
+    """Tolerances and limits of the linear solves between changes of the contact set."""
 
     # A linear solve ends after this many iterations in which the error has not decreased by a
     # tenth. The error has then reached the rounding of the heights f.

@@ -141,7 +141,7 @@ def _lowest_unturned(scene: Scene) -> float:
 
 
 def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
-    """The function `find_window` with the response and the limits of a single body filled in."""
+    """The function `find_window` for the scene's response and the extent of the profile."""
     response = response_of(scene, scene.operator.datum or 1.0)
 
     def find(

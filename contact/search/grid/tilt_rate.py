@@ -53,7 +53,7 @@ class AtTilt:
 def balanced(
     measure: Callable[[float], AtTilt], centre: float, tilts: Sequence[float], most: int
 ) -> AtTilt:
-    """The contact whose load is centred at `centre`, or nearest to `centre` in `most` trials.
+    """The contact with its load centred at `centre`, or the nearest of at most `most` trials.
 
     tilts: tilts to try first. Raises the error of `measure` if `measure` fails at all of `tilts`.
     """

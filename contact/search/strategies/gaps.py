@@ -156,7 +156,7 @@ def by_gaps(
     zones: Array | None = None,
     **newton: bool,
 ) -> SolvedGaps | Failure:
-    """The contact with its gaps as the unknown.
+    """The contact with its gaps as unknowns, or a Failure.
 
     width: approximate scaled width of the contact. zones: approximate zones of the contact, if they
     are known. newton: `abandon_if_far` and `allow_loss` of `NewtonSettings`.
