@@ -202,8 +202,8 @@ def _find(
     """The layout with which rows of numbers begin earliest in the file."""
     names = [column for column in wanted if isinstance(column, str)]
     named = not names
-    # The data of most files begin early. So the first row is searched, then twice as many rows in each
-    # further step.
+    # The data of most files begin early. So the first row is searched, then twice as many rows in
+    # each further step.
     for power in range(len(rows).bit_length() + 1):
         among = rows[: 2**power]
         found = []
