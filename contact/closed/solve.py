@@ -61,7 +61,8 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
     limit = math.inf if profile.period is None else 0.5 * profile.period
     corner = None
     if profile.support is not None:
-        # Zones that end at corners where the profile has a slope are left to the general search.
+        # Between corners only a flat profile under a given load has a closed form here. All other
+        # profiles with corners are left to the general search.
         if not scene.is_flat or scene.given_load is None:
             return None
         corner = profile.support[1]

@@ -177,7 +177,8 @@ def _near_one(u: Complex) -> Pair:
     """Li_3 and Li_2 of exp(-u) by their series in u, |u| < 1.25 pi."""
     with np.errstate(divide="ignore", invalid="ignore"):
         log = np.where(u == 0, 0.0, np.log(np.where(u == 0, 1.0, u)))
-    # Beyond zeta(0) = -1/2 only negative odd integers give terms: zeta is 0 at even ones.
+    # After the term with zeta(0) = -1/2, only zeta at negative odd integers gives terms: zeta is 0
+    # at negative even integers.
     third = 0.5 * u * u * (1.5 - log) + zeta(3) - zeta(2) * u
     second = -u * (1.0 - log) + zeta(2)
     third_terms, second_terms = _zeta_terms()

@@ -411,7 +411,7 @@ class GradedDensity(DensityBase):
         )
 
     def _split(self, zone: int, places: Places, what: What) -> NDArray[Any]:
-        """Field of one zone at places on it or close to it; the kernel's pole is integrated exactly."""
+        """Field of one zone on it or close to it; the kernel's pole is integrated exactly."""
         row, c = np.full(places.u.shape, zone, dtype=np.intp), self.coefficients
         if np.iscomplexobj(places.u):
             # A place on the zone counts as a place on the zone's upper side, whether its imaginary

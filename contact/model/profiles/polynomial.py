@@ -98,7 +98,7 @@ class Polynomial(Profile):
 
     @property
     def breakpoints(self) -> Array:
-        # If the slopes at the borders are equal, some higher derivative jumps where the cells meet.
+        # Even if the slopes at both borders are equal, a higher derivative jumps where cells meet.
         return np.empty(0) if self.period is None else np.array([self.x0])
 
     @property

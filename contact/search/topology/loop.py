@@ -249,7 +249,7 @@ class _Loop(Generic[Kind]):
         raise WrongTopology(f"the number of {self.form.what}s did not settle", free)
 
     def _begin_roughly(self, count: int) -> None:
-        """Loosen the first rounds if there are very many intervals and their number is uncertain."""
+        """Loosen the first rounds if there are many intervals, of uncertain number."""
         newton = self.newton
         known = newton.initial_error < 1.0 or newton.abandon_if_far or newton.max_steps
         if count >= ROUGH.min_intervals and not (self.formal or known):
