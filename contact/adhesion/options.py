@@ -33,8 +33,8 @@ class MoveOptions:
     # Length of a short step of an end. Ends with a small residual make short steps against the
     # direction of the flow. A short step also leads away from an unstable equilibrium.
     short_move: float = 0.02
-    # Factor by which a failed step is shortened. It also limits changes from one step to the next:
-    # a step length grows at most by 1 / `least_part`, the control's unit falls at most to this part.
+    # Factor by which a failed step is shortened. From one step to the next, a step length grows at
+    # most by 1 / `least_part`, and the unit of the control falls at most by `least_part`.
     least_part: float = 0.3
     # A length or growth rate counts as small below this fraction of the value with which it is
     # compared.

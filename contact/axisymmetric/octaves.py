@@ -44,7 +44,7 @@ class OctaveOptions:
 
 
 SERIES = OctaveOptions()
-# Exponent of the lowest octave: the square of a smaller radius would underflow to 0.
+# Exponent of the lowest octave. The squares of much smaller radii would underflow to 0.
 _LOWEST = -500
 
 

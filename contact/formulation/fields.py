@@ -605,7 +605,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
             self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak]
         )
         if self.problem.algebraic is not None:
-            # At the tip of a power law, the pressure has a cusp. Samples may miss it.
+            # At the tip of a power-law profile, the pressure has a cusp, which samples may miss.
             highest = max(highest, float(self.density(np.asarray(self.problem.algebraic.at)).max()))
         return highest * self.problem.units.pressure
 

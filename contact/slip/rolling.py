@@ -225,7 +225,7 @@ class Rolling:
         condition: the total of q'/mu, or theta, at a fraction of the way from full stick.
         """
         widths = np.diff(self.zones)[:, 0]
-        # If Newton's method fails for `part`, the step from `done` is halved.
+        # If Newton's method fails for `part`, the step from `done` to `part` is halved.
         done, part = 0.0, 1.0
         for _ in range(SEARCH.max_loads):
             equation = self._equation(condition(part))

@@ -509,7 +509,7 @@ class EqualPotential(Condition):
 
 @dataclass(frozen=True)
 class Level(Condition):
-    """The condition that the potential minus the primitive has a given value on every zone.
+    """The condition that potential minus the right side's primitive is `value` on every zone.
 
     The right side needs its primitive.
 

@@ -60,9 +60,9 @@ class CoarseOperator:
     def _of(self, i: Index, j: Index) -> Array:
         zones, kernel = self.zones, self.kernel
         x, xi, w = zones.middle[i], zones.middle[j], zones.half[j]
-        # A punch of half width w has the density 1 / sqrt(w^2 - x^2). Its potential is log((d +
-        # sqrt(d^2 - w^2)) / 2) at the distance d from its middle, and log(w / 2) on the punch
-        # itself. One logarithm of a product serves all poles of the kernel.
+        # A punch of half width w has the density 1 / sqrt(w^2 - x^2). With D = `kernel.datum`, its
+        # potential is log((d + sqrt(d^2 - w^2)) / 2D) at the distance d from its middle, and
+        # log(w / 2D) on the punch. One logarithm of a product serves all poles of the kernel.
         product, away = np.ones(np.broadcast(i, j).shape), x - xi
         for shift in kernel.poles:
             d = np.maximum(np.abs(away - shift), w)

@@ -34,8 +34,8 @@ from sie.trees.far import reaches
 class QuadratureOptions:
     """Options of a system whose rows are applied by sums, without a matrix."""
 
-    # Largest number of rows of all conditions that act on several zones. A small dense system is
-    # solved for these rows.
+    # Largest total number of rows of the conditions that act on several zones. A small dense system
+    # is solved for these rows.
     max_dense_conditions: int = 64
     # Length of a quadrature panel in the integral of the right side g over a gap, in units of g's
     # resolution length.

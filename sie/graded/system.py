@@ -360,7 +360,8 @@ class GradedSystem(Rows, Kept):
         for place, zone in enumerate(self.zones.solved.tolist()):
             parts = [self.targets[zone], self.gradings[zone].ends]
             n, own = self.sizes[zone], self.own(zone)
-            # The mean is computed by Lobatto's rule: an end has half the weight of an inner node.
+            # The level's mean over a zone is computed by Lobatto's rule: an end has half the weight
+            # of an inner node.
             for places, weight in zip(parts, (1.0 / n, 0.5 / n), strict=True):
                 x = self.positions(zone, places)
                 rows[place, : self.nodes] += weight * self.potentials(zone, places).sum(axis=0)

@@ -60,13 +60,13 @@ class State(Solved):
 
     @property
     def whole(self) -> "State":
-        """The solution on the zones without slits, which is this object itself."""
+        """The solution with no gap treated as a slit: this object itself."""
         return self
 
     def wide_of(self, zones: Index) -> "tuple[State, Index]":
-        """(solution on zones without slits, indices of the given zones in it).
+        """(solution with no gap treated as a slit, indices of the given zones in that solution).
 
-        Here the solution has no slits: it is this object itself.
+        In this class no gap is treated as a slit, so the solution is this object itself.
         """
         return self, zones
 
