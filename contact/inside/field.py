@@ -23,9 +23,9 @@ from sie import Array, nearest_image
 class FieldErrorOptions:
     """Factors of the bound of the stresses' errors."""
 
-    # The kernels of s_xx and s_yy are positive and have the integral 1. The factor 2 also bounds
-    # the effect of errors of a zone's two ends, where the pressure grows like the square root of
-    # the distance.
+    # The kernels of s_xx and s_yy do not change sign, and their integrals are 1 in absolute value.
+    # The factor 2 also bounds the effect of errors of a zone's two ends, where the pressure grows
+    # like the square root of the distance.
     of_pressure: float = 2.0
     # Absolute values of the kernels of the shear have no finite integrals. So a rough error of the
     # shear causes a larger error of the stresses.
