@@ -74,16 +74,31 @@ def index() -> str:
     return "\n".join(parts)
 
 
+def with_examples(nav: list[Any], below: list[Any]) -> list[Any]:
+    """A navigation in which the entry of the gallery, at any depth, holds the pages below it."""
+    found: list[Any] = []
+    for entry in nav:
+        if entry == {"Examples": "examples.md"}:
+            found.append({"Examples": ["examples.md", *below]})
+        elif isinstance(entry, dict):
+            found.append(
+                {
+                    title: with_examples(part, below) if isinstance(part, list) else part
+                    for title, part in entry.items()
+                }
+            )
+        else:
+            found.append(entry)
+    return found
+
+
 def on_config(config: Any, **_: Any) -> Any:
     """Called by mkdocs first: the pages stand in the navigation below the gallery."""
     below = [
         {heading: [{told(script)[0]: f"gallery/{script.stem}.md"} for script in files]}
         for heading, files in scripts().items()
     ]
-    config["nav"] = [
-        {"Examples": ["examples.md", *below]} if entry == {"Examples": "examples.md"} else entry
-        for entry in config["nav"]
-    ]
+    config["nav"] = with_examples(config["nav"], below)
     return config
 
 
