@@ -46,7 +46,7 @@ def install() -> None:
 
 
 def started(now: bool = True) -> None:
-    """Note whether (`now`) the command line catches KeyboardInterrupt from this call on."""
+    """Record in `_started` whether the command line catches KeyboardInterrupt from now on."""
     global _started
     _started = now
 

@@ -300,8 +300,8 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
         if step.lets_go:
             why = "an end that was held at a sharp corner has let go"
             break
-        # Several steps of zero length in a row end the curve. Otherwise an end at a corner could be
-        # pinned and freed again and again.
+        # Several steps in a row of almost zero length end the curve. Otherwise an end at a corner
+        # could be pinned and freed again and again.
         stands = stands + 1 if step.length < ACCURACY.rough else 0
         if stands > ARC_OPTIONS.interpolation_nodes:
             why = "ends at sharp corners are neither held nor free"

@@ -185,7 +185,7 @@ def start_contact(context: SolveContext, load: float | None = None) -> Solution:
 
 
 def advancing(context: SolveContext, scaled: ScaledScene, curve: Curve, value: float) -> State:
-    """The equilibrium reached by advancing from first touch, or from the zones without adhesion.
+    """The equilibrium that ends reach from first touch, or from the zones without adhesion.
 
     It has the smallest zones of all equilibria that contain the start. `value`: of the control; the
     start is first touch at 0, and the zones without adhesion above 0.

@@ -494,7 +494,7 @@ def _by_zone(values: Array, counts: Index) -> list[Array]:
 
 
 def signs_hold(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> bool:
-    """Whether pressure is positive on all zones and no gap in the intervals is negative."""
+    """Whether pressure is positive on all zones, and no gap is negative where tension acts."""
     return _corrected(fields, gap_samples) is None
 
 

@@ -41,7 +41,7 @@ _OPTIONS = PredictorOptions()
 
 
 def _parts() -> Array:
-    """Places (1 + places,) on the path of an end, relative to the length of the path."""
+    """Positions (`_OPTIONS.places` + 1,) along an end's path, as fractions of the path length."""
     return (np.arange(_OPTIONS.places + 1) / _OPTIONS.places) ** 2
 
 

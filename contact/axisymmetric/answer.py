@@ -215,7 +215,7 @@ class Spot(sie.Kept):
         return np.asarray(2.0 / pi * np.sum(weight * above, axis=-1))
 
     def displacement(self, r: ArrayLike) -> Array:
-        """Displacement into the body [m], as a mean over the angle.
+        """Displacement of the surface into the body [m], averaged over the angle.
 
         It is measured from its mean over the surface; for a spot alone, from infinity.
         """

@@ -339,7 +339,8 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
     """
     scale = min(own_radius(kind.density) for kind in kinds)
     if pressure is not None:
-        # All spots are given the same load, and the highest spots give the approach.
+        # In this guess, all spots carry the same load. The highest spots under this load give
+        # the approach `delta`.
         load = pressure / sum(kinds[j].density for j in active)
         highest = kinds[min(active, key=lambda j: kinds[j].depth)].profile
         delta = float(highest.line(first_radius(highest.load_integral, load, scale)))

@@ -153,8 +153,8 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
             return Surroundings(None, circle, density)
         sums = np.sum(counts[~near] * radii[~near] ** powers[:, None], axis=1)
         # The uniform load of `density` spots per unit area in the circle has the potential
-        # 2 pi `density` `circle` at its centre. It is subtracted here, as a later subtraction of
-        # large numbers would cost digits.
+        # 2 pi `density` `circle` at the centre. This potential is subtracted here, as a later
+        # subtraction of large numbers would cost digits.
         sums[0] -= 2.0 * pi * density * circle * lattice.spacing
     kernel = NeighbourKernel(
         radii[near] * lattice.spacing, counts[near], binomial * sums, lattice.spacing

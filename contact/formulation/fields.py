@@ -212,7 +212,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @property
     def bending(self) -> float:
-        """Largest end intensity of one pressure coefficient, over the prescribed intensity.
+        """Largest end intensity of a single coefficient, divided by the prescribed intensity.
 
         Each coefficient of the pressure's series alone causes an intensity at the ends of its zone.
         """

@@ -85,11 +85,11 @@ class Fields(Protocol):
 
     @property
     def cohesive(self) -> Array:
-        """Intervals [m], (m, 2), in which a tension acts, including the contact inside them."""
+        """Intervals (n, 2) [m] in which a tension acts, including the contact inside them."""
 
     @property
     def plateaus(self) -> Array:
-        """Intervals [m], (m, 2), in zones, on which the pressure is at its limit."""
+        """Intervals (n, 2) [m] within the zones, on which the pressure is at its limit."""
 
     def overlap(self, x: ArrayLike) -> Array:
         """Overlap of the elastic surfaces [m] at x [m]; 0 off the plateaus."""

@@ -37,8 +37,8 @@ class YieldOptions:
     places_per_depth: float = 2.0  # places along the surface, per depth
     samples_per_length: float = 4.0  # of the pressure, per length over which the profile varies
     zone_samples: int = 24  # least number of samples of the pressure on a zone
-    # Least depth, divided by the length over which the pressure varies. Below a smooth peak of the
-    # pressure, the largest stress is at 0.3 to 0.8 of the peak's half width.
+    # Least depth of the scan, divided by the length over which the pressure varies. Below a smooth
+    # peak of the pressure, the largest stress is at 0.3 to 0.8 of the peak's half width.
     first_depth: float = 0.1
     reach: float = 8.0  # k in the bounds of the stresses
     bound_margin: float = 1.1  # for peaks of the pressure between its samples

@@ -106,7 +106,7 @@ def _about_load(scaled: ScaledScene) -> float:
 def _reference(
     context: SolveContext, problem: Problem, control: Control, start: Array | None
 ) -> SolvedZones:
-    """The contact of the profile without images at `control`; wrong signs are not corrected."""
+    """The contact without periodic images under `control`; wrong signs are not corrected."""
     if control.half_width is not None:
         start = np.array([[-control.half_width, control.half_width]])
     assert start is not None

@@ -453,8 +453,8 @@ class BeyondStrip:
     compression: float | None
 
     def slope(self, x: Array) -> Array:
-        # During Newton steps, zones may extend over the border of the strip. The term must stay
-        # finite there.
+        # During Newton steps, zones may extend over the border of the strip. The clip keeps the
+        # arctanh finite at such places.
         y, inside = x - self.centre, 1 - 4 * np.finfo(np.float64).eps
         out = 2 / np.pi * np.arctanh(np.clip(y / self.half, -inside, inside))
         if not self.smooth.is_zero:

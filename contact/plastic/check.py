@@ -98,7 +98,8 @@ def _tips(fields: PlasticFields) -> list[tuple[float, float]]:
         half = float(density.zones.half[i])
         left, right = (x - density.zones.a[i]) / half, (density.zones.b[i] - x) / half
         room = distances[distances < min(left, right)]
-        # `reach`: distances from the kink, in half widths, with a pressure above the limit.
+        # `reach` holds the distances from the kink at which the pressure exceeds the limit, in half
+        # widths of the zone.
         pressure = np.minimum(
             *(density.at(np.full(len(room), i), left + s * room, right - s * room) for s in (-1, 1))
         )

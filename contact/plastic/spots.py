@@ -74,7 +74,7 @@ class Spots:
     def _around(
         period: float, rows: list[tuple[float, float]], left: list[sie.End], right: list[sie.End]
     ) -> tuple[list[tuple[float, float]], list[sie.End], list[sie.End]]:
-        """Rows and ends, with the last and the first interval joined across the border."""
+        """`rows` and end kinds, with the last and first interval joined across the border."""
         (_, b), (a, _) = rows[0], rows[-1]
         return [*rows[1:-1], (a, b + period)], [*left[1:-1], left[-1]], [*right[1:-1], right[0]]
 

@@ -107,9 +107,10 @@ def _error_of_body(found: SolvedZones) -> float:
 
 
 def _kernel_rounding(problem: Problem, table: Array) -> float:
-    """Rounding error of the half-plane's kernel, divided by the body's relative compliance.
+    """Rounding error of the half-plane's kernel, divided by the symbol of the body.
 
-    The compliance is taken at the longest wave of the widest scaled zone (n, 2).
+    The symbol is the body's compliance relative to a half-plane. It is taken at a wavelength of
+    twice the width of the widest zone in the scaled `table` (n, 2).
     """
     width = float((table[:, 1] - table[:, 0]).max()) * problem.units.length
     return TOLERANCES.kernel_rounding / float(

@@ -193,7 +193,7 @@ def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
 
 
 def valley_gaps(fields: GapFields, kinks: Index) -> Array:
-    """Scaled half width of the single gap at each concave kink, see contact.formulation.gaps."""
+    """Scaled half width of the gap at each of the concave `kinks`; see formulation.gaps."""
     relief = fields.relief
     at, heights = relief.at[kinks], relief.heights[kinks]
     rest = fields.mean - relief.without_own(kinks) + fields.gap_slope.transform(at)

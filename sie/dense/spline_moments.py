@@ -41,7 +41,8 @@ OPTIONS = MomentOptions()
 def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
     """Indices (ascending) of the solved zones with at least `min_jumps` jumps of a derivative."""
     if len(forcing.jumps) == 0 or zones.have_values:
-        # The integrals between jumps do not contain the logarithms of plateaus.
+        # The integrals between jumps omit the logarithmic terms that plateaus (`have_values`) add
+        # to the right side.
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     count[list(jumps.splines)] += OPTIONS.min_jumps

@@ -389,7 +389,7 @@ class System(Rows):
 
     @cached_property
     def diagonal(self) -> Index:
-        """Index of the unknown c_k of each row of the equation that is kept.
+        """For each kept row of the equation, the index of the unknown c_k of this row.
 
         On symmetric zones, `MirrorSymmetry` chooses these rows.
         """

@@ -140,7 +140,7 @@ class Progress:
         return max(step.move for step in recent) / max(move, 1e-300)
 
     def _scatter(self) -> float:
-        """Second last move over the last move if round-off caused the second last, else 0.
+        """Ratio of the second last move to the last one, if round-off caused the former; else 0.
 
         Near the solution a move is at most about a constant times the square of the move before.
         A small move beyond that shows the round-off of the data. The last move may be smaller than

@@ -205,7 +205,9 @@ class GradedSystem(Rows, Kept):
         return slice(int(self.offset[zone]), int(self.offset[zone] + self.sizes[zone]))
 
     def fields(self, zone: int, places: Places) -> Array:
-        """dx/ds times the transform at `places` on a zone, for F_k = 1 (places, sources).
+        """dx/ds times the transform at `places` on a zone, for F_k = 1 at each source k.
+
+        The array has the shape (places, sources).
 
         The zone's own part is that of Gauss's rule, which is exact at collocation nodes only.
         """

@@ -90,7 +90,7 @@ class KnownJumps(Kept):
         return self._off_zone(points, lambda at: self._near_transform(at, self.order), series)
 
     def potential(self, points: Outside) -> Array:
-        """Potential over the half width w at real points off the zone; any array shape."""
+        """Potential divided by the half width w, at real points off the zone, of any shape."""
 
         def near(at: Outside) -> Array:
             rest = self.closed.weighted.potential_of(self._by_parts, at)
@@ -116,7 +116,7 @@ class KnownJumps(Kept):
         return out
 
     def _near_transform(self, points: Outside, order: int) -> Array:
-        """Transform of the sum of factor (t - s)^order J_s at points (P,) off the zone."""
+        """Transform at points (P,) off the zone of the sum of `factors` times (t - s)^order J_s."""
         at = Outside(np.asarray(points.sign)[..., None], points.excess[..., None])
         return np.asarray(self.closed.transform(at, order=order) @ self.factors)
 

@@ -329,7 +329,7 @@ class ManyRows(Rows):
 
     @cached_property
     def known_totals(self) -> Array:
-        """Integral of the densities in closed form over each zone (Z,)."""
+        """Integral over each zone (Z,) of the part of the density that is known in closed form."""
         known = np.zeros(len(self.zones))
         for one in self.dense.jumps:
             known[one.zone] += self.zones.half[one.zone] * one.total

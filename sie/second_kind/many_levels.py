@@ -376,8 +376,8 @@ class LevelSolver(ManySolver):
         by_zone = super().row_errors(y, residuals, missing)[: len(rows.others)]
         first = np.abs(zones.half * y[rows.sums.layout.offset])
         logs = np.abs(np.log(zones.half / rows.dense.equation.kernel.datum))
-        # The level is a sum of the zones' potentials, each about first * (1 + logs). The round-off
-        # errors of these terms are added as a root of squares.
+        # The level is a sum of the zones' potentials, each about `first` * (1 + `logs`). The
+        # round-off errors of these terms are added as a root of squares.
         size = float(np.hypot(norm(first * (1 + logs)), np.abs(rows.level_constants).max()))
         applied, out = rows.applied(y)[1], []
         for condition in rows.dense.equation.conditions:

@@ -91,7 +91,7 @@ class SecondKindState(Answered):
 
     @property
     def direct(self) -> Factored | None:
-        """The solver if it has LU factors of a matrix; None if it is an iteration."""
+        """The solver, which has LU factors of a matrix; None in subclasses that iterate."""
         return self.solver
 
     @property

@@ -126,7 +126,7 @@ class PressedBody(ExactContact):
         return float(self._compliance_of(self.half_width))
 
     def _compliance_of(self, half_width: ArrayLike) -> Array:
-        """Compliance of a flat punch of the given half width a [m^2/N].
+        """Compliance [m^2/N] of a flat punch with the half width a = `half_width` [m].
 
         It is -(2/pi E*) ln sin(pi a/L) with a period L, and (2/pi E*) ln(2d/a) for an isolated
         punch with the datum d.

@@ -166,7 +166,7 @@ def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Pro
 
 
 def placed(problem: Problem, zones: Array) -> Array:
-    """Zones [m] in scaled variables, moved by whole periods into the cell of the problem.
+    """Given zones [m], scaled and moved by whole periods into the cell of the problem.
 
     In a strip the period is cut at its widest gap. A body between sharp corners is never cut.
     """

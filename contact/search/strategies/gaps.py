@@ -181,7 +181,10 @@ def _from_guesses(
     zones: Array | None,
     **newton: bool,
 ) -> SolvedGaps | Failure:
-    """The solution by gaps, from the gaps between `zones` or where full contact needs tension."""
+    """The solution by gaps, from a first guess of the gaps.
+
+    The guess is the gaps between `zones`, or the places where full contact would need tension.
+    """
     tolerance = gap_tolerance(context)
     period, guesses = form.problem.repeat_length, context.cache.gap_guesses(form.problem)
     try:

@@ -56,8 +56,9 @@ class GuessOptions:
     # Full contact is tested only if the guessed zones fill more than this fraction of the period,
     # as the test takes time.
     maybe_full: float = 0.4
-    # Smallest gap between a zone and the border of a localized model's strip, divided by the
-    # narrowest such gap in the table of `single_branch`. The modes do not resolve narrower gaps.
+    # Smallest accepted gap between a zone and the border of a localized model's strip. It is
+    # relative to the narrowest border gap in the table of `single_branch`. Modes do not resolve
+    # narrower gaps.
     narrowest_border_gap: float = 0.1
     # Contact wider than this fraction of the largest width is almost full. A zone of such a width
     # from the closed form is useless as a first guess. If the search fails at such

@@ -104,7 +104,7 @@ class GapGuesses:
         return np.array([[place - half, place + half]])
 
     def _placed(self, seen: Array, mean: float) -> Array:
-        """The gaps `seen`; those narrower than a few samples are placed about maxima of R."""
+        """The gaps `seen`; gaps narrower than `NARROW` samples move to maxima of the relief R."""
         out = []
         for row in seen:
             if row[1] - row[0] < NARROW * self.step:

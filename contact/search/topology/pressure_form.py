@@ -177,7 +177,7 @@ class PressureForm:
         )
 
     def is_slight(self, found: Solved) -> bool:
-        """Whether a minimum of the pressure, or a gap between zones, is within its error.
+        """Whether a pressure minimum, or the width of a gap between zones, is below its own error.
 
         Then the number of zones is doubtful. For a reference solution this does not matter.
         """
