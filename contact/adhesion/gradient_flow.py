@@ -354,7 +354,7 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
     # before the step decayed.
     if 0.0 < -here.growth <= ahead.growth:
         allowed = np.where(before > 0.0, -ACCURACY.coarse, allowed)
-    # A pinned end was at rest before the step, so that it has passed no equilibrium.
+    # Ends that were pinned before the step are left out: they have passed no equilibrium.
     far &= ~first.pinned
     over = (after < allowed) & far
     if float(np.abs(step / here.widths).max()) < MOVES.short_move:

@@ -173,7 +173,7 @@ class _CohesivePath:
 
     @cached_property
     def _full(self) -> tuple[float, float]:
-        """(control value at which all gaps close under tension everywhere, scale of such values).
+        """(control value at which all gaps close under tension everywhere, scale of this value).
 
         Both are values of the control.
         """

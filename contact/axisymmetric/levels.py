@@ -129,7 +129,7 @@ class LevelsSolution:
 
     @property
     def touching(self) -> tuple[bool, ...]:
-        """Whether each level, the asperities of one shape and height, is in contact."""
+        """For each level (asperities of one shape and height), whether it is in contact."""
         return tuple(spot is not None for spot in self.spots)
 
     @property

@@ -36,7 +36,7 @@ class Relief(Conjugate):
     """
 
     operator: Operator
-    # Factor of the logarithms of kinks in R.
+    # Factor of the kinks' logarithms in the relief R.
     kink_factor = 1.0
 
     @cached_property

@@ -27,8 +27,8 @@ from sie import Array
 
 Symbol = Callable[[Array], Array]
 
-# Wavenumbers [1/m] at which a symbol is sampled: from 1 over the size of a planet to 1 over that of
-# an atom.
+# Wavenumbers [1/m] at which a symbol is sampled. Their reciprocals range from less than the size of
+# an atom to more than that of a planet.
 WAVES = 10.0 ** np.arange(-9, 12.01, 0.125)
 
 

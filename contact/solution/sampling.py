@@ -118,7 +118,7 @@ def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
 
 
 def _parts_between_kinks(solution: Solution, zones: Array) -> Array:
-    """The zones, (m, 2), cut into parts at the kinks of the profile inside them, and at plateaus.
+    """The zones, cut into parts (m, 2) at kinks of the profile and at the ends of plateaus.
 
     Next to a kink the pressure is logarithmic, and next to a plateau it changes as the root of the
     distance, so that each part has close positions at its ends.

@@ -46,7 +46,7 @@ class Curve:
     def from_previous(
         self, value: float, previous: tuple[CurvePoint, ...], min_tol: float = 0.0
     ) -> Solution:
-        """The solution at a value, started from the solutions `previous`.
+        """The solution at a control value, started from the solutions `previous`.
 
         The last one of these is the nearest.
 

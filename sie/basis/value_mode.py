@@ -128,7 +128,7 @@ class ValueMode:
         return self._mirrored(points, of, -1.0)
 
     def slope(self, points: Points) -> Number:
-        """Derivative by zeta of `transform`."""
+        """Derivative of `transform` by the coordinate zeta of the points."""
 
         def of(w: JacobiFunctions, left: Number, less: Number) -> Number:
             return np.asarray(np.expm1(-w.rest * log_ratio(less, left)) / (-np.pi * left))

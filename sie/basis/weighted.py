@@ -306,8 +306,8 @@ class JacobiFunctions(Kept):
                 out = out + half.alpha * at_left * np.exp(half.alpha * ratio)
             if at_right:
                 out = out + half.rest * at_right * np.exp(-half.rest * ratio)
-            # `_by_halves` negates the values on the mirrored half. A slope keeps its sign there, so
-            # the factor `sign` cancels this.
+            # `_by_halves` negates the values on the mirrored half, but a slope keeps its sign
+            # there. The factor `sign` undoes this negation.
             return np.asarray(-sign * out / left / less)
 
         count = len(split.q)

@@ -544,7 +544,7 @@ class System(Rows):
         return 2.2e-16 * root_of_squares(self.levels()[0], y)
 
     def levels(self) -> Linear:
-        """(rows, constants) of the level of each solved zone.
+        """(rows, constants): the solved zones' levels are rows @ y + constants, unknowns y.
 
         The level is the mean of the potential minus the primitive of the right side g.
 

@@ -313,7 +313,7 @@ def angles_at_kinks(left: Array, height: Array, theta: Array) -> Array:
 def from_zones(
     density: Series, x: Array, zone: Index, shift: Array | float, potential: bool
 ) -> Array:
-    """Fields at points x that zones moved by `shift` cause through one pole of the kernel.
+    """Fields at points x of zones moved by `shift`: the part of one pole of the kernel.
 
     The result is pair by pair if all arrays are (n,). With x (n, 1) it has a column for each zone.
     """

@@ -159,7 +159,7 @@ def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, 
 
 
 def of_levels(condition: Condition, zones: Zones) -> Array:
-    """Coefficients (rows, solved zones) of the levels of `Rows.levels` in a condition."""
+    """Coefficients (rows, solved zones) of the zones' levels (see `Rows.levels`) in a condition."""
     count = len(zones.solved)
     return asked(condition, Trial(zones, np.zeros((count, count)), np.eye(count)), count)[0]
 

@@ -163,7 +163,7 @@ class Grading(Kept):
         return np.asarray(0.5 * self.stretch * np.where(nearer, from_left, from_right))
 
     def kernel(self, points: Places, sources: Places) -> Array:
-        """(dx/ds) / (x - x') for points and sources on the zone."""
+        """(dx/ds) / (x - x') for points x and sources x' on the zone, with dx/ds at x."""
         ratio = np.cosh(0.5 * sources.u) / np.cosh(0.5 * points.u)[:, None]
         return np.asarray(0.5 * self.stretch * ratio / np.sinh(self.turns(points, sources)))
 

@@ -152,7 +152,7 @@ class GradedState(Answered):
         return np.asarray(rows @ self.density.unknowns + constants)
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of `levels` that changes of the side conditions' values cause."""
+        """Changes of `levels` if the side conditions' values change by `values`."""
         return np.asarray(self.system.levels()[0] @ self._answer(values))
 
     # The methods below estimate errors of the solution. Charges are the values of F.

@@ -172,7 +172,7 @@ class Logarithms:
         )
 
     def _of_complex_lag(self, away: Complex, what: What) -> Complex:
-        """The kernel's potential at z - s in the upper half plane, its derivative or primitive.
+        """The kernel's potential, its derivative or its primitive at z - s in the upper half plane.
 
         what: "transform", "derivative" or "potential" of the plateaus, in this order.
         """

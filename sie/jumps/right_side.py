@@ -317,9 +317,9 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
-        """For each point, the sum of a function over the jumps in the zone of this point.
+        """For each point, the sum of h / pi times `of` over the jumps in the zone of this point.
 
-        of(points, jumps): the summand divided by h / pi, with the height h, for each pair.
+        of(points, jumps): values for pairs of a point and a jump; h: height of the jump.
         """
         return self.grouped.summed(zone, self.height / np.pi, of)
 

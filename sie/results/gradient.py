@@ -168,7 +168,8 @@ class Adjoint:
         return _Adjoint(rows, outward.reshape(s.shape), lack)
 
     def of(self, functional: Functional) -> tuple[_Adjoint, float]:
-        """(derivatives by the data, derivative by the value of the condition on the ends)."""
+        """(derivatives of `functional` by the data, its derivative by the end condition's
+        value)."""
         state, zones = self.state, self.zones
         q = np.einsum("ab,abn->n", functional.intensities, self.intensities)
         s = functional.intensities.ravel() @ self.own

@@ -61,7 +61,7 @@ class KnownJumps(Kept):
         return self.closed.density(left[:, None], right[:, None], away, self.order) @ self.factors
 
     def own(self, left: Array, right: Array) -> Array:
-        """kappa phi + T phi of the density at points (P,) of the zone."""
+        """kappa phi + T phi at points (P,) of the zone, for the density phi of its jumps."""
         return self.closed.own(self._away(left, right), self.order) @ self.factors
 
     @cached_property

@@ -122,7 +122,7 @@ class FieldSums:
 
     @cached_property
     def near_between(self) -> Any:
-        """Sparse matrix from the unknowns to the same field as `near`, at the angles THETA."""
+        """Sparse matrix like `near`, but to the field at the angles THETA instead of the nodes."""
         return self._near(between_nodes)
 
     def _near(self, points: PointsOf) -> Any:
@@ -310,7 +310,7 @@ class ManyRows(Rows):
 
     @cached_property
     def right(self) -> Array:
-        """Coefficients of the right side in D_(k-1), k = 1 ... m, of each zone in turn."""
+        """Coefficients of the right side in D_0 ... D_(m-1) (module head), zone after zone."""
         return self.sums.projected(self.dense.right_side(self.dense.points[0]))
 
     def residuals(self, y: Array) -> Array:

@@ -190,9 +190,9 @@ class LevelRows(ManyRows):
 
     @cached_property
     def _own_levels(self) -> list[Array]:
-        """Level of a zone by each of its own unknowns at 1, one row for each of `sums.groups`.
+        """Part of a zone's level per unit of each own unknown; a row for each of `sums.groups`.
 
-        It is divided by the half width, and lacks the logarithm of the half width.
+        This part is divided by the half width, and lacks the logarithm of the half width.
         """
         out = []
         for basis, m, _, _ in self.sums.groups:

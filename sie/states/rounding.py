@@ -280,7 +280,7 @@ def _largest(coefficients: Array) -> Array:
 
 
 def _level_noise(state: Solved) -> Array:
-    """Root mean square round-off of each zone's mean of the potential minus the primitive of g."""
+    """Root mean square round-off of each zone's level: mean of potential minus primitive of g."""
     sizes, forcing = state.sizes, state.system.equation.forcing
     if state.system.integrated:
         return np.asarray(state.system.level_rounding(state.unknowns))

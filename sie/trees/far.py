@@ -104,9 +104,10 @@ class Nested:
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
 
     def _slices(self) -> list[slice]:
-        """Slices of nodes, one for each level of the tree.
+        """Slices of nodes, each within one level of the tree.
 
-        They are shorter if matrices are not stored.
+        A slice is the whole level if the matrices are stored, and else at most `SUMS.cache_pairs`
+        nodes.
         """
         levels, most = self.tree.levels, len(self.tree) if self.kept else SUMS.cache_pairs
         bounds = zip(levels[1:-1], levels[2:], strict=True)

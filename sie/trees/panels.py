@@ -65,7 +65,7 @@ def panels_over(kernel: Kernel, zones: Zones) -> Panels | Skeleton | None:
 
 
 def panels_of(kernel: Kernel, lo: float, hi: float, most: int = 0) -> Panels | None:
-    """Panels that resolve the regular part over [lo, hi]; None if more than `most` are needed.
+    """Panels that resolve the kernel's regular part on [lo, hi]; None if `most` do not suffice.
 
     More panels are allowed if the table of their matrices has at most `memory_pairs` numbers.
     """

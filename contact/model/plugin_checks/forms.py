@@ -213,7 +213,7 @@ def require_conjugate(profile: Profile) -> None:
 
 
 class AuthorMethod(NamedTuple):
-    """A method of a user's class, called with a check of the returned value.
+    """Calls a method of a user's class, and checks the value that the method returns.
 
     what: how messages name the method; part: the part of the scene that has it.
     """

@@ -196,7 +196,7 @@ def units_row(cells: Sequence[str], above: Sequence[str]) -> tuple[Unit | None, 
     words = [_BRACKETS.sub(r"\1", cell).strip(' "') for cell in cells]
     units = tuple(Unit(word, scale_of(word)) if word else None for word in words)
     named = any(is_name(cell) for cell in above) and not any(is_name(word) for word in words)
-    # Two columns do not have the same name. A word that is in both columns is therefore a unit.
+    # Two columns do not have the same name. A word that stands in all columns is therefore a unit.
     unit_twice = len(words) > 1 and len(set(words)) == 1 and not is_name(words[0])
     known = all(unit is not None and unit.scale is not None for unit in units)
     return units if any(units) and (known or unit_twice or named) else None

@@ -201,7 +201,7 @@ class DugdaleZone(_DugdaleState):
         return float(self.zone.load_rate(np.array(a))) + 2.0 * self.stress * share_rate
 
     def _compliance_at(self, q: Array) -> Array:
-        """Compliance of a flat punch of the half width for which the length `share` equals q.
+        """Compliance of a flat punch whose half width is such that `share` would equal q.
 
         The end c of the tension is fixed. The half width is sqrt(c^2 - q^2) for an isolated zone,
         and S L/pi with cos S = cos(pi c/L)/cos(pi q/L) with a period.

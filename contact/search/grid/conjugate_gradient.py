@@ -55,8 +55,8 @@ class GridOptions:
     # A linear solve ends after this many iterations in which the error has not decreased by a
     # tenth. The error has then reached the rounding of the heights f.
     max_stalled: int = 60
-    # Tolerance of the first linear solve. The tolerance of each more precise solve is this number
-    # times the one before, but not below the wanted tolerance. While many points still join or
+    # Tolerance of the first linear solve. Each more precise solve has this number times the
+    # previous tolerance, but not less than the wanted tolerance. While many points still join or
     # leave the contact, a precise pressure would be wasted.
     first_tolerance: float = 1e-2
     # Under a cap of the pressure, the iteration ends after more than this many successive solves in

@@ -40,7 +40,7 @@ _AS_BEFORE = "they served under a similar load: "
 
 
 def why_not_gaps(context: SolveContext, problem: Problem) -> str:
-    """The reason why the gaps cannot be the unknowns, whatever the width; empty if they can."""
+    """The reason why the gaps cannot be the unknowns at any contact width; empty if they can."""
     scene, operator = context.scene, context.operator
     if problem.interaction.strip:
         return f"the model {scene.interaction.name} solves a strip, which has no full contact"

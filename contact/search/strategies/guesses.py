@@ -335,7 +335,7 @@ class _GridSearch:
         return None if cell == self.scaled.cell else replace(self.scaled, cell=cell)
 
     def _from_proposal(self, proposal: Proposal) -> Outcome | Failure:
-        """The contact found from a grid's zones: full, or solved for its gaps or its zones."""
+        """The contact found from a grid's zones: full contact, or one solved for gaps or zones."""
         context, problem, control = self.context, self.scaled.problem, self.scaled.control
         width = proposal.width / problem.units.length
         if (

@@ -18,9 +18,9 @@ Array = NDArray[np.float64]
 
 
 def positions(count: int = 24) -> Array:
-    """An even number of normalised positions in a zone, dense near the ends of the zone.
+    """Normalised positions in a zone, dense near the ends of the zone; `count` must be even.
 
-    No position is in the middle, where the pressure is infinite under a wedge.
+    So no position is in the middle, where the pressure is infinite under a wedge.
     """
     return np.asarray(np.cos((np.arange(count) + 0.5) * np.pi / count))
 
