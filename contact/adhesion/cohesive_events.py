@@ -231,7 +231,7 @@ class CohesiveEvents(Events):
         return self.jump(touching, place, self.shrunk(table, state.value), False)
 
     def _without(self, here: CohesiveState, vanishing: Index) -> tuple[Array, CohesiveState] | None:
-        """(places where zones vanish, equilibrium without these zones with zero gap there).
+        """(places where zones vanish, equilibrium without these zones and with zero gap there).
 
         None if no such equilibrium is found.
         """

@@ -108,7 +108,7 @@ def guide_down(curve: CohesiveCurve, zones: int, table: Array) -> GridGuide | No
 def guided(
     curve: CohesiveCurve, guide: GridGuide, table: Array | None, value: float, sign: float
 ) -> CohesiveState | None:
-    """A state near equilibrium, from a grid. All ends of the state tend to move one way.
+    """A state near equilibrium, from a grid, whose ends all tend to move the same way.
 
     The ends are driven outward for sign 1, inward for sign -1. None where the grid is too coarse:
     its error shows in the residuals, and must be below the margin. table: None for tension in all

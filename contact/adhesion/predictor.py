@@ -96,7 +96,7 @@ class Predictor(Kept):
 
     @property
     def first(self) -> Array:
-        """Residual (2n,) of each end in the direction of its motion, at the start."""
+        """Residual (2n,) of each end at the start; positive if it drives the end's motion."""
         return self.driven[:, 0]
 
     @cached_property

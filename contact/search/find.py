@@ -166,8 +166,8 @@ def _of_scaled(context: SolveContext, scaled: ScaledScene) -> Outcome:
     model, warm_start, table = context.scene.interaction, context.warm_start, None
     if model.follows_isolated:
         return require(_CLOSURE).first_order(context, scaled)
-    # A scene with a single zone does not use `warm_start`, as the closed form of one zone is a
-    # better first guess.
+    # A scene with a single zone does not use `warm_start`, as the closed form is a better first
+    # guess.
     if warm_start is not None and len(warm_start.zones) and not context.single:
         table = placed(scaled.problem, warm_start.zones)
     if not model.strip:

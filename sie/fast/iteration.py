@@ -52,8 +52,8 @@ class Iterative:
         self.equations = len(system.diagonal)
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
-        # Changes of the solution by random errors of the rows, and the sizes of these errors as
-        # bytes. `states.rounding` computes and stores these changes and sizes.
+        # The bytes of two arrays that give the sizes of random errors of the rows, and the changes
+        # of the solution by these errors. `states.rounding` computes and stores them.
         self.random_changes: tuple[tuple[bytes, bytes], list[Array]] | None = None
 
     @property

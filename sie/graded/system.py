@@ -232,7 +232,7 @@ class GradedSystem(Rows, Kept):
         return out
 
     def potentials(self, zone: int, places: Places) -> Array:
-        """Potential at places of a zone, for F_k = 1 at each source.
+        """Potential at places of a zone (rows), for F_k = 1 at source k alone (columns).
 
         The term log|s - s'| of the zone's own sources is left out.
         """

@@ -144,9 +144,9 @@ class Logarithms:
         return self._summed(x, lambda away: potential_primitive(self.kernel, away))
 
     def in_plane(self, z: Complex, what: What) -> Complex:
-        """The sum at complex points z (n,), its derivative by z, or its antiderivative.
+        """The sum, its derivative by z or its antiderivative, at complex points z (n,).
 
-        In the lower half plane it is the conjugate of its value at conj(z).
+        In the lower half plane the result is the conjugate of the result at conj(z).
         """
         assert self.plateaus is not None
         x, y, at = self.off_positions(z.real), np.abs(z.imag), self.plateaus.table.T.ravel()

@@ -207,9 +207,9 @@ class Profile(Named, sie.Kept):
 
     @property
     def exact_places(self) -> bool:
-        """Whether `slope` is accurate at the exact number x, without the round-off of x / period.
+        """Whether `slope` is accurate at the number x itself, without the round-off of x / period.
 
-        Then products of a wave number and x, for example, lose no digit.
+        If it is, the product of a wave number and x loses no digit, for example.
         """
         return False
 

@@ -41,9 +41,10 @@ class TiltOptions:
 
     @property
     def farthest(self) -> float:
-        """Largest distance of the search for the lowest point, in half widths of a window.
+        """Distance from a window's middle, in half widths, up to which the lowest point is sought.
 
-        For a shape that becomes level and has no length of its own, the distance is in metres.
+        For a shape that becomes level and has no length of its own, it is the distance from x = 0
+        in metres.
         """
         return self.farther**3
 
