@@ -394,7 +394,7 @@ class CohesiveEvents(Events):
         )
 
     def under_all(self, value: float) -> PathState:
-        """The path state at `value` under tension on the whole period; closed above `self.full`."""
+        """The path state at `value`: tension on the whole period, or closed from `self.full` on."""
         if value >= self.full:
             return PathState(value, closed=True)
         return PathState(value, self.curve.under_all(value, self.pressed(value)))

@@ -303,8 +303,8 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
             # radius is doubled or halved.
             steps[j] = state.edges[j] / slope if slope > 0 else np.copysign(a, state.edges[j])
             size = abs(state.delta) + kinds[j].depth
-            # The iteration also ends if the residual at every edge is only round-off of the
-            # approach, as happens for tiny spots.
+            # The iteration also ends if the residual at every edge is only round-off of `size`, as
+            # happens for tiny spots.
             rounding &= bool(abs(state.edges[j]) <= 4 * EPS * size)
         steps[active] = np.clip(steps[active], -0.5 * radii[active], radii[active])
         trace.append(float(np.max(np.abs(steps[active] / radii[active]))))

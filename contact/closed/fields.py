@@ -157,8 +157,6 @@ class ClosedFields(ZoneFields):
     def pressure_bound(self) -> float:  # type: ignore[override]
         return math.inf if self._is_singular else self._unit * float(self.zone.sums[1])
 
-    # The following quantities are the approach, the stiffness and the mean gap.
-
     @property
     def _even_level(self) -> float:
         return float(self.zone.problem.even_level(self.zone.half, self.scene.operator.datum))

@@ -46,7 +46,7 @@ class ContinuedSlope(sie.Kept):
         return sum(body.parts.error for body in self.bodies.values())
 
     def __call__(self, x: Array, y: Array) -> Pair:
-        """R and R' [1/m] at x + iy [m], y >= 0, arrays of one shape."""
+        """R [1] and R' [1/m] at points x + iy [m], y >= 0, with x and y of one shape."""
         shape, x, y = x.shape, x.ravel(), y.ravel()
         value, slope = np.zeros(len(x), dtype=complex), np.zeros(len(x), dtype=complex)
         facing = self.profile.facing(x) if "" not in self.bodies else {"": x}

@@ -76,8 +76,8 @@ class FullLimit(sie.Kept):
         around = np.concatenate(
             (valleys[-1:] - relief.period, valleys, valleys[:1] + relief.period)
         )
-        # At the onset, the pressure of full contact is negative within the distance `least` from a
-        # concave kink. The gap of the solution is twice as wide as this interval.
+        # At the onset, the pressure of full contact is negative up to the distance `least` on each
+        # side of a concave kink. The gap of the solution is twice as wide as this interval.
         least = TOLERANCES.narrowest_gap * relief.period / 2
 
         def beside_valleys(x: Array) -> Array:

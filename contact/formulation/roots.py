@@ -137,8 +137,8 @@ def maximum(
     ):
         before, after = here[row, [column - 1, column + 1]]
         bend = 2 * highest - before - after
-        # The top of a parabola between the outer samples exceeds the middle sample by at most an
-        # eighth of the second difference.
+        # The parabola through three samples, the middle one the highest, exceeds the middle sample
+        # by at most an eighth of the second difference. Round-off must not exceed this bound.
         highest += min((after - before) ** 2 / (8 * bend), 0.125 * bend) if bend > 0 else 0.0
     return sampled if sampled[1] > highest else (found, highest)
 

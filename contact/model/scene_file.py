@@ -124,7 +124,7 @@ def read_tables(text: bytes, name: str, hint: str = "") -> Table:
 
 
 def tangential_from_tables(tables: Table) -> Tangential:
-    """What the table [tangential] describes; SceneError if there is none."""
+    """The `Tangential` that the table [tangential] gives; SceneError if there is no such table."""
     if TANGENTIAL not in tables:
         raise SceneError(
             "[tangential] is missing: it has friction, and load or creepage", TANGENTIAL

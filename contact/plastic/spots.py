@@ -30,7 +30,7 @@ class Spots:
 
     @classmethod
     def of(cls, zones: sie.Zones, plateaus: Array, period: float | None) -> Spots:
-        """The spots of elastic zones with the plateaus beside them."""
+        """The spots; zones and plateaus that touch or overlap form one contact."""
         every = np.concatenate((zones.table, plateaus))
         every = every[np.argsort(every[:, 0])]
         meets = every[1:, 0] <= every[:-1, 1]

@@ -56,7 +56,7 @@ def first_approach(solution: Solution) -> float:
     fields = solution.fields
     if not solution.scene.turned or not isinstance(fields, ZoneFields):
         return 0.0
-    # The place where the bodies touch first is in contact under any load.
+    # The place of first touch is in contact under any load, so only the zones are searched.
     zones = fields.zones
     t = np.linspace(0.0, 1.0, 65)
     x = np.unique((zones[:, :1] + np.diff(zones) * t).ravel())

@@ -431,7 +431,7 @@ class Solution(sie.Kept):
 
     @property
     def plateaus(self) -> Array:
-        """Intervals [m], (m, 2), on which the pressure is the hardness, within the zones.
+        """Intervals (n, 2) [m], within the zones, on which the pressure equals the hardness.
 
         The table is empty under laws without a limit of the pressure, and where it is not reached.
         """

@@ -121,7 +121,7 @@ def _columns(report: StressReport, show: str) -> list[_Column]:
     at = _image(peak.x, lo, hi, solution)
     away = np.maximum(np.maximum(zones[:, 0] - at, at - zones[:, 1]), 0.0)
     width = float(np.diff(zones, axis=1)[np.argmin(away), 0])
-    # Below a smooth peak of pressure, the largest stress is at a third of the peak's width.
+    # Below a smooth peak of pressure, the largest stress is as deep as a third of the peak's width.
     size = min(width, 3.0 * peak.y) if peak.y > 0 else width
     if size > OPTIONS.close_up * (hi - lo):
         return [_Column(lo, hi, below)]

@@ -177,7 +177,7 @@ COLUMNS = (
 
 
 def ordinary_scenes(count: int = 91, first: int = 10_000) -> list[contact.Scene]:
-    """The first `count` random scenes that can be drawn, and four adhesive traces."""
+    """`count` random scenes, from the seeds `first` and up, and four adhesive scenes."""
     scenes: list[contact.Scene] = []
     seed = first
     while len(scenes) < count:

@@ -50,7 +50,7 @@ LIMITS = JudgingLimits()
 
 
 class Parts(sie.Condition):
-    """Condition that prescribes the total of the density on each of some zones."""
+    """Condition that prescribes the total of the density on each of the given zones."""
 
     def __init__(self, zones: list[int], values: Array) -> None:
         self.zones, self.values = zones, values

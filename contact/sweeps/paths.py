@@ -51,9 +51,10 @@ class PathOptions:
     # Loads whose relative difference is below this count as equal. While an event is located, this
     # is also the tolerance of ends, relative to the width of their zone.
     same: float = 1e-7
-    # Zones at two loads count as the same zone if they overlap by this fraction of the narrower
-    # width. It is assumed that no zone is born and merges within a relative load step below this.
-    # An unconverged solution with an error below this is assumed to have the right number of zones.
+    # A fraction with three uses. Zones at two loads count as the same zone if they overlap by this
+    # fraction of the narrower width. It is assumed that no zone is born and merges within a
+    # relative load step shorter than this fraction. An unconverged solution is used for its number
+    # of zones if its error is below this fraction.
     negligible: float = 1e-3
     # If the ratio of two loads exceeds this, the motion of ends between the loads cannot be
     # predicted from the ends' rates (derivatives by ln(load)) at the two loads.

@@ -332,8 +332,8 @@ class SolvedGaps(Solved):
             ** 2
         )
         near_gaps = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
-        # At the places `relief.at` of kinks, the pressure is a sum of logarithms. They cancel and
-        # are several times larger than the pressure, so the bound of the rounding is tripled.
+        # With kinks (`relief.at`), the pressure contains logarithms that partly cancel. They are
+        # several times larger than the pressure, so the bound of the rounding is tripled.
         rounding = (3 if len(fields.relief.at) else 1) * TOLERANCES.rounding * (
             1 + abs(fields.mean) / unit
         ) + of_relief / unit

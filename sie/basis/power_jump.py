@@ -169,7 +169,7 @@ class PowerJump(Kept):
         ]
 
     def _binomial(self, order: int) -> list[Array]:
-        """Coefficients of t^j, j = 0 ... k, in (t - s)^k."""
+        """Coefficients of t^j, j = 0 ... k, in (t - s)^k, with k = `order`."""
         place = 0.5 * (self.left - self.right)
         return [math.comb(order, j) * (-place) ** (order - j) for j in range(order + 1)]
 

@@ -27,7 +27,8 @@ def alphas(kappa: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     """
     if not np.iscomplexobj(kappa):
         return np.arctan2(1.0, kappa) / np.pi, np.arctan2(1.0, -kappa) / np.pi
-    # arctan(kappa) is a right angle minus the small arctan(1 / kappa) if the real part is large.
+    # If |Re kappa| is large, arctan(kappa) is +-pi/2 minus the small arctan(1 / kappa). The sign is
+    # that of Re kappa.
     large = np.abs(kappa.real) > 1
     small = np.arctan(np.where(large, 1 / np.where(large, kappa, 1.0), kappa)) / np.pi
     out = (

@@ -29,7 +29,7 @@ class SamplingOptions:
     # Number of points of a zone, none of them a node, at which the series is compared with the
     # function. The residual of an equation is sampled at as many points (`sie.states.state`).
     check_points: int = 15
-    # Largest deviation at these points and at ends of prescribed intensity, in units of the
+    # Largest deviation at the check points and at ends of prescribed intensity, in units of the
     # tolerance. A deviation sums some hundred coefficients, each with an error within the
     # tolerance.
     margin: float = 100.0

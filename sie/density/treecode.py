@@ -32,8 +32,8 @@ class Treecode:
         zones, period = density.zones, density.kernel.period
         first, last = float(zones.a[0]), float(zones.b[-1])
         middle = 0.5 * (first + last)
-        # Without a period, the cells extend on either side by the distance from the first to the
-        # last zone. At points farther away, the moments of all zones together suffice.
+        # Without a period, the cells extend beyond the zones on either side by `last` - `first`.
+        # At points farther away, the moments of all zones together suffice.
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
@@ -102,7 +102,7 @@ class Treecode:
         return np.asarray(plane.poles(x, np.zeros(len(x)), (what,))[0].real)
 
     def _near(self, x: Array, source: Index, shift: Array, potential: bool) -> Array:
-        """Field of a zone, moved by a shift, at each of the points x in closed form."""
+        """At each point x, the closed-form field of the zone `source` after a shift by `shift`."""
         return from_zones(self.density, x, source, shift, potential)
 
 

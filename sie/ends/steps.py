@@ -249,8 +249,8 @@ def bordered(
     free = np.ones(delta.shape, dtype=bool)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         change = -(miss + np.sum(gradient * delta)) / np.sum(gradient * slope)
-        # The set of ends that are damped becomes constant after a few rounds of this loop, and at
-        # most after one round for each end.
+        # After a few rounds of this loop, the same ends are damped in every round. At the latest,
+        # this is so after as many rounds as there are ends.
         for _ in range(delta.size):
             wanted = delta + change * slope
             cut = np.clip(wanted, -inward * width, outward * width)

@@ -9,7 +9,7 @@ from sie.fast.system import Applied, IterativeSystem
 
 
 class TwoLevelPreconditioner:
-    """Approximate inverse of the rows that neglects how one zone's field varies over another zone.
+    """Approximate inverse of the rows; neglects how a zone's field varies over another zone.
 
     The coefficients c_k with k > 0 follow from the rows of the equation. The coefficients c_0 and
     the amplitudes of the columns follow from the side conditions. On every zone the level is

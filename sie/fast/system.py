@@ -232,7 +232,7 @@ class IterativeSystem(System):
 
     @cached_property
     def _across_gaps(self) -> tuple[Array, Array]:
-        """(integral of the right side g over each gap, its error by rounded positions).
+        """(integrals of the right side g over the gaps, their errors by rounded positions).
 
         Positions are rounded to half a unit in the last digit. The error is zero if the forcing
         takes exact positions.

@@ -286,7 +286,7 @@ class GradedState(Answered):
 
     @cached_property
     def zone_errors(self) -> Array:
-        """`density_error` of each zone (Z,), relative to this zone's largest density and charge."""
+        """`density_error` of each zone (Z,), from the errors and sizes of this zone alone."""
         errors, sizes, charges = self._errors
         of_charges = zip(charges, self.charge_sizes, strict=True)
         pairs = zip(zip(errors, sizes, strict=True), of_charges, strict=True)

@@ -138,7 +138,7 @@ class PlacedJumps(PerZone):
             return np.where((away == 0) & (q > 0), 0.0, power(away, q) * self.shape(k, left, right))
 
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Integral of the density by t from the left end; only for jumps of the function itself.
+        """Integral of the density by t from the left end; only for jumps of order 0.
 
         The integral of kappa is (t - s) kappa - theta sin(phi).
         """

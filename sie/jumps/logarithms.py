@@ -231,7 +231,7 @@ class Logarithms:
         return np.asarray(values @ self.weight)
 
     def _nearby(self, zone: Index) -> tuple[Index, Index, Array]:
-        """(point, term, |rho|) of pairs in which a term lies in the point's zone or close to it."""
+        """(point, term, |rho|) of terms in the point's zone (|rho| = 1) or close to this zone."""
         term = np.flatnonzero(self.own >= 0)
         of_zone = np.concatenate((self.own[term], self.near.zone))
         which = np.concatenate((term, self.near.which))

@@ -388,9 +388,10 @@ class SecondKindDensity(DensityBase):
         return np.asarray(w * (out + total * np.log(w / self.kernel.datum)))
 
     def _off_zone(self, i: int, seen: Outside, potential: bool) -> Array:
-        """Transform of zone i's density at points off the zone; if `potential`, potential over w.
+        """Transform of zone i's density off the zone, or, if `potential`, its potential / w.
 
-        w is the half width. Far away, a sum over moments takes less time than the closed forms.
+        Here w is the zone's half width. Far away, a sum over moments takes less time than the
+        closed forms.
         """
         basis, of_zone = self.bases[i], [one for one in self.known if one.zone == i]
         left, less = from_ends(seen)

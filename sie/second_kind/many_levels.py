@@ -300,7 +300,7 @@ class _Coarse(Trial):
 
 @record
 class AppliedRows(Rows):
-    """The matrices that conditions use, each multiplied by the unknowns `y` to one column."""
+    """The matrices that conditions use, each replaced by its product with `y`, one column."""
 
     of: LevelRows
     y: Array

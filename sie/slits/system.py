@@ -247,8 +247,8 @@ class SlitSystem(Kept):
         y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
         slack = self.slack(d, homogeneous)
-        # In the tables, all zones have the same number of coefficients. It is the largest number
-        # that any zone needs.
+        # In `without` and `with_slits`, every zone has the same number of coefficients. It is the
+        # largest number that any zone needs.
         count = max(
             int(system.layout.m.max()) + 1,
             OPTIONS.min_slack_modes + 1,

@@ -19,9 +19,8 @@ from sie.states.rounding import density_rounding, intensity_rounding, truncation
 # difference of the polynomials is zero at both ends, so that the quotient has no singular part.
 AT_ENDS = 0.73
 # Round-off of a sum of n coefficients close to a free end, divided by n^1.5 times the largest error
-# of a coefficient. This round-off is 0.42 n^1.5 times the mean error of a coefficient, which is a
-# third of the largest error. Only about half of this 0.14 n^1.5 is used, because `State.made_of`
-# doubles the sum.
+# of a coefficient. It is 0.42 for the mean error instead of the largest error, thus 0.14, since the
+# largest error is about three times the mean. `State.made_of` doubles it, so about half is used.
 _OF_ROUNDING = 0.08
 
 
@@ -379,8 +378,8 @@ def residual_errors(
         )
         / size
     )
-    # Between the few points the residual may be about three times as large as at the points. The
-    # term `5e-16 * coupled` is the round-off of the `coupled` modes, each counted once.
+    # Between the angles THETA the residual may be about three times as large as at these angles.
+    # The term `5e-16 * coupled` is the round-off of the `coupled` modes, each counted once.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return np.asarray(beyond + high + 5e-16 * coupled)
 

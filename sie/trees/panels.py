@@ -221,8 +221,8 @@ class Panels(Kept):
             lag = np.arange(1 - self.count, wanted)
             kernel = np.zeros((length, TERMS, TERMS))
             kernel[lag % length] = self._table(potential)[lag + low - self.first + self.farthest]
-            # Only the last transform is stored, since repeated sums over the same zones use the
-            # same transform.
+            # One Fourier transform is stored for the kernel and one for its potential, each the
+            # last. Repeated sums over the same zones use the same ones.
             self._transforms.pop(
                 next((k for k in self._transforms if k[0] == potential), key), None
             )

@@ -278,7 +278,8 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
         y = abs(room) / (order + 1) * 0.5**j * np.arange(1, order + 2)
         values = np.asarray(function(s + np.sign(room) * y), dtype=np.float64)
         declared = float(weights @ (y[:, None] ** power @ size))
-        # The round-off of the places, `EPS` times s, changes the values at the places next to s.
+        # The places have the round-off `EPS` |s|. It changes the values at the distance y[0] from s
+        # by about this round-off divided by y[0], relative to their size.
         rounding = EPS * float(np.abs(weights) @ np.abs(values)) * (1.0 + abs(s) / y[0])
         if abs(declared) > 10 * rounding / (2 * CHECKS.jump):
             found.append(abs(float(weights @ values) - declared) / abs(declared))

@@ -209,8 +209,8 @@ class JKRCylinder(Cylinder, _JKREquilibria):
 
     def _samples(self) -> Array:
         unit = (2.0 * self.radius**2 * self.work / (pi * self.E_star)) ** (1.0 / 3.0)
-        # With a datum d, the curve ends at the half width a = d. The approach of wider zones has no
-        # meaning, since it even falls from about a = 2d on.
+        # With a datum d, the curve ends at the half width a = d. For wider zones the approach has
+        # no meaning: from about a = 2d on, it even falls with a.
         widest = 1e6 * unit if self.datum is None else self.datum
         return np.geomspace(min(1e-12 * unit, 1e-6 * widest), widest, 200)
 

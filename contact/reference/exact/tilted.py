@@ -481,8 +481,8 @@ class TiltedPunch(TiltedZone):
     def _gap(self, e: Array, side: int) -> Array:
         if not self.lifted or side * self.moment > 0:
             return np.full_like(e, inf)
-        # Up to the lifted corner, the gap is |tilt| int sqrt(s/(s + 2w)) ds. Here s is the distance
-        # from the end of the zone, and w is the half width of the zone.
+        # Up to the lifted corner, the gap at the distance d = e w from the end of the zone is
+        # |tilt| int_0^d sqrt(s/(s + 2w)) ds, where w is the half width of the zone.
         y = 0.5 * e
         unit = 2.0 * self.half_width * abs(self.tilt)
         gap = unit * (np.sqrt(y * (y + 1.0)) - np.arcsinh(np.sqrt(y)))

@@ -339,8 +339,8 @@ class _Loop(Generic[Kind]):
         if here.certificate.holds:
             return here
         # After an iterative solve, the ends are known to the present tolerance. With
-        # `initial_error` = 1 the next iterative solve would begin roughly, and lose intervals
-        # whose pressure is small.
+        # `initial_error` = 1 the next iterative solve would begin with a loose tolerance, and lose
+        # intervals whose pressure is small.
         known = self.newton.tolerance if here.free.state.iterated else 1.0
         self.newton = replace(self.newton, initial_error=known)
         return self._after_failed_signs(here)

@@ -33,7 +33,7 @@ class Progress(Protocol):
 
 
 def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> list[Table]:
-    """Measure errors against time, also of other codes, and cost against size; write files."""
+    """Measure errors against time and cost against size; write files and return the tables."""
     chosen: Sequence[peers.Peer] = peers.PEERS if with_peers else ()
     if with_peers:
         peers.require_both()
