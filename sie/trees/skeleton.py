@@ -36,8 +36,8 @@ class SkeletonOptions:
     # numbers from the third on are also tried as numbers of positions among which the skeleton is
     # chosen.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
-    # The modes of the kernel K(x, xi) in x are counted on each zone. Meanwhile xi takes about this
-    # many positions of the skeleton.
+    # The kernel's modes on a zone are counted in either argument. The other argument takes about
+    # this many positions of the skeleton.
     sampled_places: int = 8
 
 

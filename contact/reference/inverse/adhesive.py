@@ -217,8 +217,8 @@ class AdhesiveDesign(GivenZones):
         if self.period is None:
             # X and R (head of this module) become series in powers of v, with x = middle +
             # half (v + 1/v)/2. Here middle is the hull's middle, and half is its half width. An end
-            # is e = middle + half cos(phi). In units of `CutProduct._unit` = half/2, the factor of e
-            # in X^2 is
+            # is e = middle + half cos(phi). In units of `CutProduct._unit` = half/2, its factor in
+            # X^2 is
             #     (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
             # Hence X = v^n `root`, where `root` is a series in powers of 1/v.
             phi = 2.0 * np.arctan2(np.sqrt(ends[-1] - ends), np.sqrt(ends - ends[0]))
