@@ -46,7 +46,7 @@ def install() -> None:
 
 
 def started(now: bool = True) -> None:
-    """Record in `_started` whether the command line catches KeyboardInterrupt from now on."""
+    """Set `_started` to `now`: whether the command line catches later KeyboardInterrupts."""
     global _started
     _started = now
 

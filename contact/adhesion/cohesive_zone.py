@@ -137,7 +137,7 @@ class CohesiveState(State):
 
     @property
     def gains(self) -> Array:
-        """1 for each end (2n,): residuals are proportional to energy derivatives by end places."""
+        """1 for each end (2n,); residuals are proportional to derivatives of energy by the ends."""
         return np.ones(len(self.residual))
 
 

@@ -23,8 +23,8 @@ from contact.formulation.quadrature import gauss
 from contact.formulation.tables import located
 from sie import Array, Complex, Index, Mask, nearest_image, record, wrapped
 
-# Number of quadrature panels on each `kernel.length`. This is the length over which the kernel's
-# regular part varies.
+# Number of quadrature panels on the length over which the kernel's regular part varies. This
+# length is at most `kernel.length`.
 _PANELS_PER_LENGTH = 4.0
 
 

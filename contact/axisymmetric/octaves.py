@@ -235,7 +235,10 @@ class Octaves:
         return octave
 
     def _computed(self, k: int) -> Octave:
-        """Octave k from values at more and more nodes, until the last terms are negligible."""
+        """Octave k from values at more and more nodes, until the last terms stop decreasing fast.
+
+        The loop also ends once these terms are negligible.
+        """
         if k in self._from_values:
             return self._from_values[k]
         half, left = float(np.ldexp(1.0, k)), inf

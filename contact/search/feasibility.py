@@ -77,8 +77,8 @@ def lowest_stretches(profile: Profile) -> Array:
     low = lies_low(x)
     if low.all():
         return np.array([[x[0], x[-1]]])
-    # The samples are shifted around the period, so that the first sample is not at the minimum of
-    # f. Then no interval on which f is least crosses the border of the shifted period.
+    # The samples are shifted around the period, so that the first sample lies in no lowest
+    # interval. Then no such interval crosses the border of the shifted period.
     first = int(np.argmin(low))
     at = np.concatenate((x[first:-1], x[: first + 1] + (x[-1] - x[0])))
     runs = runs_of(np.roll(low[:-1], -first))

@@ -22,7 +22,7 @@ from contact.solution.solution import Solution
 
 @dataclass(frozen=True)
 class LoadPoint:
-    """Load P [N/m], approach delta [m] and Phi = int delta dP [J/m] of one contact."""
+    """`load` P [N/m], `approach` delta [m] and `work` = int delta dP [J/m] of one contact."""
 
     load: float
     approach: float

@@ -206,10 +206,10 @@ class Plane:
 
 
 def _check_analytic(regular: Regular, z: Complex, places: Array) -> None:
-    """Raise ValueError if a user's regular part is not analytic at up to three of the z.
+    """Raise ValueError if a user's regular part is not analytic.
 
-    The regular part counts as analytic if its difference quotients along the real and the imaginary
-    direction agree.
+    At most three of the points z are tested. The regular part counts as analytic at a point if its
+    difference quotients along the real and the imaginary direction agree.
     """
     for at in z[:: max(1, len(z) // 3)][:3]:
         xi, h = places[:1], 1e-4 * (1 + abs(at))

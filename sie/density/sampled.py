@@ -37,7 +37,7 @@ class SamplingOptions:
     # next term of the expansion at the end changes the exponent by about this distance.
     end_distance: float = 1e-4
     # The measured exponent may deviate by this much from -1/2, 1/2, 3/2, ... A larger deviation is
-    # reported. The limit is some hundred times the effect of the next term.
+    # reported. The limit is 200 times the effect of the next term (see `end_distance`).
     exponent_deviation: float = 0.02
 
 

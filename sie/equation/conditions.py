@@ -193,7 +193,7 @@ class ByZone:
 
     @property
     def of_levels(self) -> bool:
-        """Whether all rows of the condition contain the levels of `Rows.levels`; else none does."""
+        """Whether all rows of the condition contain levels (see `Rows.levels`), else none does."""
         return bool(np.all(self.levels != 0.0))
 
 

@@ -31,7 +31,7 @@ from sie.trees.panels import panels_over
 
 @dataclass(frozen=True)
 class TreeOptions:
-    """Option for the sums of the zones' fields at points of the line by a tree."""
+    """Option for sums, by a tree, of the fields of all zones at real points."""
 
     min_zones: int = 32  # with fewer zones, a direct sum takes no longer
 

@@ -385,7 +385,7 @@ def residual_errors(
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Size of the last coefficients of the field on each zone, relative to the density (Z,).
+    """Size of the last coefficients of the field on each zone (Z,), relative to the density's.
 
     The field is that of the other zones and of the columns. The sizes are divided by the largest
     coefficient of the zone's density.

@@ -156,7 +156,7 @@ def marks(height: Array) -> str:
 
 
 def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
-    """Whether all steps between heights in and out of the mask `here` are unusually large."""
+    """Whether every step between a height in the mask `here` and one outside is unusually large."""
     steps = np.abs(np.diff(height))
     border = here[1:] != here[:-1]
     inner = ~here[1:] & ~here[:-1]
