@@ -168,8 +168,7 @@ class Adjoint:
         return _Adjoint(rows, outward.reshape(s.shape), lack)
 
     def of(self, functional: Functional) -> tuple[_Adjoint, float]:
-        """(derivatives of `functional` by the data, its derivative by the end condition's
-        value)."""
+        """(derivatives of a functional by the data, and by the end condition's value)."""
         state, zones = self.state, self.zones
         q = np.einsum("ab,abn->n", functional.intensities, self.intensities)
         s = functional.intensities.ravel() @ self.own

@@ -430,8 +430,7 @@ class ManySolver:
                 return x, left_over
 
     def _scale(self, given: Array, firsts: Array) -> Array:
-        """Scale of each unknown: the largest |`given`| or |`firsts`| of its zone, at least
-        `least`."""
+        """Scale of each unknown: the largest of |`given`|, |`firsts`| of its zone and `least`."""
         m = self.rows.dense.layout.m
         largest = np.maximum.reduceat(np.abs(given), np.cumsum(m) - m)
         largest = np.maximum(largest, np.abs(firsts))
