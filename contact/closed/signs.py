@@ -84,7 +84,7 @@ def places(zone: ClosedZone) -> Array:
     feature, count = problem.profile.resolution, OPTIONS.outer_places
     if feature is not None:
         room = problem.limit - float(np.min(zone.half_width))
-        # At most `most` places are needed. A profile that varies on lengths too short for
+        # More than `most` places are never needed: a profile that varies on lengths too short for
         # `OPTIONS.max_nodes` nodes is not solved in closed form.
         most = SAMPLES_PER_DEGREE * OPTIONS.max_nodes
         count = int(min(max(SAMPLES_PER_DEGREE * room / feature, count), most))

@@ -91,7 +91,7 @@ class Progress:
 
     @property
     def tightest(self) -> float:
-        """Tolerance of the last iterative solution, which is the tightest one."""
+        """Tolerance of the last iterative solution: a lower bound of the others' tolerances."""
         return self.options.forcing * self.tolerance
 
     def after(
@@ -128,7 +128,7 @@ class Progress:
         return Convergence(certain and (rests or growth > 0) and known, error, rounding)
 
     def _moves_by_rounding(self, delta: Array, width: Array, noise: Array) -> float:
-        """Largest recent move over the last move if round-off causes the moves, else 0."""
+        """Ratio of the largest recent move to the last move if round-off causes them, else 0."""
         move, rounding_step = self.trace[-1].move, self.options.rounding_step
         quiet = delta < np.clip(100 * noise, rounding_step * width, 1e-2 * width)
         by_rounding = (self.stalled >= 2 and move < 1e-3 * rounding_step) or (

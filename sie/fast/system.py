@@ -160,7 +160,7 @@ class IterativeSystem(System):
 
     @cached_property
     def of_zones(self) -> ByZone | None:
-        """The condition with one row for each zone or pair of neighbours; None if there is none."""
+        """The first condition with a row for each zone or pair of neighbours; None without one."""
         found = (by_zone(c, self.zones) for c in self.equation.conditions)
         return next((one for one in found if one is not None), None)
 

@@ -150,8 +150,8 @@ class Profile(Named, sie.Kept):
         """Places s in the cell near which f is a smooth function plus a power n > 1 of the
         distance from s.
 
-        One a row: position s, exponent n, and the coefficients of (s - x)^n for x < s and of (x -
-        s)^n for x > s [m^(1-n)]. A power that is a whole number can also be declared as a jump.
+        Each row has the position s, the exponent n, and the coefficients [m^(1-n)] of (s - x)^n for
+        x < s and of (x - s)^n for x > s. A power that is a whole number can also be declared as a jump.
         """
         return np.empty((0, 4))
 

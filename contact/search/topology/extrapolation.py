@@ -94,7 +94,7 @@ class CurvePoint(sie.Kept):
 
 @record
 class Motion:
-    """Intervals (n, 2), and how fast their middles and widths change along the curve.
+    """Intervals (n, 2), and the rates along the curve of their middles and squared half widths.
 
     values: middles and squared half widths (2, n). rates: the rates of the values (2, n).
     """
