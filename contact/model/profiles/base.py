@@ -151,7 +151,8 @@ class Profile(Named, sie.Kept):
         distance from s.
 
         Each row has the position s, the exponent n, and the coefficients [m^(1-n)] of (s - x)^n for
-        x < s and of (x - s)^n for x > s. A power that is a whole number can also be declared as a jump.
+        x < s and of (x - s)^n for x > s. A power that is a whole number can also be declared as a
+        jump.
         """
         return np.empty((0, 4))
 
