@@ -1,0 +1,67 @@
+"""Python of the pages: the blocks of a page, in their order, are a script that runs by itself."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+BLOCK = re.compile(r"^( *)```python\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
+# Pages of other codes' calls, which need these codes.
+NEEDS = {"coming-from.md": ("tamaas", "ContactMechanics")}
+QUICK = {"quickstart.md"}
+
+
+def script(page: Path) -> str:
+    """The blocks of a page, one after the other; blocks that show a file are left out."""
+    blocks = [textwrap.dedent(code) for _, code in BLOCK.findall(page.read_text(encoding="utf-8"))]
+    return "\n".join(block for block in blocks if not block.startswith("--8<--"))
+
+
+PAGES = {
+    page.relative_to(ROOT).as_posix(): page
+    for page in [*sorted((ROOT / "docs").rglob("*.md")), ROOT / "README.md"]
+    if script(page)
+}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[] if Path(name).name in QUICK else pytest.mark.slow)
+        for name in PAGES
+    ],
+)
+def test_the_python_of_a_page_runs_from_top_to_bottom(name: str, tmp_path: Path) -> None:
+    for package in NEEDS.get(Path(name).name, ()):
+        pytest.importorskip(package)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    file = tmp_path / "page.py"
+    file.write_text(script(PAGES[name]), encoding="utf-8")
+    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    settings = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "MPLBACKEND": "Agg"}
+    done = subprocess.run(
+        [sys.executable, str(file)],
+        cwd=tmp_path,
+        env=settings,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        stdin=subprocess.DEVNULL,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
+def test_blocks_that_show_a_file_are_left_out(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        '```python\na = 1\n```\n\n```python\n--8<-- "x.py"\n```\n\n```python\nb = a\n```\n',
+        encoding="utf-8",
+    )
+    assert script(page) == "a = 1\n\nb = a\n"
