@@ -21,7 +21,18 @@ from typing import Any, NoReturn
 import click
 import numpy as np
 
-from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, require_netcdf, scene_of
+from contact.commands.options import (
+    AS_JSON,
+    OVERWRITE,
+    QUIET,
+    SCENE,
+    TOL,
+    Outputs,
+    csv_option,
+    plot_option,
+    save_option,
+    scene_of,
+)
 from contact.commands.path import path_command
 from contact.commands.slip import slip_command
 from contact.commands.stress import stress_command
@@ -147,33 +158,11 @@ def main(context: click.Context) -> None:
 
 @main.command("solve")
 @SCENE
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
-@click.option(
-    "--save",
-    type=click.Path(path_type=Path),
-    metavar="OUT.nc",
-    help="Write zones and fields as netCDF, or OUT.json.",
-)
-@click.option(
-    "--csv",
-    "table",
-    type=click.Path(path_type=Path),
-    metavar="OUT.csv",
-    help="Write the zones as CSV.",
-)
-@click.option(
-    "--fields",
-    type=click.Path(path_type=Path),
-    metavar="OUT.csv",
-    help="Write pressure and gap over x as CSV.",
-)
-@click.option(
-    "--plot",
-    "figure",
-    type=click.Path(path_type=Path),
-    metavar="OUT.png",
-    help="Draw the surfaces, p.",
-)
+@AS_JSON
+@save_option("Write zones and fields as netCDF, or OUT.json.")
+@csv_option("Write the zones as CSV.")
+@csv_option("Write pressure and gap over x as CSV.", "--fields", "fields")
+@plot_option("Draw the surfaces, p.")
 @click.option(
     "--branch",
     type=click.Choice(("advancing", "receding")),
@@ -203,7 +192,6 @@ def solve_command(
     outputs.add("--csv", table, {".csv": export.write_csv})
     outputs.add("--fields", fields, {".csv": export.write_fields})
     outputs.add_figure(figure, plot)
-    require_netcdf(save)
     start = time.perf_counter()
     with Progress(wanted=not quiet) as progress:
         solution = solve(problem, tol=tol, progress=progress, branch=branch)
@@ -261,13 +249,7 @@ def _time(seconds: float | None, share: float | None) -> tuple[str, str]:
 
 @main.command("compare")
 @SCENE
-@click.option(
-    "--plot",
-    "figure",
-    type=click.Path(path_type=Path),
-    metavar="OUT.png",
-    help="Draw the differences.",
-)
+@plot_option("Draw the differences.")
 @TOL
 def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
     """Solve a SCENE as isolated, localized (with and without explicit neighbours) and exact

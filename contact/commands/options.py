@@ -37,6 +37,29 @@ TOL = click.option(
     "--tol", type=float, default=1e-8, show_default=True, help="Largest relative error."
 )
 
+AS_JSON = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON object instead of tables."
+)
+
+
+def save_option(text: str) -> Callable[[Any], Any]:
+    """The option --save of a command."""
+    return _file_option("--save", "save", "OUT.nc", text)
+
+
+def csv_option(text: str, option: str = "--csv", name: str = "table") -> Callable[[Any], Any]:
+    """The option --csv of a command, or another one that names a CSV file."""
+    return _file_option(option, name, "OUT.csv", text)
+
+
+def plot_option(text: str) -> Callable[[Any], Any]:
+    """The option --plot of a command."""
+    return _file_option("--plot", "figure", "OUT.png", text)
+
+
+def _file_option(option: str, name: str, shown: str, text: str) -> Callable[[Any], Any]:
+    return click.option(option, name, type=click.Path(path_type=Path), metavar=shown, help=text)
+
 
 def scene_of(name: Path) -> Scene:
     """The scene of a file, or the scene read from standard input if the name is "-".
@@ -91,17 +114,11 @@ def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = F
         raise SceneError.of(option, str(path), "a file that is not there yet, or --overwrite given")
 
 
-def require_netcdf(path: Path | None) -> None:
-    """Import what a netCDF file needs, before any work is done; nothing for other files."""
-    if path is not None and path.suffix.lower() == ".nc":
-        for needed in ("xarray", "h5netcdf", "h5py"):
-            require(needed)
-
-
 class Outputs:
     """The output files of a command, each with the function that writes the file.
 
-    A file that cannot be written is refused when it is added, before any work is done.
+    A file that cannot be written, or whose packages are missing, is refused when it is added,
+    before any work is done.
     """
 
     def __init__(self, overwrite: bool = False) -> None:
@@ -117,6 +134,9 @@ class Outputs:
         if path in self._writers:
             raise SceneError.of(option, str(path), "another file than the other options name")
         checked(option, path, writers, self._overwrite)
+        if path.suffix.lower() == ".nc":
+            for needed in ("xarray", "h5netcdf", "h5py"):
+                require(needed)
         self._writers[path] = writers[path.suffix.lower()]
 
     def add_figure(self, path: Path | None, drawn: Callable[[Any], Any]) -> None:

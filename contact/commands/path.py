@@ -6,7 +6,18 @@ from pathlib import Path
 import click
 import numpy as np
 
-from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scene_of, values_of
+from contact.commands.options import (
+    AS_JSON,
+    OVERWRITE,
+    QUIET,
+    SCENE,
+    TOL,
+    Outputs,
+    csv_option,
+    plot_option,
+    scene_of,
+    values_of,
+)
 from contact.commands.trace import show_profile
 from contact.errors import SceneError
 from contact.model.scene import Scene
@@ -71,21 +82,9 @@ _HEADS = {"zone_count": "zones", "stiffness": "stiff-\nness"}
     help="With --no-events: processes that solve.",
     show_default=True,
 )
-@click.option(
-    "--csv",
-    "table",
-    type=click.Path(path_type=Path),
-    metavar="OUT.csv",
-    help="Write a row for each load.",
-)
-@click.option(
-    "--plot",
-    "figure",
-    type=click.Path(path_type=Path),
-    metavar="OUT.png",
-    help="Draw contact and approach over the load.",
-)
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+@csv_option("Write a row for each load.")
+@plot_option("Draw contact and approach over the load.")
+@AS_JSON
 @OVERWRITE
 @QUIET
 @TOL

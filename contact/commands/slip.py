@@ -7,12 +7,15 @@ from typing import Any
 import click
 
 from contact.commands.options import (
+    AS_JSON,
     OVERWRITE,
     QUIET,
     SCENE,
     TOL,
     Outputs,
-    require_netcdf,
+    csv_option,
+    plot_option,
+    save_option,
     scene_and_tangential_of,
 )
 from contact.commands.trace import show_profile
@@ -32,33 +35,11 @@ _ROLLING = "contact.slip.rolling"
 
 @click.command("slip")
 @SCENE
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
-@click.option(
-    "--save",
-    type=click.Path(path_type=Path),
-    metavar="OUT.nc",
-    help="Write intervals and fields as netCDF, or OUT.json.",
-)
-@click.option(
-    "--csv",
-    "table",
-    type=click.Path(path_type=Path),
-    metavar="OUT.csv",
-    help="Write what sticks and what slips as CSV.",
-)
-@click.option(
-    "--fields",
-    type=click.Path(path_type=Path),
-    metavar="OUT.csv",
-    help="Write pressure and shear over x as CSV.",
-)
-@click.option(
-    "--plot",
-    "figure",
-    type=click.Path(path_type=Path),
-    metavar="OUT.png",
-    help="Draw the shear and what sticks.",
-)
+@AS_JSON
+@save_option("Write intervals and fields as netCDF, or OUT.json.")
+@csv_option("Write what sticks and what slips as CSV.")
+@csv_option("Write pressure and shear over x as CSV.", "--fields", "fields")
+@plot_option("Draw the shear and what sticks.")
 @OVERWRITE
 @QUIET
 @TOL
@@ -84,7 +65,6 @@ def slip_command(
     outputs.add("--csv", table, {".csv": export.write_csv})
     outputs.add("--fields", fields, {".csv": export.write_fields})
     outputs.add_figure(figure, require(_PLOT).plot)
-    require_netcdf(save)
     start = time.perf_counter()
     with Progress(wanted=not quiet) as progress:
         slip = _slip(solve(problem, tol=tol, progress=progress), tangential, tol)

@@ -4,9 +4,20 @@ from pathlib import Path
 
 import click
 
-from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scene_of
+from contact.commands.options import (
+    AS_JSON,
+    OVERWRITE,
+    QUIET,
+    SCENE,
+    TOL,
+    Outputs,
+    plot_option,
+    save_option,
+    scene_of,
+)
+from contact.inside.largest import Peak
 from contact.inside.stress import LATERAL
-from contact.inside.yielding import CRITERIA, Peak
+from contact.inside.yielding import CRITERIA
 from contact.model.units import quantity
 from contact.solution.stress_plot import SHOWN, place_of, plot_stress
 from contact.solution.stress_report import StressReport, stress_report, write_json, write_netcdf
@@ -30,20 +41,9 @@ from contact.solver import solve
     show_default=True,
     help="How a periodic body is held along its surface.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
-@click.option(
-    "--save",
-    type=click.Path(path_type=Path),
-    metavar="OUT.nc",
-    help="Write the stresses over x and depth as netCDF, or the numbers as OUT.json.",
-)
-@click.option(
-    "--plot",
-    "figure",
-    type=click.Path(path_type=Path),
-    metavar="OUT.png",
-    help="Draw the stresses.",
-)
+@AS_JSON
+@save_option("Write the stresses over x and depth as netCDF, or the numbers as OUT.json.")
+@plot_option("Draw the stresses.")
 @click.option(
     "--show",
     type=click.Choice(SHOWN),

@@ -14,7 +14,7 @@ from typing import Any
 import click
 import numpy as np
 
-from contact.commands.options import OVERWRITE, Outputs
+from contact.commands.options import AS_JSON, OVERWRITE, Outputs, plot_option
 from contact.errors import SceneError, warn
 from contact.model.profiles.base import Profile
 from contact.model.profiles.sampled import Sampled
@@ -92,13 +92,7 @@ def _with_keys(command: Callable[..., None]) -> Callable[..., None]:
 @click.command("trace")
 @click.argument("file", type=click.Path(path_type=Path))
 @_with_keys
-@click.option(
-    "--plot",
-    "figure",
-    type=click.Path(path_type=Path),
-    metavar="OUT.png",
-    help="Draw the preparation, heights and spectrum.",
-)
+@plot_option("Draw the preparation, heights and spectrum.")
 @click.option(
     "--scene",
     type=click.Path(path_type=Path),
@@ -106,7 +100,7 @@ def _with_keys(command: Callable[..., None]) -> Callable[..., None]:
     help="Write a scene file to start from.",
 )
 @OVERWRITE
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+@AS_JSON
 def trace_command(
     file: Path,
     figure: Path | None,

@@ -21,8 +21,8 @@ from scipy.special import zeta
 
 import sie
 from contact.formulation.conjugate import OPTIONS, PeriodicPoles, SlopeParts, slope_parts
+from contact.formulation.power_sums import power_sums
 from contact.model.profiles.base import Profile
-from contact.model.profiles.noise import EPS
 from sie import Array, Complex, wrapped
 
 # Values of a function and of its derivative.
@@ -125,32 +125,6 @@ class _OneBody(sie.Kept):
                 value[here] += size.real.sum() - (1 + 2 * w / less) @ np.conj(size)
                 slope[here] -= 1j * (4 * w / less**2) @ np.conj(size) * (pi / self.length)
         return value, slope
-
-
-def power_sums(terms: Complex, exponent: Complex) -> Pair:
-    """The sums of c_k w^k and of k c_k w^k, k = 1, 2, ..., at w = exp(exponent), |w| <= 1.
-
-    Deep points need few terms: those below round-off are left out.
-    """
-    value, slope = np.zeros(len(exponent), dtype=complex), np.zeros(len(exponent), dtype=complex)
-    if len(terms) == 0:
-        return value, slope
-    decay = np.maximum(-exponent.real, 1e-300)
-    needed = np.minimum(-np.log(0.01 * EPS) / decay + 1, len(terms)).astype(np.intp)
-    order = np.argsort(needed)
-    block = 1 << 12
-    for start in range(0, len(order), block):
-        here = order[start : start + block]
-        w, count = np.exp(exponent[here]), int(needed[here[-1]])
-        total, rate = np.zeros(len(here), dtype=complex), np.zeros(len(here), dtype=complex)
-        for term in terms[count - 1 :: -1].tolist() if count < len(terms) else terms[::-1].tolist():
-            # Horner's rule for a polynomial and its derivative.
-            rate *= w
-            rate += total
-            total *= w
-            total += term
-        value[here], slope[here] = w * total, w * (total + w * rate)
-    return value, slope
 
 
 def polylogarithms(exponent: Complex) -> Pair:

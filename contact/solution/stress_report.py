@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from contact.extras import require, version
+from contact.inside.largest import Criterion, Peak, largest
 from contact.inside.stress import Stress
-from contact.inside.yielding import Criterion, Peak, Yield, infinite_at, largest
+from contact.inside.yielding import Yield, infinite_at
 from contact.solution.export import describe, new_file, plain
 from contact.solution.sampling import window
 from contact.solution.solution import Solution

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis.data import EPS, TINY, Array, Complex, Index, Mask, record
-from sie.basis.sums import cosine_sum, sine_sum, sum_of_powers
+from sie.basis.sums import cosine_sum, sine_sum, sum_and_slope, sum_of_powers
 from sie.basis.weight import HALF
 
 Number = NDArray[Any]
@@ -322,11 +322,18 @@ def of_t(
     if what == "potential":
         divided = c / np.maximum(np.arange(c.shape[1]), 1)
         return potential_of(divided, seen, w, datum, row)
-    value = sum_of_powers(c, seen.rho, row)
     if what == "transform":
-        return np.asarray(value / seen.root)
-    slope = sum_of_powers(c * np.arange(c.shape[1]), seen.rho, row)
-    return np.asarray(-(slope + seen.zeta / seen.root * value) / seen.root**2 / w)
+        return np.asarray(sum_of_powers(c, seen.rho, row) / seen.root)
+    return of_t_with_slope(c, seen, w, row)[1]
+
+
+def of_t_with_slope(
+    c: Array, seen: InPlane | Outside | OnLine, w: Array, row: Index
+) -> tuple[Number, Number]:
+    """Transform of sum_l c[row, l] T_l / sqrt(1 - t^2), and its derivative; see `of_t`."""
+    value, slope = sum_and_slope(c, seen.rho, row)
+    value = value / seen.root
+    return value, -(slope / seen.root + seen.zeta / seen.root * value) / seen.root / w
 
 
 def potential_of(

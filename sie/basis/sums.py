@@ -154,10 +154,31 @@ def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
         if rho.size * count <= OPTIONS.memory_pairs:
             return _same_order(u[zone], rho)
         return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
+    return _by_horner(u, rho, zone, _seen_terms(rho, count))
+
+
+def sum_and_slope(u: Array, rho: NDArray[Any], zone: Index) -> tuple[NDArray[Any], NDArray[Any]]:
+    """The sums of u[zone, k] rho^k and of k u[zone, k] rho^k, for pairs (n,) of rho and zone.
+
+    Together they take little longer than `sum_of_powers` takes for one of them.
+    """
+    order, point_rho, row, active = _sorted_pairs(rho, zone, _seen_terms(rho, u.shape[1]))
+    value, slope = np.zeros((2, len(order)), dtype=rho.dtype)
+    for k in range(len(active) - 1, -1, -1):
+        n = active[k]
+        slope[:n] = slope[:n] * point_rho[:n] + value[:n]
+        value[:n] = value[:n] * point_rho[:n] + u[row[:n], k]
+    out = np.empty((2, len(order)), dtype=rho.dtype)
+    out[:, order] = value, slope * point_rho
+    return out[0], out[1]
+
+
+def _seen_terms(rho: NDArray[Any], count: int) -> Index:
+    """Number of the `count` terms u_k rho^k that are above round-off."""
     with np.errstate(divide="ignore"):
         seen = np.ceil(-DIGITS / np.log(np.minimum(np.abs(rho), 1 - 1e-12)))
     # At least one term is kept, because for rho = 0 the formula would give no terms.
-    return _by_horner(u, rho, zone, np.fmin(count, np.maximum(seen, 1)).astype(int))
+    return np.fmin(count, np.maximum(seen, 1)).astype(int)
 
 
 def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArray[Any]:
@@ -165,17 +186,26 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
 
     Pairs are sorted by the number of terms, so that Horner's rule works on a growing block.
     """
-    order = np.argsort(-terms, kind="stable")
-    point_rho, row, counts = rho[order], zone[order], terms[order]
+    order, point_rho, row, active = _sorted_pairs(rho, zone, terms)
     out = np.zeros(len(order), dtype=rho.dtype)
-    last = int(counts[0]) if len(counts) else 0
-    active = np.searchsorted(-counts, -np.arange(1, last + 1), side="right")
-    for k in range(last - 1, -1, -1):
+    for k in range(len(active) - 1, -1, -1):
         n = active[k]
         out[:n] = out[:n] * point_rho[:n] + u[row[:n], k]
     result = np.empty(len(order), dtype=rho.dtype)
     result[order] = out
     return result
+
+
+def _sorted_pairs(
+    rho: NDArray[Any], zone: Index, terms: Index
+) -> tuple[Index, NDArray[Any], Index, Index]:
+    """Pairs by falling number of terms: their order, rho, zones, and how many have a term k."""
+    last = int(terms.max(initial=0))
+    fewer = last - terms
+    # Short integers are sorted by digits, in a fifth of the time.
+    order = np.argsort(fewer.astype(np.uint16) if last < 1 << 16 else fewer, kind="stable")
+    active = len(terms) - np.cumsum(np.bincount(terms, minlength=last + 1))[:last]
+    return order, rho[order], zone[order], active
 
 
 def _same_order(c: Array, rho: NDArray[Any]) -> NDArray[Any]:

@@ -109,7 +109,6 @@ class PiecewiseTransform:
         reach = SEPARATION * self.half
         self._first = np.searchsorted(self._at, self.ends[:-1] - reach)
         self._count = np.searchsorted(self._at, self.ends[1:] + reach, side="right") - self._first
-        self._series = np.ascontiguousarray(self._made(ends, pieces).T)
         self._pieces = ends, pieces
 
     def __len__(self) -> int:
@@ -120,7 +119,10 @@ class PiecewiseTransform:
         """Largest number of jumps that are evaluated in closed form at one point."""
         return int(self._count.max())
 
-    def _made(self, ends: Array, pieces: Array) -> Array:
+    @cached_property
+    def _series(self) -> Array:
+        """Coefficients (TERMS, cells) of the Chebyshev series on the cells."""
+        ends, pieces = self._pieces
         a, w = self.ends[:-1], self.half
         piece = np.minimum(np.searchsorted(ends, a, side="right") - 1, len(pieces) - 1)
         # The polynomials are expressed in the variable u, which goes from -1 to 1 on each cell.
@@ -148,7 +150,7 @@ class PiecewiseTransform:
         for s in range(0, len(w), SUMS.cache_pairs):
             some = cells[s : s + SUMS.cache_pairs, None]
             values[some[:, 0]] -= self._near(some, w[some] * left, w[some] * right)
-        return np.asarray(series + values @ chebyshev.to_series(TERMS))
+        return np.ascontiguousarray((series + values @ chebyshev.to_series(TERMS)).T)
 
     def _from(
         self, target: Index, source: Index, shift: Array, local: Array, moments: Array

@@ -7,7 +7,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from sie.basis.data import Array, Index, Kept, record
-from sie.basis.interval import Complex, InPlane, What, decay_rate, of_t
+from sie.basis.interval import Complex, InPlane, What, decay_rate, of_t, of_t_with_slope
 from sie.basis.kernels import Kernel, Regular
 from sie.basis.sums import OPTIONS as SUMS
 from sie.trees.tree import SEPARATION, TERMS, Tree
@@ -55,6 +55,12 @@ def fields_of_tree(
     series: first moments of each node, coefficients of T_l / sqrt(1 - t^2). leaf: the fields of one
     interval that is near.
     """
+
+    def of(seen: InPlane, w: Array, node: Index) -> Sequence[Complex]:
+        if tuple(whats) == ("transform", "derivative"):
+            return of_t_with_slope(series, seen, w, node)
+        return [of_t(series, seen, w, kernel.datum, node, what) for what in whats]
+
     x, y = points
     out = [np.zeros(len(x), dtype=complex) for _ in whats]
     for shift in kernel.poles:
@@ -67,8 +73,7 @@ def fields_of_tree(
                 seen = InPlane.of((at - tree.lo[node]) / w, (at - tree.hi[node]) / w, y[point] / w)
                 far = np.abs(seen.rho) < _FAR
                 some, here = seen[far], point[far]
-                for total, what in zip(out, whats, strict=True):
-                    value = of_t(series, some, w[far], kernel.datum, node[far], what)
+                for total, value in zip(out, of(some, w[far], node[far]), strict=True):
                     np.add.at(total, here, value)
                 leaves = ~far & (tree.item[node] >= 0)
                 near_points.append(point[leaves])

@@ -113,3 +113,17 @@ def test_wrong_options_are_refused_by_name(scene, tmp_path):
         found = run("stress", scene, *arguments)
         assert found.exit_code == 2
         assert said in found.stderr
+
+
+def test_what_netcdf_needs_is_asked_for_before_the_solve(scene, tmp_path, monkeypatch):
+    def missing(name):
+        raise contact.MissingExtra(f"{name}: pip install 'sie-contact[io]'")
+
+    def solved(*_, **__):
+        raise AssertionError("solved before the packages were asked for")
+
+    monkeypatch.setattr("contact.commands.options.require", missing)
+    monkeypatch.setattr("contact.commands.stress.solve", solved)
+    done = run("stress", scene, "--save", str(tmp_path / "out.nc"))
+    assert done.exit_code == 2
+    assert "sie-contact[io]" in done.stderr

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import contact
-from contact.inside.yielding import Criterion, largest
+from contact.inside.largest import Criterion, largest
 from tests.tiers import quick
 
 ISOLATED, PERIODIC = contact.Isolated(), contact.Periodic()
