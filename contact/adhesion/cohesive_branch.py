@@ -168,7 +168,8 @@ def _advanced_from_touch(
     if value == 0.0:
         table, zones = _touch_intervals(scaled, curve)
         if problem.period is None:
-            # Without a load and a period, the contact is about as wide as the unit of length.
+            # If `value` is 0 and there is no period, the contact is about as wide as the unit of
+            # length.
             _refuse_narrow(context, problem.units.length)
     else:
         found = start_contact(context)
@@ -348,7 +349,7 @@ def _receded(
 
 
 def _receded_from_all(context: SolveContext, curve: CohesiveCurve, value: float) -> State | None:
-    """The state reached from tension on the whole period when the ends of the tension recede.
+    """The equilibrium that the intervals of tension reach by receding from the whole period.
 
     None if contact is lost. Raises Closed where the gap stays below the reach.
     """

@@ -176,7 +176,7 @@ class StateOutline(State):
 
 @dataclass(frozen=True)
 class CohesiveCurve(Curve):
-    """The curve of equilibria of a cohesive law, whose tension and reach are scaled.
+    """The curve of equilibria under a cohesive law, with scaled tension and scaled reach.
 
     known: earlier states for warm starts; recent: the last state with its curve and tolerance;
     may_separate: whether states without contact are allowed (if the load is not controlled);
@@ -376,7 +376,7 @@ class CohesiveCurve(Curve):
         )
 
     def under_all(self, value: float, zones: Array) -> CohesiveState:
-        """The state under tension on the whole period, as stable as a contact without adhesion.
+        """The state under tension on the whole period; it counts as stable, as without adhesion.
 
         A uniform tension on the whole period acts like an additional load.
         """

@@ -246,8 +246,8 @@ def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
     value = curve.control.value
     if context.branch == "receding":
         here = curve.at(_greatest(curve, scaled, value), value)
-        # The control value is raised so far that no end tends to recede. Then all ends are pinned
-        # at the corners.
+        # The control value is raised until no end tends to recede, so that all ends are pinned at
+        # the corners.
         slack = here.whole.residual / here.whole.by_value
         here = curve.at(
             here.table, value - min(0.0, float(slack.min()) * (1.0 + ACCURACY.resting_step))

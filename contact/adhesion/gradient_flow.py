@@ -65,8 +65,8 @@ def _flow(
         if sign > 0 and (merged := closing(curve, here, predicted)) is not None:
             here = curve.at(merged, value, ACCURACY.rough)
             continue
-        # `widths` and `residual` are those of the state at which each end tended to recede least.
-        # `lost_zones` compares the present state with them.
+        # For each end, `widths` and `residual` belong to the state at which this end tended least
+        # to recede. `lost_zones` compares the present state with these values.
         widths = np.where(here.residual > residual, here.widths, widths) if sign < 0 else widths
         residual = np.maximum(here.residual, residual) if sign < 0 else residual
         if sign < 0 and (apart := lost_zones(here, widths, residual)).any():

@@ -136,7 +136,7 @@ def changes_between(
 
 
 def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float, float]:
-    """An interval around the place (a, b) of a future zone, without any of the other zones."""
+    """An interval around the place (a, b) of a future zone; it contains no other zone."""
     lo, hi = 1.5 * a - 0.5 * b, 1.5 * b - 0.5 * a
     for shift in (0.0,) if period is None else (-period, 0.0, period):
         for left, right in zones + shift:

@@ -123,7 +123,7 @@ def controls_above(least: float, value: float) -> tuple[float, ...]:
 
 
 def near_the_last(curve: Curve, here: State, recede: Recede = receded) -> State:
-    """An equilibrium just above the lowest value of the control at which there is one."""
+    """An equilibrium whose control value is just above the lowest value of all equilibria."""
     here, high = _bracket(curve, here, recede)
     for _ in range(LIMITS.patience):
         middle = 0.5 * (here.value + high)

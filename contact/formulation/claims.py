@@ -216,8 +216,8 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     parts = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel())
     difference, size = (of.reshape(count, -1) for of in (parts.difference, parts.size))
     # Near an undeclared corner, the quadrature fails on one or two of the `count` parts of a panel.
-    # So the two parts with the largest difference are left out. A false slope differs on the other
-    # parts, too. Each part left out adds the noise of two heights.
+    # So the two parts with the largest difference are left out. If the slope is wrong, other parts
+    # differ, too. Each part left out adds the noise of two heights to the sum of the rest.
     rest = np.argsort(np.abs(difference), axis=0)[:-2]
     difference, size = (
         np.take_along_axis(of, rest, axis=0).sum(axis=0) for of in (difference, size)

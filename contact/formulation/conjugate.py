@@ -235,7 +235,8 @@ def slope_parts(profile: Profile, length: float) -> SlopeParts:
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
     # `over` is the sum of the jumps of f'''. `Pieces` needs the sum 0, so the jump -`over` is added
-    # at the first place. A cubic Bernoulli polynomial with the jump `over` there compensates it.
+    # at the place `first`. The cubic Bernoulli polynomial in `closed` has the jump `over` at
+    # `first` and cancels the added jump.
     first, over = jumps[:1, 0], np.full(len(jumps[:1]), jumps[orders == 2, 2].sum())
     at, heights = np.append(jumps[:, 0], first), jumps[:, 2, None] * (orders[:, None] == [0, 1, 2])
     of_jumps = Pieces.of(

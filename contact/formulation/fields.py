@@ -76,7 +76,7 @@ def moved_ends(
     response: sie.AnyDensity | None = None,
     tolerance: float = 0.0,
 ) -> Array:
-    """Outward motions (2, Z) of the ends per unit of a side condition's value; 0 if fixed.
+    """Outward motions (2, Z) of ends per unit of a side condition's value; 0 for fixed ends.
 
     A motion is 2 K / A, with the intensity K of the response and the edge slope A, as in a Newton
     step. For ends of prescribed intensity it follows from their rates. response: the
@@ -310,7 +310,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         On the zones, where the gap is zero, the values of this formula show its error.
         """
         gap = np.asarray(self.standing_shape(x) + self.level + self._relative_displacement(x))
-        # In narrow gaps, `gap` loses digits by cancellation. There it is replaced by `opening`.
+        # In narrow gaps, `gap` loses digits by cancellation, so `opening` replaces `gap`.
         narrow, opening = self.density.opening(x)
         return np.where(narrow, opening, gap) if narrow.any() else gap
 

@@ -30,11 +30,11 @@ from sie import Array, Complex, record
 
 
 class FullLimit(sie.Kept):
-    """Onset of full contact: `pressure` is its mean pressure [Pa], inf if there is no onset.
+    """Onset of full contact. `pressure`: mean pressure [Pa] at the onset, inf without an onset.
 
     approached: whether contact under growing loads tends to full contact; it does over concave
     kinks, but not between sharp corners. is_known: whether the model gives the pressure of full
-    contact. possible: whether it is known and some load reaches it.
+    contact. possible: whether `is_known` holds and some load reaches full contact.
     """
 
     def __init__(self, profile: Profile, E_star: float, operator: Operator, law: Law) -> None:

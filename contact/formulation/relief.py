@@ -49,7 +49,7 @@ class Relief(Conjugate):
 
     @cached_property
     def _plain(self) -> Conjugate:
-        """The Hilbert transform H f' of the slope alone, which is the relief on a half-plane."""
+        """The Hilbert transform H f' of the slope; on a half-plane it is the whole relief R."""
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:

@@ -104,8 +104,8 @@ class Registry:
         for point in entry_points(self.group):
             try:
                 cls = point.load()
-                # Loading a module runs its decorators. A class without a decorator gets the name of
-                # its entry point.
+                # Loading a module runs the decorators of its classes. A class without a decorator
+                # gets the name of the entry point.
                 if not any(cls is known for known in self._classes.values()):
                     self._enter(point.name, cls)
             except Exception as error:  # a third-party module may raise anything

@@ -120,9 +120,9 @@ def _cut(contacts: Array, negative: Array, period: float | None, full: bool) -> 
 
 
 def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
-    """The spots, with every plateau inside its contact, and elastic rims beside the gaps.
+    """Spots in which each plateau lies inside a contact, with elastic rims next to the gaps.
 
-    rims: whether rims have a least width.
+    rims: whether each rim is at least `RIM` times as wide as its contact.
     """
     period = problem.period
     if spots.full:

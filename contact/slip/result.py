@@ -136,7 +136,7 @@ class Slip(sie.Kept):
 
     @property
     def slides(self) -> bool:
-        """Whether nothing sticks: the tangential load is friction times the load in size."""
+        """Whether nothing sticks; then the tangential load has the size `friction` times the load."""
         return len(self.stick_zones) == 0
 
     @cached_property
@@ -254,7 +254,7 @@ class Slip(sie.Kept):
 def stated_error(
     solution: Solution, terms: tuple[Term, ...], friction: float, ends: float = 0.0
 ) -> float:
-    """`Slip.error`, from the errors of the pressures whose sum is the shear.
+    """`Slip.error`, from the errors of the shear, of the sticking zones and of the solution.
 
     ends: error of the ends of zones that stick, divided by the width of their zone of contact.
     """

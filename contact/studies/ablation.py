@@ -120,7 +120,8 @@ def _no_context(old: Any) -> Any:
     return lambda *args, **kwargs: contextlib.nullcontext()
 
 
-# Each key describes a mechanism. Its value has the replacements that switch the mechanism off.
+# Each key describes a mechanism, and the value lists the replacements that switch this mechanism
+# off.
 MECHANISMS: dict[str, tuple[Switch, ...]] = {
     "Newton steps of ends across a narrow gap": (
         Switch("sie.ends.step_models:gap_steps", _no_gap_steps),

@@ -44,7 +44,7 @@ class Event:
     after: Array
 
     def change(self) -> str:
-        """The number of zones before and after the event, in words."""
+        """Text with the numbers of zones before and after the event, such as "3 to 2"."""
         return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
 
 

@@ -182,8 +182,8 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
                 raise OutOfRange(f"at the load {load:.6g} N/m: {error}") from error
             passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
-    # A single warning is given, for the highest load: there slopes and pressures are largest. The
-    # warning points to the caller of `contact.path`.
+    # Warnings are given once, for the highest load, at which slopes and pressures are largest. They
+    # point to the caller of `contact.path`.
     warn(curve_warnings(solutions), stacklevel=4)
     return Path(tuple(solutions), tuple(passed))
 

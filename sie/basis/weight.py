@@ -82,7 +82,7 @@ class Weight:
 
     @property
     def _factor(self) -> Any:
-        """sin(pi alpha) 2^(2p - 1), which is 1 for p = 1/2."""
+        """sin(pi alpha) 2^(2p - 1), where sin(pi alpha) = 1 / sqrt(1 + kappa^2); 1 for p = 1/2."""
         if self.kappa is None:
             return 1.0
         kappa = self.kappa

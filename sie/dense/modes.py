@@ -37,9 +37,9 @@ class ModeOptions:
     # Largest number of nodes of a zone. A zone whose last coefficients have nearly decayed may have
     # more nodes, as long as the table of all zones has at most `memory_pairs` numbers.
     max_nodes: int = 8192
-    # Coefficients below this fraction of the largest one have nearly decayed. They count as noise
-    # if 1.5 times as many modes do not halve them. Even for a kernel as rough as |x - xi|, 1.5
-    # times as many modes more than halve them.
+    # Last coefficients below this fraction of the largest one have nearly decayed. If 1.5 times as
+    # many modes do not halve them, they are noise: a kernel even as rough as |x - xi| would more
+    # than halve them.
     nearly_decayed: float = 1e-5
     # First number of nodes of a zone. A zone begins with more nodes if the right side is singular
     # close to the zone. `first_nodes` is also the number of leading coefficients from which the
@@ -114,7 +114,7 @@ class Growth:
         # Only zones with more modes than the right side has coefficients are judged. With fewer
         # modes, the last coefficients may belong to the right side and not to noise.
         noisy = grew & (m > own) & (tails < OPTIONS.nearly_decayed) & (tails > 0.5 * kept[0])
-        # The noise differs from solution to solution. Four times its present size is a margin.
+        # The factor 4 is a margin, because the noise differs from solution to solution.
         return Growth(
             m,
             np.array([*kept, tails]),

@@ -169,7 +169,7 @@ class Plane:
 
     @cached_property
     def _of_jumps(self) -> Array:
-        """First coefficients of T_l / sqrt(1 - t^2) in the density that each zone's jumps cause.
+        """First coefficients, in T_l / sqrt(1 - t^2), of the density that each zone's jumps cause.
 
         They give the field of this density at points far from the zone.
         """

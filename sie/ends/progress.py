@@ -203,8 +203,8 @@ class Progress:
         self.leaving = np.where(vanishes, (self.leaving if len(self.leaving) else 0) + 1, 0)
         part = options.vanished_part
         if len(zones) == 1:
-            # A single zone keeps a given total, however narrow it is. So it counts as vanished only
-            # at a much smaller width.
+            # A single zone carries the whole given total, however narrow the zone is. So its least
+            # width is far smaller: the factor `part` is raised to the fourth power.
             part **= 4
         least = np.where(zones.rims, 0.0, part * self.first_width)
         gone = width < np.maximum(least, 8 * np.spacing(np.abs(zones.a)))

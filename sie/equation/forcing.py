@@ -293,7 +293,7 @@ class Forcing(Kept):
 
     @property
     def cornered(self) -> bool:
-        """Whether the right side g, or the wanted density, itself has jumps.
+        """Whether there are jumps of order 0, in values of the right side g or the wanted density.
 
         Then the distances of ends from the jumps matter.
         """

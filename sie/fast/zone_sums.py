@@ -57,8 +57,8 @@ class NearRows:
         )
         gap = np.where(right, past, before_it)
         half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
-        # At the node nearest to the source, the powers of rho decay most slowly. Their decay rate
-        # there gives the number of powers above round-off.
+        # The powers of rho decay most slowly at the node nearest to the source. The decay rate at
+        # this node gives the number of powers above round-off.
         e = (
             gap
             + width

@@ -54,8 +54,8 @@ class GradedOptions:
     # If the modes of a zone do not suffice, their rate of decay gives the number for the next
     # solution. This number is multiplied by this margin.
     growth: float = 1.1
-    # Largest number of modes of one zone, and of all zones together. A matrix for the second number
-    # takes some seconds.
+    # Largest number of modes of one zone, and of all zones together. A matrix with `max_unknowns`
+    # columns takes some seconds.
     max_modes: int = 1024
     max_unknowns: int = 4000
 
@@ -168,7 +168,7 @@ class GradedSystem(Rows, Kept):
         return np.asarray(start + away)
 
     def _rounded(self, zone: int, places: Places) -> tuple[Array, Array]:
-        """(position of the nearer end, distance from it with its sign) of places on a zone."""
+        """(x of the nearer end, signed distance of the place from this end) for places on a zone."""
         zones, left = self.zones, places.from_a <= places.from_b
         start = np.where(left, zones.a[zone], zones.b[zone])
         rest = np.where(left, zones.rest[0, zone], zones.rest[1, zone])

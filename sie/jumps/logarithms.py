@@ -52,7 +52,8 @@ class Plateaus:
         for i, (left, right) in enumerate(zip(rights, lefts, strict=True)):
             found.extend(_in_gap(i - (period is None), left, right))
         if period is not None and zones.left[0].until is not None:
-            # The last plateau ends at the first zone's image: move it to before the first zone.
+            # The last plateau found ends at the image of the first zone. It is moved back by one
+            # period, to the first zone itself.
             _, _, value = found.pop()
             found.insert(0, (zones.left[0].until, a[0], value))
         table = np.array(found).reshape(-1, 3)

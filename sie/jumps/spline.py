@@ -487,7 +487,7 @@ class ConjugateSpline(Kept):
         left, right = (value / angle - np.array(self.edge_slopes)) / angle**2
         return float(left), float(right)
 
-    # The methods below give the density's transform off the zone, and its potential.
+    # The methods below give the transform of the density off the zone, and the density's potential.
     def transform_off(self, z: Array, rho: Array) -> Array:
         """Transform of the density at points off the zone."""
         out = np.empty(rho.shape)

@@ -63,7 +63,8 @@ class DerivativeOptions:
     # is doubled until the field no longer changes.
     least_nodes: int = 64
     most_nodes: int = 4096
-    # Relative change of the field at which it counts as resolved: some hundred round-offs.
+    # The field counts as resolved if doubling the nodes changes it by at most this fraction of its
+    # size. The fraction is some hundred round-offs.
     field_change: float = 1e-13
 
 
@@ -242,7 +243,7 @@ class _KernelField:
 
 
 def _kernel_field(density: Density, dkernel: Smooth | Regular) -> Forcing:
-    """Transform and potential that a density has by the change `dkernel` of the kernel.
+    """Transform and potential of `density` with the kernel `dkernel` alone, as a `Forcing`.
 
     The number of nodes on each zone is doubled until the transform no longer changes.
     """

@@ -216,7 +216,7 @@ class SlitSystem(Kept):
         }
 
     def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        """Mean over each wide zone of the opening, the integral of the slack (slits' unknown)."""
+        """Mean of the opening (integral of the slack, the slits' unknown) over each wide zone."""
         out = np.zeros(len(self.geometry.wide))
         for here, one in zip(self.slits, d, strict=True):
             out[here.zone] = here.mean_row @ one + (0.0 if homogeneous else here.mean_of_kinks)
@@ -587,8 +587,8 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
-    # If no modes are added (`equation.grows` is false), the solution on the zones joined across
-    # slits only starts an iteration. A relative error of 1 of this solution is then accepted.
+    # If `equation.grows` is false, no modes are added. The solution on the wide zones is then only
+    # the start of an iteration, and its relative error may be 1.
     inner.linear = sizes.linear if equation.grows else 1.0
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value

@@ -150,7 +150,7 @@ class Solved(Answered):
 
     @property
     def rest(self) -> float:
-        """Last change of an iteration over slits: zero, because there are none."""
+        """Last change of an iteration over slits: zero, because the zones have no slits."""
         return 0.0
 
     @property

@@ -94,8 +94,8 @@ class _Worst:
         )
         sizes = whole.system.field_sizes
         if sizes is not None:
-            # The terms of sums over quadrature nodes may cancel. This product is a bound of their
-            # size.
+            # In sums over quadrature nodes, terms may cancel. The product below bounds the size of
+            # the terms.
             terms += float(sizes.max() * np.abs(whole.unknowns).sum())
         return cls(
             whole,

@@ -81,7 +81,7 @@ class State(Solved):
 
     @cached_property
     def density_error(self) -> float:
-        """Estimated error of the density on these zones, relative to its `size`."""
+        """Estimated error of the density, the largest of all zones, relative to `size`."""
         return float(self._errors_over(np.full(len(self.zone_sizes), self.size)).max())
 
     @cached_property

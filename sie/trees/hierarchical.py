@@ -70,8 +70,8 @@ def cross(entries: Entries, rows: Index, columns: Index, tolerance: float) -> tu
     """(U, V) such that U V' approximates a block of a matrix, by adaptive cross approximation."""
     u, v = np.zeros((len(rows), _OPTIONS.leaf_size)), np.zeros((len(columns), _OPTIONS.leaf_size))
     unused = np.ones(len(rows), dtype=bool)
-    # The first pivot row is the row nearest to the columns of the block. There the entries vary
-    # most.
+    # The first pivot row is the row nearest to the columns of the block, since the entries vary
+    # most in this row.
     pivot = len(rows) - 1 if rows[0] < columns[0] else 0
     size = 0.0
     for k in range(min(_OPTIONS.leaf_size, len(rows), len(columns))):

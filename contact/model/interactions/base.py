@@ -117,15 +117,17 @@ class Interaction(Named):
     def placed_columns(
         self, period: float | None, centre: float, scaled: Scaled
     ) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with unknown amplitudes, for terms that depend on positions x [m]
-        in the profile. The function `scaled` converts such a position to scaled lengths. A model
-        without this method uses `columns`.
+        """The terms `columns`, for a model whose terms depend on positions x [m] in the profile.
+
+        The function `scaled` converts such a position to scaled lengths. A model without this
+        method uses `columns`.
         """
         return self.columns(period, centre)
 
     def placed_conditions(self, period: float | None, scaled: Scaled) -> tuple[sie.Condition, ...]:
-        """Conditions for the amplitudes, for conditions that depend on positions x [m] in the
-        profile. The function `scaled` converts such a position to scaled lengths. A model without
-        this method uses `side_conditions`.
+        """The `side_conditions` of a model in which they depend on positions x [m] in the profile.
+
+        The function `scaled` converts such a position to scaled lengths. A model without this
+        method uses `side_conditions`.
         """
         return self.side_conditions(period)

@@ -201,7 +201,7 @@ class Law(Named, sie.Kept):
     def completed(
         cls, parameters: Mapping[str, Any], moduli: Mapping[str, float]
     ) -> Mapping[str, Any]:
-        """The parameters in a scene file, completed by those that follow from the moduli.
+        """The parameters in a scene file, plus those that follow from the moduli (here none).
 
         moduli: E1, nu1 and perhaps E2, nu2 of the scene file, or E_star alone.
         """

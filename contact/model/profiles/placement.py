@@ -145,7 +145,7 @@ class Overlap:
 
 
 def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
-    """The interval in which corners of a periodic body are listed under a body without a period.
+    """Interval in which corners of a periodic body are listed if the other has no period.
 
     It contains `repeats` cells on each side of the other body's tip. It is None if not exactly one
     body has a period, if the other body ends at corners, or if there are no corners to list.

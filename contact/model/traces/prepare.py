@@ -307,7 +307,7 @@ def _measured_length(x: Array, height: Array) -> float:
 
 
 def _doubtful_heights(name: str, x: Array, height: Array, many: str) -> tuple[str, ...]:
-    """Warnings about doubtful heights. `many` is a note on missing heights; "" for only a few."""
+    """Warnings about doubtful heights. `many`: note on missing heights, "" if few are missing."""
     missing = [f"{many}, more than a tenth of them"] if many else []
     far = marks(height) or spikes(x, height)
     return tuple(f"{name}: {what}" for what in (*missing, far) if what)

@@ -186,7 +186,7 @@ class _Tilting:
         return AtTilt.of(tilt, window, found.state, max(1.0, SEARCH.grid_error * extent))
 
     def _about(self, tilt: float) -> Window | None:
-        """An interval with the contacts at the two known tilts next below and above `tilt`."""
+        """Interval that contains the windows at the nearest known tilts below and above `tilt`."""
         below = [t for t in self.windows if t <= tilt]
         above = [t for t in self.windows if t >= tilt]
         near = [

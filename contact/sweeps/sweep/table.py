@@ -182,8 +182,8 @@ def description(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
         name = {"model" if body is None else "shape": part.name or type(part).__qualname__}
         if body is not None:
             prepared = {f"{table}.{key}" for key in body.preparation}
-            # A trace is identified by its prepared points. If its preparation is varied, it is
-            # identified by the points before the preparation.
+            # A trace is identified by its prepared points, or by the points before the preparation
+            # if the preparation is varied.
             hidden = (
                 set()
                 if prepared & but - {f"{table}.period"}
