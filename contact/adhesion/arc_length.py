@@ -54,7 +54,7 @@ class CurvePoint:
     curvature: Array
 
     def ahead(self, length: float) -> Array:
-        """Predicted displacement (2n + 1,) of ends and control at a `length`, in `scales` units."""
+        """Predicted displacement (2n + 1,) of ends and control at a `length`, over `scales`."""
         deviation = length**2 * self.curvature[0] + length**3 * self.curvature[1]
         return np.asarray(
             length * self.tangent
@@ -171,15 +171,15 @@ class Step:
 
     @property
     def turns(self) -> bool:
-        """Whether the control has an extreme in the step."""
+        """Whether the control has a maximum or minimum in the step."""
         return self.start.rises * self.end.rises <= 0.0
 
     @property
     def turns_once(self) -> bool:
-        """Whether the control has exactly one extreme in the step.
+        """Whether the control has exactly one extremum in the step.
 
-        At a single extreme the growth rate is zero. If the growth rate is not zero there, the step
-        has several extremes and is too long.
+        At a single extremum the growth rate is zero. If the growth rate found is not zero, the step
+        has several extrema and is too long.
         """
         try:
             growth = self.at(self.turning(False), False).growth
@@ -190,7 +190,7 @@ class Step:
         )
 
     def turning(self, tight: bool = True) -> float:
-        """Arc length, from the start of the step, at which the control has its extreme."""
+        """Arc length, from the start of the step, at which the control has its extremum."""
         accuracy = ACCURACY.neutral if tight else ACCURACY.coarse
         return self.where(
             self._rising, self.start.rises, self._rising(self.end.at), None, accuracy, tight
@@ -393,7 +393,7 @@ def _to_corner(curve: Curve, here: CurvePoint, end: int) -> State | None:
 
 
 def _to_change(step: Step) -> Step:
-    """The step; if an end leaves its sharp corner within it, the step is cut there.
+    """The step, cut where an end leaves its sharp corner, if an end does so.
 
     `after` is set if an end leaves its corner or is pinned at a corner.
     """

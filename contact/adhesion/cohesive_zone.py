@@ -233,9 +233,9 @@ class CohesiveCurve(Curve):
         try:
             here = self.from_zones(table, value, zones, tolerance, same_rates)
         except EndsCovered:
-            # The zones taken from `known_state` cover ends of intervals of tension. Zones are too
-            # wide in a state that lacks other zones, so the known state with the most zones is
-            # tried.
+            # The zones taken from `known_state` are so wide that they cover ends of intervals of
+            # tension. Zones are too wide in a state with too few of them. So the known state with
+            # the most zones is tried.
             more = max(
                 (one for one in self.known if one.table.shape == table.shape),
                 key=lambda one: len(one.zones),

@@ -349,9 +349,8 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
         | (here.growth < 0.0 <= ahead.growth)
         | (after < -MOVES.small_drive)
     )
-    # An end that has passed an equilibrium does not come back if the state is unstable there. So no
-    # overshoot is allowed if the state at the end of the step grows at least as fast as the state
-    # before the step decayed.
+    # An end that has passed an equilibrium does not come back if `ahead` is unstable. So no
+    # overshoot is allowed if the growth rate of `ahead` is at least the decay rate of `here`.
     if 0.0 < -here.growth <= ahead.growth:
         allowed = np.where(before > 0.0, -ACCURACY.coarse, allowed)
     # Ends that were pinned before the step are left out: they have passed no equilibrium.

@@ -81,7 +81,7 @@ def both_sides(function: Callable[[Array], Array], x: Array, t: Array) -> Array:
 
 @dataclass(frozen=True)
 class Surface:
-    """Transform of the displacement that all other spots cause, relative to the mean plane."""
+    """Transform of the displacement under a spot due to all others, relative to the mean plane."""
 
     sources: tuple[Source, ...]
     nominal: tuple[tuple[float, Surroundings], ...]  # 2 N P/E* outside its circle

@@ -121,7 +121,8 @@ class _OneBody(sie.Kept):
                 here = slice(start, start + block)
                 exponent = self._exponents(x[here, None], y[here, None] + away, at)
                 w, less = np.exp(exponent), -np.expm1(exponent)
-                # cot(u) = -i (1 + 2 w/(1 - w)), and its derivative -1/sin(u)^2 = 4 w/(1 - w)^2.
+                # With w = exp(2 i u), cot(u) is -i (1 + 2 w/(1 - w)), and the derivative of cot(u)
+                # by u is 4 w/(1 - w)^2.
                 value[here] += size.real.sum() - (1 + 2 * w / less) @ np.conj(size)
                 slope[here] -= 1j * (4 * w / less**2) @ np.conj(size) * (pi / self.length)
         return value, slope

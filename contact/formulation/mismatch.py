@@ -36,7 +36,7 @@ def _same(x: Array) -> Array:
     return np.asarray(x, dtype=float)
 
 
-# The column with the amplitude lambda: its value is 1 and its primitive is x.
+# The function that the unknown amplitude lambda multiplies: the constant 1, with the primitive x.
 MEAN = sie.Forcing(np.ones_like, _same, resolution=sie.Resolution(modes=1))
 
 

@@ -116,9 +116,9 @@ def _singular(fields: Fields) -> bool:
 
 
 def _near_ends(fields: Fields, x: Array, y: Array, error: float) -> Array:
-    """Largest width of a zone over the distance from its end, among the ends next to a point.
+    """Width of a zone divided by the distance of a point from an end of this zone: the largest.
 
-    Distances are at least the error of the end.
+    Two ends on each side of the point are compared. The error of the end is added to the distance.
     """
     table = fields.zone_table
     out = np.zeros(x.shape)

@@ -85,8 +85,8 @@ class SeveralZones:
             miss = width_of(at.strip) - width_of(at.alone)
             step = self._step(rates, miss)
             error = np.abs(self._step(rates, self._width_error(at)))
-            # The search ends if the step moves the ends by less than the tolerance, or by less than
-            # the errors of the widths move them.
+            # `error` is the step that an error of the widths causes. The search ends if `step`
+            # moves the ends by no more than `error` does, or by no more than the tolerance.
             least = max(self.context.tolerance, float(rates.of_ends(error).max()))
             if float(rates.of_ends(step).max()) <= least:
                 off = np.abs(step) + error

@@ -74,9 +74,9 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
 
 
 def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
-    """L_n - 1 up to the last value that is not zero, with L_n the symbol at the harmonic n = 1,
-    2, ... of the period.
+    """L_n - 1 for harmonics n = 1, 2, ... of the period, up to the last value above round-off.
 
+    L_n is the symbol at the wavenumber 2 pi n / period.
     Raises SceneError if the symbol is not that of a body.
     """
     count = OPTIONS.harmonics

@@ -64,7 +64,10 @@ def tangential_load_of(value: object, friction: float, load: float) -> float:
 
 
 def bulk_stress_of(value: object, scene: Scene, tangential_load: float) -> float:
-    """The bulk stress [Pa]; unless 0, SceneError in periodic contact or without shear load."""
+    """The checked bulk stress [Pa].
+
+    A bulk stress other than 0 raises SceneError in periodic contact or without tangential load.
+    """
     stress = finite("bulk_stress", value)
     if stress == 0.0:
         return stress

@@ -39,10 +39,10 @@ class Layer(NamedTuple):
 
 
 class SlipStep(NamedTuple):
-    """A part of a segment; h changes by `change` in size, on one layer. Loads in N/m.
+    """A part of a segment, on one layer. There h changes by the absolute value `change`.
 
     The stick load S falls from `stick[0]` to `stick[1]` while P goes from `load[0]` to `load[1]`,
-    in proportion.
+    in proportion. Loads are in N/m.
     """
 
     change: float

@@ -405,7 +405,7 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
 
 
 def _closing(gap: Array, place: Index, rounding: float) -> Mask:
-    """Mask of the samples between a zone and the nearest open sample, if their gap is round-off.
+    """Mask of samples whose gap is round-off, from a zone to the nearest sample that is open.
 
     Samples are sorted by interval and place. At a small distance d from a zone, the gap grows as
     d^(3/2), and has the sign of the pressure's slope.

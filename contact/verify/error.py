@@ -288,7 +288,7 @@ class SolvedGaps(Solved):
 
     @property
     def main_cause(self) -> str:
-        """Message about the error of the relief R, if it is the main part of the error; else empty.
+        """Message on the error of the relief R if it causes most of the stated error; else empty.
 
         R = G f' is defined in contact.formulation.gaps.
         """

@@ -136,8 +136,8 @@ def _sampled(fields: GapFields) -> _Samples:
     # Samples at equidistant angles are least dense in the middle of a zone. There, `counts`
     # samples have the spacing `step` of the positions x.
     counts = np.clip(np.pi * half / step, 2 * SAMPLING.min_points, SAMPLING.max_points).astype(int)
-    # Evenly spaced positions are used only farther from the ends of a zone than `near_end`. Closer
-    # to a gap, the pressure varies more than the profile does.
+    # Evenly spaced positions are used only at distances above `near_end` from the ends of a zone.
+    # Closer to a gap, the pressure varies more than the profile does.
     is_wide = half > 2 * near_end
     wide = np.flatnonzero(is_wide)
     inside = located(zones, x)[0]

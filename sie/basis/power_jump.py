@@ -290,7 +290,7 @@ class PowerJump(Kept):
         if order == 0:
             return np.asarray(-scale[which] * weight / away)
         # With k = `order` and the weight w, the derivative of the density (t - s)^k J_s is
-        # k (t - s)^(k - 1) J_s - total / pi (t - s)^(k - 1) w (head of this module).
+        # k (t - s)^(k - 1) J_s - (total / pi) (t - s)^(k - 1) w (head of this module).
         weights = [np.pi * np.ravel(moment)[which] for moment in self._weights(order - 1)]
         by_weight = _multiplied(weight, away, weights)
         return np.asarray(order * self._near(which, point, order - 1) - scale[which] * by_weight)

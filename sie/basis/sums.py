@@ -81,7 +81,10 @@ class Grouped:
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Indices in `count` and `first`; larger zone indices get the last entry, without items."""
+        """Index in `count` and `first` of each given zone.
+
+        All zones after the last zone with items share the last entry, whose count is 0.
+        """
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:

@@ -221,8 +221,8 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     # This distance is exact, so that the position has no round-off.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
     cornered, g = whole.density.jumps.kinked, whole.system.g
-    # The smooth part of the right side has the coefficients g_k. The sum of k |g_k| is an upper
-    # bound of the slope of this part, and at most a few times this slope.
+    # The smooth part of the right side has the Chebyshev coefficients g_k. It contributes at most
+    # sum k |g_k| times `slope_scale` to the edge slope A.
     smooth = 4 * (np.abs(g) @ np.arange(g.shape[1])) * zones.slope_scale + 1e-300
     part = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
     rounding[:, cornered] *= part[:, cornered]

@@ -33,16 +33,16 @@ class TwoLevelPreconditioner:
         self.held = np.array(sum(zones.fixed_bounded, []), dtype=np.intp)
         at = next((k for k, kind in enumerate(kinds) if kind is not None), None)
         self.own, self.levels = system.of_zones, system.levelled
-        # Rows of the condition that each zone has for itself. If there is no such condition, these
-        # are the rows of the prescribed intensities at fixed ends, which come last.
+        # Rows of the condition with one row for each zone (`ByZone`). Without such a condition,
+        # these are the rows of the prescribed intensities at fixed ends, which come last.
         self.rows = (
             slice(int(starts[-1]), None)
             if at is None
             else slice(int(starts[at]), int(starts[at + 1]))
         )
         self.absolute = self.own is not None and not self.own.differences
-        # The condition that each zone has for itself; None if there is none, or if it is a
-        # condition on potentials.
+        # The condition with these rows; None if there is no such condition, or if it is a condition
+        # on potentials.
         self.closed = None if at is None or self.levels else conditions[at]
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
         layout, symmetry = system.layout, system.symmetry

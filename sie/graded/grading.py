@@ -75,7 +75,7 @@ class Grading(Kept):
 
     @cached_property
     def stretch(self) -> float:
-        """B = du/ds."""
+        """Derivative B = du/ds of the coordinate u (head of this module)."""
         return 0.5 * float(np.log1p(self.width / self.before) + np.log1p(self.width / self.after))
 
     @cached_property

@@ -155,7 +155,8 @@ class GradedState(Answered):
         """Changes of `levels` if the side conditions' values change by `values`."""
         return np.asarray(self.system.levels()[0] @ self._answer(values))
 
-    # The methods below estimate errors of the solution. Charges are the values of F.
+    # The methods below estimate errors of the solution. Charges are values of the function F, which
+    # is the density times sqrt(1 - s^2) dx/ds.
     @cached_property
     def tails(self) -> Array:
         """Largest of the last four coefficients of each zone, over the zone's largest one (Z,)."""
@@ -307,7 +308,7 @@ class GradedState(Answered):
 
     @cached_property
     def intensity_noise(self) -> Array:
-        """Error of the intensities K at the left and right ends by errors of the rows (2, Z)."""
+        """Error of the intensities K at left and right ends due to errors of the rows (2, Z)."""
         c = self._change_series
         signs = 1.0 - 2.0 * (np.arange(c.shape[2]) % 2)
         at_ends = np.array([c @ signs, c.sum(axis=2)])
@@ -315,7 +316,7 @@ class GradedState(Answered):
 
     @cached_property
     def intensity_truncation(self) -> Array:
-        """Error of the intensities K at left and right ends by neglected coefficients (2, Z)."""
+        """Error (2, Z) of the intensities K at left and right ends due to truncation."""
         return self._intensity_errors(np.array([self.missing, self.missing]))
 
     @cached_property

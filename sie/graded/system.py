@@ -291,7 +291,7 @@ class GradedSystem(Rows, Kept):
         return values + smooth - closed.transforms(zone, places, start + away, self._seen(zone))
 
     def _seen(self, zone: int) -> list[Seen]:
-        """The zones with jumps, and their images, as they are seen from a zone."""
+        """Positions, relative to `zone`, of the zones with jumps and of their images."""
         assert self.closed is not None
         out = []
         for shift in self.equation.kernel.poles:

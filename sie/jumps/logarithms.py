@@ -159,7 +159,7 @@ class Logarithms:
         return np.where(z.imag < 0, np.conj(out), out)
 
     def off_positions(self, x: Array) -> Array:
-        """Points x (any shape), moved by round-off from the positions of the terms.
+        """Points x (any shape); those at the position of a term are moved by round-off.
 
         At its position a term is infinite, and so is the transform of a zone that ends at this
         position; their sum is finite.

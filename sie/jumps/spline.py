@@ -152,10 +152,10 @@ class QuadraticSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, f: Callable[[Array], Array]
     ) -> "tuple[QuadraticSpline, Array, Array] | None":
-        """(spline, remaining jumps, empty table of added jumps); None if f has other jumps.
+        """(spline, remaining jumps, empty table of added jumps); None if `jumps` do not fit f.
 
-        The spline consists of those B-splines of f that lie inside the zone. `jumps` are half of
-        those of the second derivative. The result is None if f has other jumps than these.
+        The spline consists of those B-splines of f that lie inside the zone. `jumps` are the jumps
+        of the second derivative of f, divided by two.
         """
         within = np.flatnonzero(np.minimum(knots, 2 - knots) > HALF_DIGITS)
         knots = knots[within]

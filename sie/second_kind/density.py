@@ -336,7 +336,7 @@ class SecondKindDensity(DensityBase):
 
     @cached_property
     def _tree(self) -> Any:
-        """The tree by which many zones are summed; None for few zones."""
+        """The tree for sums over many zones; None if sums need or allow no tree."""
         few = len(self.zones) < TREES.min_zones
         if few or np.iscomplexobj(self._kappa) or not reaches(self.kernel, self.zones):
             return None

@@ -101,7 +101,7 @@ class SecondKindState(Answered):
 
     @property
     def truncation(self) -> Array:
-        """Sizes of the last coefficients of each zone, as `tails` (Z,)."""
+        """Sizes of the last coefficients of each zone (Z,); the same as `tails`."""
         return self.tails
 
     def wide_of(self, zones: Index) -> tuple[Self, Index]:

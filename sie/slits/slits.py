@@ -289,7 +289,10 @@ class Slit(Kept):
         return np.asarray(chebyshev.t_matrix(self.nodes, len(d)) @ d)
 
     def over(self, d: Array, power: int) -> Array:
-        """Chebyshev series on the slit of sum d_l T_l / X^power; X = sqrt(1 - t^2) of the zone."""
+        """Chebyshev series of sum d_l T_l / X^power in the slit's coordinate.
+
+        X = sqrt(1 - t^2), with the coordinate t of the wide zone.
+        """
         values = self.at_gauss(d) / self.x_root**power
         out = 2 * chebyshev.t_means(values)
         out[0] *= 0.5

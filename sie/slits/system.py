@@ -75,7 +75,7 @@ class Opened(Trial):
 
 
 class SlitsNotConverged(SingularSystem):
-    """Error: the equations of slits and wide zones were not solved together.
+    """Raised if the joint solution of slits and wide zones does not converge.
 
     A wide zone consists of zones that are joined across slits.
 
@@ -358,7 +358,7 @@ class SlitState(Answered):
     # The methods below estimate errors of the solution.
     @property
     def natural(self) -> Array:
-        """Largest coefficient, other than c_0, of the density on each given zone's wide zone."""
+        """For each given zone, the density's largest coefficient beyond c_0 on its wide zone."""
         return self.whole.natural[self.geometry.piece_zone]
 
     @cached_property

@@ -117,7 +117,8 @@ def _causes(worst: _Worst) -> dict[str, float]:
     state, zone = worst.state, worst.zone
     zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
     fall = float(modes.decay(zones, equation.kernel)[zone])
-    # Round-off of positions on the zone over its half width, less the 4 `EPS` that all zones have.
+    # Round-off of positions on the zone, divided by the zone's half width. All zones have at least
+    # 4 `EPS`, which is subtracted.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
     # The right side counts as a cause only if its coefficients no longer decay, or if their number
     # is at its limit. "fields" counts only if the number of modes is at its limit, or if more modes

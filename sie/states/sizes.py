@@ -141,9 +141,9 @@ class Carried:
         return np.where(alike, i, -1)
 
     def _totals(self, middle: Array, half: Array, place: Index) -> Array:
-        """Predicted total of each new zone, divided by pi.
+        """Predicted integral of the density over each new zone, divided by pi.
 
-        A zone without a corresponding one gets the sum of the totals of the stored zones within it.
+        A new zone without a corresponding stored zone gets the sum over the stored zones within it.
         """
         order = np.argsort(middle)
         within = order[

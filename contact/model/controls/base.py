@@ -105,7 +105,7 @@ def known_controls(given: Control | None) -> dict[str, type[Control]]:
 
 
 def fields_under(name: str, value: float, given: Control | None = None) -> dict[str, Any]:
-    """The values of all control fields of a scene whose only control is `name`; None for others.
+    """Values of all control fields of a scene under the control `name`; the others are None.
 
     given: the present `given` of the scene, if any.
     """

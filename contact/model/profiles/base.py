@@ -203,7 +203,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def feature(self) -> float | None:
-        """Length of the typical features of the shape: about the step of a first grid."""
+        """Typical length of the shape's features, for the step of first grids; None if unknown."""
         return self.resolution
 
     @property

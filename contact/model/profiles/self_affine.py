@@ -76,8 +76,7 @@ def self_affine(
     most = length if longest is None else _wavelength("longest", longest, least, length)
     knee = length if rolloff is None else _wavelength("rolloff", rolloff, least, length)
     number = integer("seed", seed)
-    # A wavelength at a cut-off counts as within it, whatever its round-off. In floats, 1/(1/49) is
-    # not 49.
+    # A wavelength equal to a cut-off is kept in spite of round-off. In floats, 1/(1/49) is not 49.
     last, first = (
         floor(length / least * (1 + ROUND_OFF)),
         max(1, floor(length / most * (1 - ROUND_OFF)) + (most < length)),

@@ -81,8 +81,9 @@ class Table:
 
 @dataclass(frozen=True)
 class _Found:
-    """A layout of the file, and the index `first` of the row at which rows of numbers begin, if
-    they are read with this layout. `places` are the indices of the wanted columns.
+    """The rows of numbers that a layout of the file gives, from the row with index `first` on.
+
+    `places` are the indices of the wanted columns.
     """
 
     layout: Layout
@@ -254,12 +255,11 @@ def _first_of_two(
 
 
 def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
-    """The data found, with earlier rows added: rows with missing heights, and single points
-    among such rows.
+    """`found` with an earlier first row, so that rows with missing heights are included.
 
-    Such points were not found as two successive rows of numbers. A row with an unknown word for a
-    missing height is included and refused later. For heights alone, such a word ends the data,
-    since it may be the header.
+    Single points among these rows are included, too. They were not found, since the data begin with
+    two successive rows of numbers. A row with an unknown word for a missing height is included and
+    refused later. For heights alone, such a word ends the data, since it may be the header.
     """
     *others, last = found.places
     first = above = found.first

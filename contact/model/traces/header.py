@@ -233,7 +233,7 @@ def unit_words(line: str) -> list[str]:
 
 
 def bare_name(field: str) -> str:
-    """A field of a header without its unit."""
+    """The text of a header field, with the unit removed."""
     if unit_of(field) is None:
         return field
     return _MARKED.sub("", _BRACKETS.sub("", field)).strip() or field

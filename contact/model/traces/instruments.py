@@ -26,7 +26,7 @@ FORMATS = tuple(
         "nms mat"
     ).split()
 )
-# Formats whose files may be text, but not text tables.
+# File name endings of instrument formats that may be plain text. Here the ending alone decides.
 _OF_TEXT = ("sdf", "bcr", "bcrf")
 # One manufacturer uses numbers of three digits as file name endings.
 _NUMBERED = re.compile(r"\d{3}")

@@ -247,7 +247,7 @@ class Equilibria(Generic[State]):
         return root(residual, lo, hi)
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
-        """Ends of the branches that are stable at prescribed load, and the loads at these ends.
+        """Parameters, and loads, at both ends of each branch that is stable at prescribed load.
 
         Each row is (first parameter, last parameter, load at the first, load at the last).
         """

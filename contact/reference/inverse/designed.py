@@ -152,7 +152,7 @@ class GivenZones(ExactContact):
 
     @property
     def profile(self) -> DesignedProfile | Fourier:
-        """The profile that has this contact."""
+        """The profile of a body whose contact this is."""
         raise NotImplementedError
 
     def _of_slope(self, harmonics: Array) -> Fourier:
@@ -374,7 +374,7 @@ class DesignedContact(GivenZones):
 
     @cached_property
     def profile(self) -> DesignedProfile | Fourier:
-        """The profile that has this contact."""
+        """The profile of a body whose contact this is."""
         hull = (float(self.zones[0, 0]), float(self.zones[-1, 1]))
         ends = self._extended.zones.ravel()
         roots = ends[list(self._extended.gaps)] + self._extended.roots[:, 0]

@@ -284,7 +284,7 @@ def propose(
 
 
 def _features(width: float, resolution: float | None) -> float:
-    """Number of the shape's smallest lengths `resolution` that fit into a cell of this width."""
+    """Width of a cell divided by `resolution`; a default if the resolution is unknown."""
     return float(OPTIONS.per_feature) if resolution is None else width / resolution
 
 
