@@ -36,8 +36,8 @@ from sie.states.solve import SingularSystem
 class SolveOptions:
     """Tolerances of the coefficients and of the ends, relative to the solution's tolerance."""
 
-    # Each number is a tolerance of the ends. They are tried in turn until the stated error is small
-    # enough. The first number is also the first tolerance of the coefficients.
+    # Relative tolerances of the ends, tried in turn until the stated error is small enough. The
+    # first number is also the first tolerance of the coefficients for fixed ends.
     parts: tuple[float, ...] = (0.1, 1e-3, 1e-5)
 
 

@@ -459,7 +459,7 @@ class CohesiveCurve(Curve):
         return signs_hold(here.q, here.gap_samples)
 
     def vanishes(self, here: State, motion: Array) -> float:
-        """The fraction of a motion after which the first zone of contact vanishes.
+        """The least fraction of `motion` after which a zone of contact vanishes.
 
         The square of a zone's width, not the width, is nearly linear in the motion. So the zone
         vanishes after half of the fraction that the rate of its width gives.

@@ -280,7 +280,7 @@ def _pinned(pulled: TractionLoaded, zones: Array, k: Array) -> tuple[Mask, Mask]
 
 
 def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
-    """Newton steps of the ends that leave a sharp corner.
+    """Newton steps of ends that are released from a sharp corner.
 
     A narrow strip of width (pi K/(2 s))^2 under the tension s has the intensity -K. Without tension
     the ends step inward.

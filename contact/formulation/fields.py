@@ -571,7 +571,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @cached_property
     def _sampled(self) -> tuple[Array, float]:
-        """(bound of the scaled pressure on each zone by samples (Z,), highest sample)."""
+        """(bound (Z,) of the scaled pressure on each zone by samples, highest sample of all)."""
         density = self.density
         counts, reach, peak = density.sampling, np.empty(len(density.zones)), -np.inf
         for n in np.unique(counts):

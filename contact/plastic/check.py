@@ -86,7 +86,7 @@ def checked(fields: PlasticFields, load: float | None) -> Checked:
 
 
 def _tips(fields: PlasticFields) -> list[tuple[float, float]]:
-    """Intervals about convex kinks in elastic parts, in which the pressure is above the limit.
+    """Intervals around convex kinks of elastic parts where the pressure exceeds the limit.
 
     At such a kink the pressure is infinite, like the logarithm of the distance.
     """

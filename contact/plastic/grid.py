@@ -39,7 +39,8 @@ def proposed_spots(scaled: ScaledScene, limit: float, points: int | None) -> tup
         contacts = placed(problem, zones_of(state, x, True))
         corners = problem.corners
         for side, edge in enumerate(corners):
-            # A contact that ends less than one cell from a sharp corner reaches the corner.
+            # If a contact ends less than one cell from a sharp corner, it is extended to the
+            # corner.
             end = contacts[-side, side]
             if (
                 np.isfinite(edge)

@@ -65,7 +65,7 @@ class SolvedZones(Solved):
         if self.control.approach is None:
             return error
         # Under a given approach, the rounding error of displacement plus height adds an error of
-        # the load. It is large in a stiff contact.
+        # the load. This error of the load is large in a stiff contact.
         assert fields.stiffness is not None
         rounding = fields.gap_rounding / TOLERANCES.rounding_margin + 2 * EPS * abs(density.total)
         return error + abs(

@@ -224,9 +224,9 @@ class ZoneSums:
             count = min(m, TERMS)
             u[:, :count] += far[group, :count]
             rows[place] = u
-            # The potential of U_{k-1} is T_k / k up to a constant. The mean of T_k / k is 0, and
-            # its value at the middle is cos(k pi / 2) / k. So `to_mean` is the mean of the
-            # potential minus its value at the middle.
+            # The potential of U_{k-1} is T_k / k up to a constant. The mean of T_k / k over the
+            # angle is 0, and T_k / k at the middle is cos(k pi / 2) / k. So `to_mean` is the mean
+            # of the potential minus the potential at the middle.
             k = np.arange(2, m + 1, 2)
             to_mean = -np.cos(0.5 * np.pi * k) / k
             mean[group] += zones.half[solved[group]] * (u[:, 1::2] @ to_mean)
