@@ -54,7 +54,7 @@ class CurvePoint:
     curvature: Array
 
     def ahead(self, length: float) -> Array:
-        """Predicted displacement (2n + 1,) of ends and control at a `length`, over `scales`."""
+        """Predicted motions (2n + 1,) of ends and control at a `length`, in units of `scales`."""
         deviation = length**2 * self.curvature[0] + length**3 * self.curvature[1]
         return np.asarray(
             length * self.tangent
@@ -526,7 +526,7 @@ def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
 
 
 def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
-    """Whether a step loses zones without an extreme of the control or a change of stability.
+    """Whether a step loses zones without an extremum of the control or a change of stability.
 
     The width of a lost zone vanishes like a square root, so that the curve bends sharply there.
     """

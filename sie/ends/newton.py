@@ -118,7 +118,7 @@ class Free:
 
     @property
     def next_zones(self) -> Zones:
-        """The zones after the remaining moves `left` of their ends."""
+        """The zones with their ends moved by `left`, the moves that remain after the last step."""
         zones = self.density.zones
         return zones.moved(self.left) if self.left.shape[1] else zones
 

@@ -300,11 +300,10 @@ class Slit(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r; r @ d is the zone's mean of the slack's integral, for the slit's series d.
+        """Row vector r such that r @ d is the mean, over the wide zone, of the slack's integral.
 
-        The slack is the slit's unknown function.
-
-        The weight of the mean is 1 / sqrt(1 - t^2).
+        The slack is the slit's unknown function, with the series d. The weight of the mean is
+        1 / sqrt(1 - t^2).
         """
         middle = self.angle(np.ones(1), np.ones(1))
         return self.width * self.means((self.theta - middle) / self.x_root)

@@ -133,7 +133,7 @@ class GapForm:
         )
 
     def is_slight(self, found: Solved) -> bool:
-        """Whether the least minimum of the pressure outside the gaps may be zero within its error."""
+        """Whether the least minimum of the pressure in contact may be zero within its error."""
         return found.certificate.dip <= TOLERANCES.margin * found.tolerance
 
 
