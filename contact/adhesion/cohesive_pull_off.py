@@ -98,8 +98,8 @@ def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
     try:
         least = guide.least_value(here.table, here.value)
     except NotConverged:
-        # The search on the grid fails if some zones advance. Under a fixed approach, some zones may
-        # advance while others recede.
+        # The search on the grid fails if some zones advance. This may happen under a fixed
+        # approach, where some zones advance while others recede.
         return here
     for control in apart.controls_above(least, here.value):
         rest = receded(curve, here.table, control, guide)

@@ -376,8 +376,8 @@ class Curve:
             size = float(np.abs(here.newton / here.widths).max())
             if size > ACCURACY.other_equilibrium:
                 break
-            # The loop ends after a step of a `size` below `ACCURACY.neutral`. The error is then
-            # about the square of `size`.
+            # If the `size` of this step is below `ACCURACY.neutral`, the step is the last one. The
+            # error that remains is then about the square of `size`.
             here = self.at(here.moved(here.newton), here.value)
             if size < ACCURACY.neutral:
                 break

@@ -86,7 +86,7 @@ def checked(fields: PlasticFields, load: float | None) -> Checked:
 
 
 def _tips(fields: PlasticFields) -> list[tuple[float, float]]:
-    """Intervals around convex kinks of elastic parts where the pressure exceeds the limit.
+    """Intervals of pressure above the limit, around the convex kinks in elastic parts.
 
     At such a kink the pressure is infinite, like the logarithm of the distance.
     """

@@ -478,8 +478,9 @@ class _Run:
             if tol == self.tol and not np.any(add) and within:
                 converged = solved
                 break
-            # The tolerance is reduced in two cases. If few points change, the contact set is almost
-            # right. If the number of changes hardly falls, errors of the solve cause the changes.
+            # The tolerance is reduced in two cases. If few points come into or leave contact, the
+            # contact set is almost right. If the number `changes` hardly falls, errors of the solve
+            # cause the changes.
             if changes <= 2 or changes > 0.7 * fewest:
                 tol = finer
             # Under a cap of the pressure, a few points may become capped and uncapped without end.
