@@ -8,6 +8,7 @@ Without one of them nothing is built.
 from __future__ import annotations
 
 import ast
+import json
 import re
 from itertools import takewhile
 from pathlib import Path
@@ -74,31 +75,34 @@ def index() -> str:
     return "\n".join(parts)
 
 
-def with_examples(nav: list[Any], below: list[Any]) -> list[Any]:
-    """A navigation in which the entry of the gallery, at any depth, holds the pages below it."""
-    found: list[Any] = []
-    for entry in nav:
-        if entry == {"Examples": "examples.md"}:
-            found.append({"Examples": ["examples.md", *below]})
-        elif isinstance(entry, dict):
-            found.append(
-                {
-                    title: with_examples(part, below) if isinstance(part, list) else part
-                    for title, part in entry.items()
-                }
-            )
-        else:
-            found.append(entry)
-    return found
+def with_pages(nav: Any, below: dict[str, list[Any]]) -> Any:
+    """A navigation in which each page that `below` names, at any depth, holds the pages of it."""
+    if isinstance(nav, list):
+        return [with_pages(entry, below) for entry in nav]
+    if isinstance(nav, dict):
+        return {title: with_pages(part, below) for title, part in nav.items()}
+    return [nav, *below[nav]] if nav in below else nav
+
+
+def heading_of(notebook: Path) -> str:
+    """The first heading of a notebook."""
+    first = json.loads(notebook.read_text(encoding="utf-8"))["cells"][0]["source"]
+    return "".join(first).partition("\n")[0].removeprefix("# ")
 
 
 def on_config(config: Any, **_: Any) -> Any:
-    """Called by mkdocs first: the pages stand in the navigation below the gallery."""
-    below = [
-        {heading: [{told(script)[0]: f"gallery/{script.stem}.md"} for script in files]}
-        for heading, files in scripts().items()
-    ]
-    config["nav"] = with_examples(config["nav"], below)
+    """Called by mkdocs first: examples and notebooks stand below their pages in the navigation."""
+    below = {
+        "examples.md": [
+            {heading: [{told(script)[0]: f"gallery/{script.stem}.md"} for script in files]}
+            for heading, files in scripts().items()
+        ],
+        "notebooks.md": [
+            {heading_of(notebook): f"notebooks/{notebook.stem}.md"}
+            for notebook in sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+        ],
+    }
+    config["nav"] = with_pages(config["nav"], below)
     return config
 
 

@@ -13,6 +13,7 @@ installed.
 
 import base64
 import io
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -239,7 +240,21 @@ def new_figure(width: float, height: float) -> Any:
     """An empty figure of a given size [inch]."""
     figure = require("matplotlib.figure").Figure(figsize=(width, height), layout="constrained")
     require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
+    _show_in_notebooks(type(figure))
     return figure
+
+
+def _show_in_notebooks(figure: type) -> None:
+    """Tell IPython, where it runs, to show figures as pictures.
+
+    IPython itself registers figures only once pyplot is imported, which this module leaves out.
+    """
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    if shell is not None and not any(
+        figure in shown for shown in shell.display_formatter.formatters.values()
+    ):
+        require("IPython.core.pylabtools").select_figure_formats(shell, {"png"})
 
 
 def panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
