@@ -33,6 +33,7 @@ from contact.search.strategies.gaps import (
 from contact.search.strategies.load_search import KnownLoads, approach, contact_fraction, nearer
 from contact.search.topology.failure import NOT_APPLICABLE, Failure
 from contact.search.topology.loop import NewtonSettings
+from contact.solution.assemble import undeclared_corner
 from contact.solution.solution import Solution
 from contact.verify.error import SolvedGaps, SolvedZones
 from sie import Array
@@ -72,6 +73,7 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
     )
     largest = -math.inf
     for here, error in nearer(_solver_of_loads(context), approach, wanted, first, limits):
+        _raise_if_corner(context, here)
         if error <= nearness:
             return here
         largest = max(largest, here.approach or 0.0)
@@ -124,14 +126,24 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
         because = "its contact fraction is off by {} of the smaller of contact and gaps"
         context.plan.decide("first guess", "the warm start", because, change, OPTIONS.max_change)
     near_enough, last, error = SEARCH.rough, None, 1.0
+    solve_load = _solver_of_loads(context)
 
     def solve(load: float, nearest: Solution | None) -> Solution:
-        return _under_load(context, load, nearest)
+        if nearest is not None:
+            fraction, rate = contact_fraction(nearest)
+            change = abs(rate * (load - nearest.load))
+            if change >= OPTIONS.max_change * min(fraction, 1 - fraction):
+                # A grid is a better start than a solution that is so far away.
+                nearest = None
+        elif start is not None and load == start.load:
+            return start
+        return solve_load(load, nearest)
 
     # The search ends when the bracket, divided by the load, is this narrow. Because of round-off
     # it cannot become narrower.
     limits = KnownLoads(closed=64 * EPS)
     for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
+        _raise_if_corner(context, here)
         last, fraction = here, contact_fraction(here)[0]
         # `error` is the larger of two relative errors: of the load and of the contact fraction. The
         # error of the fraction is larger if the fraction grows fast with the load.
@@ -245,31 +257,40 @@ def _refined(
     return context.refine_topology(problem, control, table, load_guess=load)
 
 
-def _under_load(context: SolveContext, load: float, nearest: Solution | None) -> Solution:
-    """The solution under a load, from the solution `nearest`, or from a grid if that is too far."""
-    if nearest is not None:
-        fraction, rate = contact_fraction(nearest)
-        change = abs(rate * (load - nearest.load))
-        if change >= OPTIONS.max_change * min(fraction, 1 - fraction):
-            nearest = None
-    elif context.warm_start is not None and load == context.warm_start.load:
-        return context.warm_start
-    return _solver_of_loads(context)(load, nearest)
+def _raise_if_corner(context: SolveContext, here: Solution) -> None:
+    """Raise NotConverged if an undeclared corner keeps the error of `here` above the tolerance.
+
+    Solutions at other loads would have an error of the same size.
+    """
+    if here.error <= max(context.tol, SEARCH.intermediate):
+        return
+    if corner := undeclared_corner(context.scene, here.zones):
+        raise NotConverged(
+            f"under {here.load:.6g} N/m the stated error {here.error:.2g} is above the tolerance "
+            f"{context.tol:.2g}: {corner}",
+            (),
+            here,
+        )
 
 
 def _solver_of_loads(context: SolveContext) -> Callable[[float, Solution | None], Solution]:
     """A function that solves the scene under a load, from the nearest solution."""
+    tolerance = SEARCH.intermediate
 
     def solve(load: float, nearest: Solution | None) -> Solution:
         """The solution under a load, or the best approximation if its error is below `rough`."""
+        nonlocal tolerance
         loaded, start = context.scene.under("load", load), nearest or context.warm_start
         try:
-            return context.solve_scene(loaded, SEARCH.intermediate, start, context.progress)
+            return context.solve_scene(loaded, tolerance, start, context.progress)
         except NotConverged as failure:
             # An error above the tolerance but below `SEARCH.rough` is small enough for an
             # intermediate solution.
             if failure.best is None or not failure.best.error < SEARCH.rough:
                 raise
+            # The next loads ask for no smaller error than this load has. Without this, each load
+            # would repeat the attempts that failed here.
+            tolerance = min(2 * failure.best.error, SEARCH.rough)
             return failure.best
 
     return solve
