@@ -23,7 +23,7 @@ import numpy as np
 from contact.errors import SceneError
 from contact.model.plugin_checks.jumps import CHECKS, declared_jumps
 from contact.model.profiles.base import Profile, is_of_package
-from contact.model.profiles.noise import EPS, PLACES, STEP, deviations, rounding
+from contact.model.profiles.noise import EPS, MEDIAN, PLACES, STEP, deviations
 from sie import Array, record
 
 
@@ -102,7 +102,7 @@ def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | No
 
 
 def _checked(profile: Profile, lo: float, hi: float) -> Claims:
-    panels = _Panels.of(profile, *_panels(profile, lo, hi))
+    panels = _resolved(profile, _Panels.of(profile, *_panels(profile, lo, hi)))
     mismatch, limit = _mismatch(profile, panels)
     if mismatch > CHECKS.same and not profile.slope_is_derived:
         return Claims(fault=limit)
@@ -128,7 +128,20 @@ def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
     following = np.append(breaks, hi)[np.searchsorted(breaks, a, side="right")]
     b = np.minimum(a + width, following)
     wide = b - a > CHECKS.same * width
-    return a[wide], b[wide]
+    order = np.argsort(a[wide])
+    return a[wide][order], b[wide][order]
+
+
+def _resolved(profile: Profile, panels: "_Panels") -> "_Panels":
+    """The panels, with those divided on which the quadrature error exceeds the rounding."""
+    coarse = panels.quadrature > panels.rounding
+    if not coarse.any():
+        return panels
+    cuts = np.linspace(panels.a[coarse], panels.b[coarse], OPTIONS.nodes + 1)
+    a = np.concatenate((panels.a[~coarse], cuts[:-1].T.ravel()))
+    b = np.concatenate((panels.b[~coarse], cuts[1:].T.ravel()))
+    order = np.argsort(a)
+    return _Panels.of(profile, a[order], b[order])
 
 
 @lru_cache(maxsize=4)
@@ -146,12 +159,30 @@ def _rules(count: int) -> tuple[Array, Array]:
     return np.concatenate(at), rule
 
 
+def _local_rounding(heights: Array) -> Array:
+    """Round-off of the heights of each panel: of the largest one, plus four times their noise.
+
+    Rows of `heights` (8, n) are the places of the first end and the second end of a panel. The
+    noise is the median over a panel and its two neighbours on either side: heights far away may be
+    much larger.
+    """
+    largest = np.abs(heights).max(axis=0, initial=0.0, where=np.isfinite(heights))
+    seen = np.nan_to_num(deviations(heights[:-1]), posinf=0.0, neginf=0.0)
+    return np.asarray(EPS * largest + 4 * np.median(_with_neighbours(seen), axis=1) / MEDIAN)
+
+
+def _with_neighbours(values: Array) -> Array:
+    """A row for each of the `values`: the value with the two before it and the two after it."""
+    return np.lib.stride_tricks.sliding_window_view(np.pad(values, 2, mode="edge"), 5)
+
+
 @record
 class _Panels:
     """Panels from `a` to `b` (n,): rise of the height and integral of the slope on each panel.
 
-    size: integral of |f'|. doubt: possible error of rise and integral. x, slope: all nodes and the
-    slope there. heights: at both ends (2, n). noise: rounding of a height.
+    size: integral of |f'|. quadrature: error of the integral by Gauss's rule. rounding: round-off
+    of rise and integral. steepest: largest |f'|. heights: at both ends (2, n). noise: rounding of
+    a height.
     """
 
     a: Array
@@ -159,11 +190,11 @@ class _Panels:
     rise: Array
     integral: Array
     size: Array
-    doubt: Array
-    x: Array
-    slope: Array
+    quadrature: Array
+    rounding: Array
+    steepest: Array
     heights: Array
-    noise: float
+    noise: Array
 
     @classmethod
     def of(cls, profile: Profile, a: Array, b: Array) -> "_Panels":
@@ -174,27 +205,31 @@ class _Panels:
         sums = half * (slope @ rule)
         inward = np.concatenate((a + STEP * (b - a) * PLACES[:, None], b[None]))
         heights = np.asarray(profile.height(inward), dtype=np.float64)
-        largest = float(np.abs(slope).max(initial=0.0, where=np.isfinite(slope)))
-        noise = rounding(heights[:-1])
-        doubt = OPTIONS.margin * (np.ptp(sums, axis=1) + noise + deviations(heights[:-1]))
-        doubt += 64 * EPS * largest * (b - a)
+        steepest = np.abs(slope).max(axis=1, initial=0.0, where=np.isfinite(slope))
+        noise = _local_rounding(heights)
+        rounded = noise + deviations(heights[:-1]) + 16 * EPS * steepest * (b - a)
         return cls(
             a,
             b,
             heights[-1] - heights[0],
             sums[:, 2],
             half[:, 0] * (np.abs(slope) @ rule[:, 2]),
-            doubt,
-            x.ravel(),
-            slope.ravel(),
+            np.ptp(sums, axis=1),
+            rounded,
+            steepest,
             heights[[0, -1]],
             noise,
         )
 
     @property
+    def doubt(self) -> Array:
+        """Largest difference between rise and integral that errors of both may cause."""
+        return OPTIONS.margin * (self.quadrature + self.rounding)
+
+    @property
     def largest(self) -> float:
         """The largest absolute slope at the nodes of the panels."""
-        return float(np.abs(self.slope).max(initial=0.0, where=np.isfinite(self.slope)))
+        return float(self.steepest.max(initial=0.0))
 
     @property
     def difference(self) -> Array:
@@ -213,8 +248,10 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
         return 0.0, ""
     count = OPTIONS.nodes
     cuts = np.linspace(panels.a[which], panels.b[which], count + 1)
-    parts = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel())
-    difference, size = (of.reshape(count, -1) for of in (parts.difference, parts.size))
+    parts = _Panels.of(profile, cuts[:-1].T.ravel(), cuts[1:].T.ravel())
+    difference, size, noise = (
+        of.reshape(-1, count).T for of in (parts.difference, parts.size, parts.noise)
+    )
     # Near an undeclared corner, the quadrature fails on one or two of the `count` parts of a panel.
     # So the two parts with the largest difference are left out. If the slope is wrong, other parts
     # differ, too. Each part left out adds the noise of two heights to the sum of the rest.
@@ -222,10 +259,12 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     difference, size = (
         np.take_along_axis(of, rest, axis=0).sum(axis=0) for of in (difference, size)
     )
-    seen = np.abs(difference) > panels.doubt[which] + 4 * OPTIONS.margin * parts.noise
-    # An error is divided by `size`. This is at least `CHECKS.same` times the largest slope times
-    # the panel's length, so that errors of tiny slopes do not count.
-    size = np.maximum(size, CHECKS.same * panels.largest * (panels.b - panels.a)[which])
+    seen = np.abs(difference) > panels.doubt[which] + 4 * OPTIONS.margin * noise.max(axis=0)
+    # An error is divided by `size`. This is at least `CHECKS.same` times the largest slope of the
+    # panel and its neighbours, times the panel's length: errors of tiny slopes do not count. Slopes
+    # far away do not matter either, as they may be much larger than those in the zones.
+    steepest = _with_neighbours(panels.steepest).max(axis=1)
+    size = np.maximum(size, CHECKS.same * (steepest * (panels.b - panels.a))[which])
     relative = np.where(seen, np.abs(difference) / size, 0.0)
     worst = int(np.argmax(relative))
     if not relative[worst] > 0.0:
@@ -301,7 +340,7 @@ def _period_fault(profile: Profile, panels: _Panels) -> str:
 def _differ(x: Array, here: Array, there: Array, panels: _Panels, message: str, y: Array) -> str:
     """Message on the pair of heights, at x and y, that differs most; "" if all pairs agree."""
     places = 8 * EPS * (np.abs(x) + np.abs(y)) * panels.largest
-    error = np.abs(here - there) - OPTIONS.margin * (panels.noise + places)
+    error = np.abs(here - there) - OPTIONS.margin * (float(panels.noise.max()) + places)
     # Heights are infinite beyond a sharp corner of the profile. Such places are not compared.
     error = np.where(np.isfinite(error), error, -np.inf)
     heights = panels.heights[np.isfinite(panels.heights)]
@@ -321,7 +360,8 @@ def _summit_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> st
     top = float(np.min(np.asarray(profile.height(tips))))
     lowest = int(np.argmin(np.where(np.isfinite(panels.heights[0]), panels.heights[0], np.inf)))
     below = top - float(panels.heights[0, lowest])
-    if not below > OPTIONS.margin * panels.noise + CHECKS.same * float(np.ptp(panels.heights[0])):
+    allowed = OPTIONS.margin * panels.noise[lowest]
+    if not below > allowed + CHECKS.same * float(np.ptp(panels.heights[0])):
         return ""
     return (
         f"summits are the lowest places, {top:.9g} m, but the height is "

@@ -22,6 +22,8 @@ PLACES = np.arange(len(WEIGHTS), dtype=np.float64)
 # difference of a wave of this wavelength is about (2 pi STEP)^6 of its amplitude, below round-off.
 # At up to 1e12 wavelengths from x = 0, the round-off of a place is smaller than a step.
 STEP = 3e-4
+# Median of the absolute value of a normal variable, in standard deviations.
+MEDIAN = 0.6745
 _SPREAD = math.sqrt(WEIGHTS @ WEIGHTS)
 
 
@@ -38,8 +40,7 @@ def noise(values: Array) -> float:
 
     It is computed from a median, so that a few groups may contain corners.
     """
-    # The median of the absolute value of a normal variable is 0.6745 standard deviations.
-    return float(np.median(deviations(values))) / 0.6745
+    return float(np.median(deviations(values))) / MEDIAN
 
 
 def rounding(values: Array) -> float:
