@@ -4,8 +4,8 @@ Checked are the slope, the jumps at kinks, symmetry, period and summits. Over a 
 declared breakpoints the height rises by the integral of the slope. The two are compared. Where
 they differ by more than the rounding of the heights and the error of the quadrature, the difference
 over the integral of |f'| is the relative error of the slope. Pressures and ends follow it, so it is
-added to the stated error. A smaller error of the slope is not seen: of heights with a constant of C
-times their range that is about 100 C times round-off.
+added to the stated error. A common factor of the slope is fitted over all panels. Smaller errors of
+the slope are not seen: those below some ten times the round-off of the heights over their range.
 
 Quadrature also fails on a panel with an undeclared corner. So a panel is divided, and only a
 difference that remains without two parts of it counts as an error of the slope. Undeclared corners
@@ -103,7 +103,7 @@ def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | No
 
 def _checked(profile: Profile, lo: float, hi: float) -> Claims:
     panels = _resolved(profile, _Panels.of(profile, *_panels(profile, lo, hi)))
-    mismatch, limit = _mismatch(profile, panels)
+    mismatch, limit = max(_mismatch(profile, panels), _common_mismatch(profile, panels))
     if mismatch > CHECKS.same and not profile.slope_is_derived:
         return Claims(fault=limit)
     fault = _kink_fault(profile, panels) or _symmetry_fault(profile, panels, lo, hi)
@@ -159,16 +159,22 @@ def _rules(count: int) -> tuple[Array, Array]:
     return np.concatenate(at), rule
 
 
-def _local_rounding(heights: Array) -> Array:
+def _rounding(heights: Array, steepness: Array) -> Array:
     """Round-off of the heights of each panel: of the largest one, plus four times their noise.
 
-    Rows of `heights` (8, n) are the places of the first end and the second end of a panel. The
-    noise is the median over a panel and its two neighbours on either side: heights far away may be
-    much larger.
+    Rows of `heights` (8, n) are seven places at the first end of a panel, and the second end. Rows
+    of `steepness` (2, n) are |f'| next to the first end, and its largest value. Noise is relative
+    to the heights or, where places are rounded, to |f'|. Both ratios are medians over all panels,
+    and the larger noise counts: heights far away may have much larger noise.
     """
     largest = np.abs(heights).max(axis=0, initial=0.0, where=np.isfinite(heights))
-    seen = np.nan_to_num(deviations(heights[:-1]), posinf=0.0, neginf=0.0)
-    return np.asarray(EPS * largest + 4 * np.median(_with_neighbours(seen), axis=1) / MEDIAN)
+    seen = np.nan_to_num(deviations(heights[:-1]), posinf=0.0, neginf=0.0) / MEDIAN
+    noise = np.zeros(len(largest))
+    for at_first_end, size in ((np.abs(heights[0]), largest), steepness):
+        known = (at_first_end > 0.0) & np.isfinite(at_first_end)
+        if known.any():
+            noise = np.maximum(noise, size * np.median(seen[known] / at_first_end[known]))
+    return np.asarray(EPS * largest + 4 * noise)
 
 
 def _with_neighbours(values: Array) -> Array:
@@ -206,7 +212,8 @@ class _Panels:
         inward = np.concatenate((a + STEP * (b - a) * PLACES[:, None], b[None]))
         heights = np.asarray(profile.height(inward), dtype=np.float64)
         steepest = np.abs(slope).max(axis=1, initial=0.0, where=np.isfinite(slope))
-        noise = _local_rounding(heights)
+        first = np.abs(slope[:, np.argmin(at)])
+        noise = _rounding(heights, np.array([first, steepest]))
         rounded = noise + deviations(heights[:-1]) + 16 * EPS * steepest * (b - a)
         return cls(
             a,
@@ -270,12 +277,42 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     if not relative[worst] > 0.0:
         return 0.0, ""
     k = int(which[worst])
-    kind = "the slope that is derived from the heights" if profile.slope_is_derived else "slope"
     return float(relative[worst]), (
-        f"{kind} disagrees with the height: from x = {panels.a[k]:.9g} to {panels.b[k]:.9g} m "
+        f"{_kind(profile)} disagrees with the height: from x = {panels.a[k]:.9g} to {panels.b[k]:.9g} m "
         "the height rises by "
         f"{panels.rise[k]:.9g} m, the integral of the slope is {panels.integral[k]:.9g} m"
     )
+
+
+def _common_mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
+    """Relative error of the slope that is the same on all panels, and a message; else (0, "").
+
+    Many panels together show a false factor that the rounding of heights hides on each of them. The
+    factor is fitted by least squares, weighted by the errors of the panels. Panels that differ from
+    the median factor by more than their own error are left out: they may have a corner.
+    """
+    rise, weight = panels.integral, 1 / (panels.rounding + panels.quadrature) ** 2
+    usable = np.isfinite(weight * rise**2) & (rise != 0.0)
+    if not usable.any():
+        return 0.0, ""
+    median = np.median(panels.difference[usable] / rise[usable])
+    usable &= np.abs(panels.difference - median * rise) <= panels.doubt
+    weight = np.where(usable, weight, 0.0)
+    total = float(weight @ rise**2)
+    factor = float(weight @ (rise * panels.difference)) / total if total > 0 else 0.0
+    # The rounding of a panel is at least four standard deviations of its rise. So this bound is at
+    # least four standard deviations of the fitted factor.
+    if not abs(factor) > 2 / np.sqrt(total):
+        return 0.0, ""
+    return abs(factor), (
+        f"{_kind(profile)} disagrees with the height: over {np.count_nonzero(usable)} intervals, the height "
+        f"rises by {1 + factor:.12g} times the integral of the slope"
+    )
+
+
+def _kind(profile: Profile) -> str:
+    derived = profile.slope_is_derived
+    return "the slope that is derived from the heights" if derived else "slope"
 
 
 def _kink_fault(profile: Profile, panels: _Panels) -> str:

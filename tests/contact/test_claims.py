@@ -17,6 +17,7 @@ from contact.formulation import claims
 from contact.formulation.conjugate import Conjugate
 from contact.model.plugin_checks.corners import corner
 from contact.model.profiles.noise import PLACES, STEP, noise
+from contact.search.context import SolveContext
 from tests.tiers import diagonal, quick
 
 pytestmark = pytest.mark.filterwarnings("ignore::contact.ModelWarning")
@@ -391,6 +392,45 @@ def test_corners_that_nobody_declares_accuse_no_slope():
             period=1.0,
         )
         assert claims.of(shape).error == 0.0
+
+
+@pytest.mark.parametrize("constant", [1.0, 1e3, 1e6])
+def test_a_false_factor_that_noise_hides_on_every_panel_is_seen_on_all_of_them(constant):
+    # Rounding of the heights over the rise of a panel. All panels together show less.
+    hidden = 4 * 2.0**-53 * constant / 0.2
+    for false in (4 * hidden, -4 * hidden, 40 * hidden):
+        shape = own(
+            lambda x: constant - np.cos(x + 0.1),
+            lambda x, false=false: (1 + false) * np.sin(x + 0.1),
+            period=2 * np.pi,
+        )
+        assert claims.of(shape).error >= abs(false)
+
+
+def test_a_slope_is_judged_by_those_nearby_where_far_ones_are_larger():
+    # np.abs loses the imaginary part of a complex step. So the derived slope lacks that of
+    # `faint` |x - 0.3|, where the slopes are at most 1000.
+    for faint in (1e-7, 1e-8, 1e-9):
+        shape = type(
+            "Steep",
+            (contact.Profile,),
+            {"height": lambda self, x, c=faint: np.cosh(60 * x) - 1 + c * np.abs(x - 0.3)},
+        )()
+        assert claims.of(shape, np.array([[-0.05, 0.06]])).error > faint / 1000
+
+
+def test_a_search_over_loads_ends_at_an_undeclared_corner():
+    # The constant hides a kink of 1e-5 of the slopes from the claims.
+    shape = own(
+        lambda x: (
+            5e3 - np.cos(x) - 0.1 * np.cos(3 * x) + 1e-5 * np.abs((x - 0.3) % (2 * np.pi) - np.pi)
+        ),
+        period=2 * np.pi,
+    )
+    scene = contact.Scene(shape, 1.0, contact.Periodic(), contact_fraction=0.99)
+    with pytest.raises(contact.NotConverged, match="^under 0.4.* kinks does not say so$") as raised:
+        contact.solve(scene)
+    assert raised.value.best.error > 1e-6
 
 
 def cosine(x):
