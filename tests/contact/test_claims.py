@@ -17,7 +17,6 @@ from contact.formulation import claims
 from contact.formulation.conjugate import Conjugate
 from contact.model.plugin_checks.corners import corner
 from contact.model.profiles.noise import PLACES, STEP, noise
-from contact.search.context import SolveContext
 from tests.tiers import diagonal, quick
 
 pytestmark = pytest.mark.filterwarnings("ignore::contact.ModelWarning")
