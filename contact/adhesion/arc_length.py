@@ -575,7 +575,7 @@ def along(curve: Curve, here: CurvePoint, length: float, tight: bool = True) -> 
 def _corrected(
     curve: Curve, here: CurvePoint, start: Array, normal: Array, tight: bool
 ) -> State | None:
-    """The equilibrium on the curve in a plane, given by its normal and the point `start` in it.
+    """The equilibrium at which the curve crosses the plane through `start` with this normal.
 
     None if Newton's method does not reach it.
     """

@@ -269,7 +269,7 @@ def intervals_left(
 def _widened(
     curve: CohesiveCurve, table: Array, zones: Array, covered: EndsCovered, by: float
 ) -> Array:
-    """The intervals of tension, widened at the ends that contact covers.
+    """The intervals of tension, widened at those of their ends that contact covers.
 
     A strip is the part of an interval between its end and the nearest contact. by: the factor by
     which the strips at covered ends are widened.

@@ -146,8 +146,8 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
     )
     if not opened:
         return state
-    # The gap exceeds the reach before contact is lost. Below this control value, the tension acts
-    # on intervals only.
+    # As the control falls, the gap exceeds `curve.reach` before contact is lost. Below the control
+    # value `high`, the tension acts on intervals only.
     try:
         table = intervals_left(
             curve, high, inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap))

@@ -41,8 +41,8 @@ NUMERICAL_ERRORS = (ValueError, ArithmeticError, np.linalg.LinAlgError, IndexErr
 class SnapOptions:
     """Options of the early test for full contact."""
 
-    # A contact that closes on the grid with this fraction of the work of adhesion counts as full,
-    # and is not followed step by step. If following a contact fails, the whole work is used.
+    # Fraction of the work of adhesion in the grid test that is made before a contact is followed
+    # step by step. The grid test after a failure uses the whole work.
     work_share: float = 0.9
     # Width of the strip of attraction, in cells of the grid. With only 3 cells, the ends of the
     # zones would stick to the cells.

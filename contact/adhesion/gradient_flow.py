@@ -134,7 +134,7 @@ def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor
 
 
 def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, largest motion of an end over the width of its zone or gap, the smaller)."""
+    """(next state, largest motion of an end, relative to the smaller of its zone and its gap)."""
     onward = sign * here.residual
     if onward.min() < -MOVES.small_drive or (
         here.growth >= 0.0 and onward.max() <= ACCURACY.coarse < -onward.min()
@@ -173,7 +173,8 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
             # After a failed step, the motion is returned as inf. Otherwise the short motion would
             # count as convergence.
             return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
-        # A second step that goes too far is at least halved, so that few steps follow it.
+        # From the second overshoot on, ends that went too far take at most half of the step. So
+        # few attempts follow.
         most = 0.9 if back_again == 0 else 0.5
         limit = _shorter(here, limit, step, np.where(passed, _chord(here, ahead, most), 0.9))
         back_again += 1

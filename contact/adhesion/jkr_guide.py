@@ -131,8 +131,8 @@ def near_pull_off(
         passed.append(first)
         last = apart.near_the_last(short, first, recede_on)
         for value in apart.controls_above(last.value, here.value):
-            # Of the states in `passed` whose control is at least `value`, the zones recede from
-            # the one with the least control.
+            # The zones recede from a state in `passed` whose control is at least `value`. Among
+            # these states it is the one with the least control.
             above = min((one for one in passed if one.value >= value), key=lambda one: one.value)
             tips = gradient_flow.receded(short, above.table, value)
             start = None if tips is None else _with_range(curve, short, tips, -MOVES.margins[0])

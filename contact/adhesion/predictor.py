@@ -33,7 +33,7 @@ class PredictorOptions:
     # Number of places on the path of an end. They are evenly spaced in the square root of the
     # distance from the end.
     places: int = 64
-    # Least number of places for each feature of the profile.
+    # The path is so short that each feature of the profile on it has at least this many places.
     places_per_feature: int = 4
 
 

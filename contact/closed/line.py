@@ -65,7 +65,7 @@ class LineMap:
 
     @property
     def load_factor(self) -> float:
-        """Factor from the integral of the solution Phi over y to the load divided by E*/2 [m].
+        """Load divided by E*/2, for a unit integral of the solution Phi over y.
 
         It equals dx/dy times the weight w.
         """

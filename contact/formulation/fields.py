@@ -583,7 +583,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @property
     def pressure_bound(self) -> float:
-        """A bound of the pressure [Pa] by the series of the density; by samples if it has jumps."""
+        """Bound of the pressure [Pa] from the density's series; from samples if there are jumps."""
         if self._is_infinite:
             return math.inf
         bound = self.density.upper_bound

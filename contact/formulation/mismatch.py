@@ -41,7 +41,7 @@ MEAN = sie.Forcing(np.ones_like, _same, resolution=sie.Resolution(modes=1))
 
 
 def shift(kappa: float, period: float | None, total: float, moment: float) -> float:
-    """The constant c of the displacement; `moment` is M, about the scaled origin."""
+    """The constant c of the displacement u, from P = `total` and M = `moment` (file head)."""
     return kappa * (0.5 * total - (0.0 if period is None else moment / period))
 
 

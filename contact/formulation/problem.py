@@ -208,7 +208,7 @@ class Problem(sie.Kept):
         return np.asarray(self.profile.slope(self.units.x(x))) / self.units.slope
 
     def shape(self, x: Array) -> Array:
-        """Scaled profile F = (f - min f) / unit of height, plus `raised` for a given amplitude."""
+        """Scaled profile F = (f - min f) / unit of height; plus `raised`, given an `amplitude`."""
         shape = self._profile_shape(x)
         return shape + self.raised(x) if self.amplitude else shape
 

@@ -126,7 +126,7 @@ class SeveralZones:
         return np.asarray(np.linalg.solve(matrix, [-miss, 0.0, 0.0]))
 
     def _solved(self, at: TwoContacts, rates: ContactRates, ends: Array) -> SolvedZones:
-        """The strip's zones with the errors of their ends and their rates with the load.
+        """The strip's zones, with the errors of their ends and two derivatives by the load.
 
         amplitude_rate: derivative of the nominal pressure by the load. centring: derivative of the
         approach by the load that the motion of the strip's centre causes.

@@ -98,7 +98,7 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
 
 
 def _waves(sums: Sum, period: float, x: Array, xi: Array) -> Array:
-    """Values of the trigonometric sum `sums` at x - xi; `sums` takes x - xi in periods."""
+    """Values of the trigonometric sum `sums` at x - xi; its argument is (x - xi) / `period`."""
     turns = np.asarray((x - xi) / period)
     return sums(turns.ravel()).reshape(turns.shape)
 

@@ -23,7 +23,7 @@ from sie import Array, record
 
 @record
 class Checked:
-    """A certificate, with the scaled intervals (n, 2) at which the states are wrong.
+    """A certificate, with the scaled intervals (n, 2) that need another state (file head).
 
     above: the pressure is above the limit; opened: the surfaces would part on a plateau. Negative
     pressures and overlaps in gaps are in the certificate.

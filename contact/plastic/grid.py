@@ -70,7 +70,8 @@ def _wider(scaled: ScaledScene) -> ScaledScene:
 def _plateaus(state: GridState, x: Array) -> Array:
     """Plateaus (m, 2) [m] of a grid solution; they end where (H - p)^2 extrapolates to zero.
 
-    Near a plateau (H - p)^2 is linear in x, as p^2 is near the end of a contact.
+    H is the limit of the pressure p. Near a plateau (H - p)^2 is linear in x, as p^2 is near the
+    end of a contact.
     """
     n, h = state.influence.n, state.influence.h
     wraps = state.influence.is_periodic

@@ -32,7 +32,7 @@ SAME_LOAD = 8 * float(np.finfo(float).eps)
 
 
 class Layer(NamedTuple):
-    """An interval of loads [N/m] on which h is constant: from the layer below up to `top`."""
+    """An interval of loads [N/m] with constant h, from the top of the layer below to `top`."""
 
     top: float
     h: float

@@ -86,7 +86,7 @@ def _sentence(borne: Borne, listed: int) -> str:
 
 
 def _places_in_contact(solution: Solution, samples: int) -> tuple[Array, Array, Array]:
-    """Places in contact, the absolute load that each place stands for, and the pressure there."""
+    """Places in contact; for each, a weight proportional to its absolute load, and the pressure."""
     profile, zones = solution.scene.profile, np.asarray(solution.zones)
     if not len(zones):
         if profile.period is None or not solution.load > 0.0:  # the surfaces are apart

@@ -103,7 +103,7 @@ class Design:
 
     @property
     def heights(self) -> Array:
-        """|phi| / |P Y| on each zone (n,), phi being the density; `orientation` is its sign."""
+        """|phi| / |P Y| on each zone (n,), for the density phi. `orientation` gives its sign."""
         return np.asarray(-np.sin(np.pi * self.powers[:, 1]))
 
     def y(self, distance: Array) -> Array:

@@ -20,7 +20,7 @@ EPS = float(np.finfo(np.float64).eps)
 TINY = float(np.sqrt(np.finfo(np.float64).tiny))
 # Relative round-off of a value that results from a few dozen operations.
 SUM_ROUNDING = 64 * EPS
-# Relative tolerance with which half of a double's digits agree. Its square is the round-off.
+# Relative difference of two numbers that agree in half of a double's digits: the root of `EPS`.
 HALF_DIGITS = math.sqrt(EPS)
 # The power rho^l, 0 < rho < 1, is below round-off for l > DIGITS / -log(rho), since exp(-40) is
 # 4e-18.

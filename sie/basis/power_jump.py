@@ -269,8 +269,8 @@ class PowerJump(Kept):
         out = np.empty_like(point[1])
         at_left, at_right = np.ravel(self.left), np.ravel(self.right)
         before, beyond = (np.ravel(level) for level in self.levels)
-        # The level of smaller magnitude is the constant term, so that a small transform loses no
-        # digits.
+        # The constant term is the level of smaller magnitude, `before` or `beyond`. So a small
+        # transform loses no digits.
         kept = (-before <= beyond)[which]
         at, pair = which[kept], tuple(x[kept] for x in point)
         out[kept] = before[at] + _share(self.weighted, at_left[at], at_right[at], pair)

@@ -260,7 +260,8 @@ class _Search:
         """
         sizes, progress = self.sizes, self.progress
         # The open condition is the side condition whose value is an unknown. An iterative solver
-        # adds the guess `self.value` to its right side, which saves a second solve for this value.
+        # adds the guess `self.value` to the condition's right side. This saves a second solve for
+        # the value.
         sizes.linear, sizes.value = progress.linear, self.value
         sizes.rough = sizes.linear > ITERATION.correction
         decay = self.decay

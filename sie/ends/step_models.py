@@ -51,7 +51,8 @@ from sie.equation.forcing import Forcing
 # corrects. A root search would lose the digits of small steps.
 _FARTHEST_JUMP = 20.0
 # Largest inward step of an end towards a jump J < 0 of the density, as a fraction of the end's
-# distance from the jump. The end must not pass this jump (a logarithm of the right side).
+# distance from the jump. The end must not pass this jump, which a logarithm of the right
+# side causes.
 _STOP_BEFORE = 0.9
 
 

@@ -77,7 +77,7 @@ def check_functions(equation: Equation, zones: Zones) -> None:
             _check_forcing(name, forcing, _places(zones), *how)
             _check_modes(name, forcing, zones)
             _seen(forcing).add(how)
-    # Kernels made by this package are not checked.
+    # Kernels made by this package are not checked: their `grows` is false.
     if equation.kernel.grows and how not in _seen(equation.kernel):
         _check_kernel(equation.kernel, *_places(zones), *how[:2])
         _check_lag(equation.kernel, *_places(zones))

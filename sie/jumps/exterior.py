@@ -149,9 +149,9 @@ class ExteriorLogarithms(PerZone):
         )
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the density of nearby logarithms from the left end, over the half width.
+        """Integral of the density of nearby logarithms from the left end, divided by half widths.
 
-        It is the integral over the whole zone minus the one from the point to the right end.
+        It is the integral over the whole zone minus that from the point to the right end.
         """
         angle = theta(left, right)
 

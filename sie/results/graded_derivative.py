@@ -49,7 +49,7 @@ class GradedLinearized:
         return GradedSystem(equation, self.zones, self.system.sizes, jumps)
 
     def density(self, y: Array) -> GradedDensity:
-        """The density with the unknowns y and the jumps of `change.forcing`."""
+        """The density with the unknowns y, and the jumps of `change.forcing` if this is given."""
         forced = self.changed is not None
         system = self.changed or self.system
         return GradedDensity(system, y, bounded_ends=False, forced=forced)

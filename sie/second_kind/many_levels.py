@@ -151,7 +151,7 @@ class LevelRows(ManyRows):
 
     @cached_property
     def column_rows(self) -> Array:
-        """Coefficients (columns, rows) of the columns in the same polynomials as `right`."""
+        """Coefficients (columns, rows) of the equation's columns, in the polynomials of `right`."""
         x = self.dense.points[0].x
         columns = [
             self.sums.projected(np.broadcast_to(np.asarray(one.value(x), dtype=float), x.shape))
@@ -228,7 +228,7 @@ class LevelRows(ManyRows):
         return np.concatenate(out)
 
     def condition_rows(self, applied: "AppliedRows") -> Array:
-        """Left sides of all conditions for the unknowns of `applied`, without their constants."""
+        """Left sides of all conditions without constants, for the unknowns of `applied`."""
         rows = [asked(one, applied, 1)[0][:, 0] for one in self.dense.equation.conditions]
         return np.concatenate(rows)
 

@@ -36,7 +36,8 @@ class PlaneOptions:
 
 OPTIONS = PlaneOptions()
 
-# For pairs of a point x + iy and an interval: the fields of the interval at the point.
+# Type of a function of pairs (point x + iy, interval). It returns the interval's fields at the
+# point.
 OfLeaves = Callable[[Array, Array, Index, Sequence[What]], list[Complex]]
 
 

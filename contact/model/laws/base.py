@@ -186,7 +186,7 @@ class Law(Named, sie.Kept):
 
     @property
     def shear_ratio(self) -> float:
-        """Shear traction on body 1 along +x over the pressure, in contact; 0 without friction."""
+        """Shear traction on body 1 along +x, divided by the pressure; 0 without friction."""
         return 0.0
 
     @property

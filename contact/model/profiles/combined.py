@@ -155,7 +155,7 @@ class Combined(Profile):
     # The properties and methods below are sums over the two bodies.
 
     def _both(self, function: Callable[[Profile, Array], Any], x: ArrayLike) -> Iterator[Any]:
-        """Values of a function for each body, at the place of that body that faces x."""
+        """Values of `function` for each body, at the place on the body that is opposite x."""
         return (function(self.bodies[place], at) for place, at in self.facing(x).items())
 
     def height(self, x: ArrayLike) -> Array:

@@ -229,10 +229,10 @@ def _find(
 
 
 def _named(rows: list[Row], layout: Layout, names: list[str]) -> tuple[int | None, list[str]]:
-    """The index of the row after the header that has all these names, and the fields of the
-    header.
+    """(index of the row after the header, fields of the header).
 
-    The index is None without such a header, and 0 if there are no names.
+    The header is the first row that has all of `names`. The index is None without such a row, and
+    0 if there are no names.
     """
     if not names:
         return 0, []
@@ -391,7 +391,10 @@ def _refuse_lost_lines(path: str | Path, lines: NDArray[np.int64]) -> None:
 
 
 def _counts(data: Data, values: Array) -> bool:
-    """Whether the first column may count the points: 0, 1, 2, ... or 1, 2, 3, ..."""
+    """Whether the first column may count the points: 0, 1, 2, ... or 1, 2, 3, ...
+
+    False if the values of the second column are integers too.
+    """
     whole = all(row[0].isdigit() for row in data.cells if row)
     x = values[:, 0]
     heights_too = np.all(values[:, 1] == np.rint(values[:, 1]))

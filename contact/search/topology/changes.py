@@ -28,7 +28,7 @@ class Change:
 
     @property
     def of_gap(self) -> bool:
-        """Whether the gap becomes zero at the change (birth, death), and not the pressure."""
+        """Whether the gap becomes zero at the change (birth, death); else the pressure does."""
         return self.kind in ("birth", "death")
 
     @property
