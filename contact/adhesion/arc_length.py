@@ -161,7 +161,7 @@ class Step:
 
     @property
     def lets_go(self) -> bool:
-        """Whether the curve ends with this step, because ends jump off sharp corners."""
+        """Whether the curve stops after this step, because ends of intervals jump off corners."""
         return self.after is not None and self.after.growth > ACCURACY.neutral
 
     @property

@@ -269,7 +269,7 @@ class Curve:
         follows, wanted = state, problem.end.intensity
         if state.iteration is not None:
             # The rates need one linear solution for each end. A direct method factors one matrix
-            # for all these solutions, with the lower accuracy that rates need.
+            # for all these solutions. A lower accuracy than that of `state` suffices for rates.
             follows = sie.solve_fixed(
                 equation,
                 state.density.zones,

@@ -53,7 +53,7 @@ def pull_off(
 def lowered_by_load(
     curve: Curve, here: State, lead_to_load: Callable[[Curve, State], State]
 ) -> State:
-    """An equilibrium with few zones under a fixed approach, reached by lowering the load.
+    """An equilibrium under a fixed approach with fewer zones, found by first lowering the load.
 
     While the load is lowered, all ends recede, and the remaining zones do not depend on the path.
     Under a fixed approach, the other zones advance when a zone is lost. The state itself is

@@ -347,8 +347,8 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
     radii = np.zeros(len(kinds))
     for j in active:
         over = delta - kinds[j].depth
-        # `over` is the approach minus the depth. If it is not positive, this level does not touch
-        # without interaction, and starts with a small radius.
+        # `over` is the approach minus the depth of level j. If `over` is not positive, the level
+        # would not touch if spots did not interact, so its first radius is small.
         radii[j] = first_radius(kinds[j].profile.line, over, scale) if over > 0 else 0.05 * scale
     while room(kinds, radii) < 0.1:
         radii *= 0.9

@@ -166,8 +166,9 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
 def epstein(lattice: Lattice, shift: Site, s: int) -> float:
     """Sum Z(s; shift) of |R + shift|^(-s) over lattice points R, in units of spacing; s odd."""
     basis, cell = lattice.unit_basis, lattice.unit_area
-    # The direct sum extends to the radius reach sqrt(cell), the sum over reciprocal vectors at
-    # least to reach / sqrt(cell). Each term beyond is below about exp(-pi reach^2) = EPS^2.
+    # The direct sum extends to the radius `reach` sqrt(`cell`). The sum over reciprocal vectors
+    # extends at least to `reach` / sqrt(`cell`). Each omitted term is below about
+    # exp(-pi `reach`^2) = EPS^2.
     reach = (-2.0 * log(EPS) / pi) ** 0.5
     near = lattice.distances(shift, reach * cell**0.5)
     direct = gammaincc(0.5 * s, pi * near**2 / cell) * gamma(0.5 * s) * (pi * near**2) ** (-0.5 * s)

@@ -111,7 +111,7 @@ def unit_pressure(fields: Fields) -> float:
 
 
 def _singular(fields: Fields) -> bool:
-    """Whether the pressure is infinite at ends of zones that move."""
+    """Whether the pressure is infinite at the free ends of zones."""
     return bool(fields.problem.end.intensity)
 
 

@@ -88,7 +88,7 @@ class Operator(sie.Kept):
         return self._overrides("kernel") or self._overrides("symbol")
 
     def _overrides(self, name: str) -> bool:
-        """Whether the interaction overrides the method of that name."""
+        """Whether the interaction's class overrides the method `name` of `Interaction`."""
         return getattr(type(self.interaction), name) is not getattr(Interaction, name)
 
     @cached_property

@@ -36,7 +36,7 @@ class Checked:
 
 @record
 class _Plateaus(PlasticFields):
-    """Fields that show plateaus as gaps and the overlap as the gap, for `openings`."""
+    """Fields for `openings`: plateaus in place of gaps, and the overlap in place of the gap."""
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
         zones = self.density.zones

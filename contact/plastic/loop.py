@@ -38,7 +38,8 @@ class LoopOptions:
 
 OPTIONS = LoopOptions()
 
-# The width of a rim falls as exp(-pi E* s / 2 H), with the profile's slope s at the contact's end.
+# The width of the elastic rim at a contact's end is proportional to exp(-pi E* s/(2 H)). Here s is
+# the profile's slope at this end, and H is the hardness.
 NARROW_RIM = (
     "between a plateau and a gap the pressure falls from its limit to zero over less than numbers "
     "tell: the profile is too steep there for so small a hardness, or a contact beside it is about "

@@ -98,6 +98,6 @@ def _checked(history: object, friction: float) -> list[tuple[float, float]]:
 
 
 def _loads(segment: Segment) -> set[float]:
-    """All loads whose contacts a segment needs."""
+    """The normal loads at which the contact must be solved to give the slip of a segment."""
     steps = {load for step in segment.steps for load in (*step.stick, *step.load)}
     return {layer.top for layer in segment.layers} | steps | {segment.stick}

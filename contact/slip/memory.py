@@ -89,7 +89,7 @@ class Memory:
         return self.layers[-1].top if self.layers else 0.0
 
     def go_to(self, load: float, tangential_load: float) -> Segment:
-        """Change h along a straight segment to (P, Q), with 0 < P and |Q| <= mu P."""
+        """Update h by a straight segment to P = `load` > 0, Q = `tangential_load`, |Q| <= mu P."""
         start, rise = self.load, load - self.load
         turn = tangential_load - self.tangential_load
         self.tangential_load = tangential_load

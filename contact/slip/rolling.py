@@ -190,7 +190,7 @@ class Rolling:
 
     @property
     def _creepage_unit(self) -> float:
-        """Creepage for a scaled theta of 1, under a positive shear."""
+        """Creepage divided by the scaled theta, for a positive shear (head of this module)."""
         return self.friction * self.problem.units.slope * (-1.0 if self.to_right else 1.0)
 
     def under_load(self, shear: float) -> Slip:
@@ -313,7 +313,7 @@ class Rolling:
         return found
 
     def _slips_wrongly(self, density: sie.AnyDensity | None, theta: float, widths: Array) -> Mask:
-        """Mask of zones of contact with a slip that the shear would not oppose.
+        """Mask of the contact zones with points at which friction would not oppose the slip.
 
         density: the scaled q'/mu on zones that stick, of the given widths; None if nothing sticks.
         """

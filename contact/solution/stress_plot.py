@@ -61,7 +61,7 @@ class _Column:
 
     @property
     def unit(self) -> tuple[float, str]:
-        """Factor and SI prefix of the places on the axis of x."""
+        """Factor and SI prefix for the positions x in the plot."""
         return prefix(max(abs(self.lo - self.origin), abs(self.hi - self.origin)))
 
     @property

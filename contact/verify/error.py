@@ -86,7 +86,7 @@ class SolvedZones(Solved):
 
     @property
     def main_cause(self) -> str:
-        """Message about the main cause of the error, if this is the law; empty by default."""
+        """Message about what causes most of the error; empty unless a subclass overrides it."""
         return ""
 
 

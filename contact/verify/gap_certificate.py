@@ -133,8 +133,8 @@ def _sampled(fields: GapFields) -> _Samples:
     half = 0.5 * (zones[:, 1] - zones[:, 0])
     x, known = fields.samples
     step = x[1] - x[0]
-    # Samples at equidistant angles are least dense in the middle of a zone. There, `counts`
-    # samples have the spacing `step` of the positions x.
+    # Samples at equidistant angles are least dense in the middle of a zone. With `counts` samples,
+    # their spacing in the middle is `step`, like that of the samples `x`.
     counts = np.clip(np.pi * half / step, 2 * SAMPLING.min_points, SAMPLING.max_points).astype(int)
     # Evenly spaced positions are used only at distances above `near_end` from the ends of a zone.
     # Closer to a gap, the pressure varies more than the profile does.

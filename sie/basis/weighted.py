@@ -191,7 +191,7 @@ class JacobiFunctions(Kept):
         return Split(k_left, k_right, np.moveaxis(q[:count], 0, -1))
 
     def values_q(self, q: Number, left: Any, right: Any) -> Number:
-        """The polynomial sum_n q[n] q_n of a `Split`."""
+        """Values of sum_n q[n] q_n(t), with the coefficients q of a `Split`."""
         return self.bounded.sums(q, left, right)
 
     def density(self, split: Split, left: Any, right: Any) -> Number:

@@ -30,8 +30,8 @@ class MomentOptions:
     """Options for computing coefficients of the right side by integrals between its jumps."""
 
     # Least number of jumps of a zone for which integrals between its jumps give the coefficients.
-    # With so many jumps, truncated powers that represent them would be some ten times as large as
-    # the right side. Their sum would lose digits.
+    # Truncated powers for so many jumps would be some ten times as large as the right side. The sum
+    # of these powers would lose digits.
     min_jumps: int = 32
 
 

@@ -119,7 +119,7 @@ class Targets:
         return cls(zone, lefts, rights, x)
 
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
-        """(the points in coordinates of the moved zones, mask of points on other zones).
+        """(the points in each source zone's coordinate, mask of points on other zones).
 
         The zones `sources` are moved by `shift`.
 
@@ -325,7 +325,7 @@ class System(Rows):
         return rows[self.kept], right[self.kept]
 
     def _quadrature_tails(self) -> Array:
-        """Relative quadrature error on each zone (Z,), for a kernel with a declared length.
+        """Relative quadrature error on each zone (Z,), for a kernel with a finite `length`.
 
         Gauss's rule confuses one coefficient of the kernel with the highest mode. The error is the
         size of this coefficient, extrapolated for x at both ends and in the middle of the zone.

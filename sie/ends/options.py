@@ -106,7 +106,7 @@ class WarmStart:
     Parameters
     ----------
     value : float
-        First guess for the value of an open condition.
+        First guess for the value of the open condition (the side condition without a given value).
     initial_error : float
         Estimated error of the first ends, relative to their zones' widths. The smaller it is, the
         smaller is the tolerance of the first iterative solution.

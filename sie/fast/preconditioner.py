@@ -86,7 +86,7 @@ class TwoLevelPreconditioner:
         folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / scale
 
     def _scalars(self, folded: Array) -> Array:
-        """Left sides of the conditions `others` and of the equation for the common constant."""
+        """Left sides of the conditions `others` and of the equation for the levels' constant."""
         system = self.system
         y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))

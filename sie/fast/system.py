@@ -201,7 +201,7 @@ class IterativeSystem(System):
 
     @property
     def integrated(self) -> bool:
-        """Whether differences of the primitive are computed as integrals of the right side g."""
+        """Whether quadrature of the right side g gives the differences of g's primitive."""
         forcing = self.equation.forcing
         return (
             forcing.resolution.length is not None

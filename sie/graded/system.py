@@ -44,7 +44,8 @@ class GradedOptions:
     # zone. Plain series then need 200 modes or more, graded ones 50. Insensitive: half or twice
     # this value changes only computing times.
     max_gap: float = 0.005
-    # Up to this number of unknowns, plain coordinates are as fast and give levels with more digits.
+    # Up to this number of unknowns, plain coordinates are as fast as graded ones. The levels that
+    # they give have more digits.
     min_plain_unknowns: int = 900
     # A gap wider than this multiple of its zone's width is replaced by this multiple, so that the
     # coordinate is defined next to infinite gaps. Next to such gaps it is nearly linear.

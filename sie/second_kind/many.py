@@ -409,10 +409,10 @@ class ManySolver:
         start: Array | None,
         wanted: float,
     ) -> tuple[Array, Array]:
-        """(x with operator(x) = given, by GMRES and corrections; what is left over / `scale`).
+        """(x with operator(x) = given, by GMRES and corrections; the residual over `scale`).
 
         operator: its second argument says whether rough sums suffice. start: a first guess of x.
-        wanted: largest norm of what is left over.
+        wanted: largest norm of the residual over `scale`.
         """
         is_rough = wanted > ITERATION.correction
         x = np.zeros(len(given)) if start is None else start

@@ -38,7 +38,7 @@ class ManyState(SecondKindState):
         return True
 
     def response(self, values: Array, tolerance: float = 0.0) -> SecondKindDensity:
-        """The density caused by given changes of the side conditions' values."""
+        """The change of the density if the side conditions' values change by `values`."""
         y = self.solver(self._right_of(values), tolerance)
         return density_of(self.system, y, True)
 

@@ -209,7 +209,7 @@ def _one_level(conditions: Sequence[Condition]) -> bool:
 
 
 def _zero_intensities(pieces: Zones) -> bool:
-    """Whether every end of a zone is singular, or free with the intensity K = 0."""
+    """Whether each end of `pieces` either has no given intensity K, or is free with K = 0."""
     return all(
         end.intensity is None or (end.moves and end.intensity == 0.0)
         for end in (*pieces.left, *pieces.right)

@@ -112,10 +112,9 @@ class Solved(Answered):
     sizes: Sizes
 
     def response(self, values: Array, tolerance: float = 0.0) -> Density:
-        """The density caused by given changes of the side conditions' values.
+        """The change of the density if the side conditions' values change by `values`.
 
-        The right side is zero and the conditions have the values `values`. tolerance: relative
-        tolerance of an iterative solution.
+        tolerance: relative tolerance of an iterative solution.
         """
         return self.homogeneous(self.response_unknowns(values, tolerance))
 

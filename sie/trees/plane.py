@@ -93,7 +93,7 @@ def fields_of_tree(
 
 @record
 class HilbertRest(Kept):
-    """Fields of the regular part of Hilbert's kernel.
+    """A density's transform and potential by the regular part of Hilbert's kernel.
 
     middle: middle of all intervals; parts: nodes within half a period of `middle`, and weights,
     which represent the density.

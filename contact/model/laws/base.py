@@ -150,7 +150,7 @@ class Law(Named, sie.Kept):
 
     @cached_property
     def equilibria(self) -> Equilibria:
-        """Whether the equilibrium is unique (`convex`), and the law `bare` of the first contact.
+        """Whether the equilibrium is unique (`convex`), and the law `bare` that starts a branch.
 
         A branch of equilibria under this law is followed from the contact under `bare`.
         """

@@ -396,8 +396,8 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
     level = (before > 0.0) & np.isfinite(before) & (after <= 2 * before)
     found = np.where(level, np.max(windows, axis=2), np.inf)
     # The differences in a level window show the round-off. At the shortest steps they may be as
-    # small as 1/`part` of the round-off. So a level window is left out if its largest difference
-    # exceeds `part` times the least value of all level windows.
+    # small as 1/`part` of the round-off. Each level window has its largest difference in `found`. A
+    # window is left out if this exceeds `part` times the smallest entry of `found`.
     found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)

@@ -49,8 +49,9 @@ class Tilted(Profile):
         return self._within(np.asarray(self.profile.breakpoints)[:, None])[:, 0]
 
     def _within(self, rows: Array) -> Array:
-        """The rows whose first column, a place, lies inside the cell. The shape ends at the cell's
-        border.
+        """The rows whose place (first column) lies inside the cell; all rows without a period.
+
+        A periodic profile is cut at the border of its cell, since it is tilted.
         """
         if self.profile.period is None:
             return rows

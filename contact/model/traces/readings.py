@@ -168,7 +168,7 @@ def _refuse_unclear_thousands(data: Data) -> None:
 
 
 def refuse_unclear_columns(data: Data) -> None:
-    """Refuse a table that has more columns of numbers than wanted if the user chooses none."""
+    """Refuse a table if it is unclear which columns to read; the user has chosen no columns."""
     layout, wanted, names = data.layout, len(data.places), data.names
     numeric = [
         k

@@ -570,7 +570,7 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         )
 
     def touching_gap(self, c: float) -> float:
-        """Gap at the end c of the tension when contact begins, with the half width 0.
+        """Gap at the end c of the tension when contact begins and the zone has half width 0.
 
         The gap is f(c) + (4s/pi E*) int_0^c ln(2 cos(pi x/L)) dx with the profile f.
         """

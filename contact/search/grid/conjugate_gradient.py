@@ -569,9 +569,9 @@ class _Run:
                 if inf.is_periodic:
                     raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
                 if slope * load > OPTIONS.first_tolerance * depth:
-                    # The level (displacement plus height in contact) still rises with the load: the
-                    # bracket closed at a load below that of the largest approach. The solutions
-                    # were too inexact, as happens for a nearly incompressible layer.
+                    # The level (displacement plus height in contact) still rises with the load, so
+                    # the bracket closed before the level was largest. The solutions were too
+                    # inexact, as happens for a nearly incompressible layer.
                     return replace(state, converged=False)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
             guess = state.pressure

@@ -345,7 +345,7 @@ def find_window(
 
 @record
 class _Window:
-    """The search for a window of the line that contains one isolated contact."""
+    """The search for a window, that is, an interval that contains one isolated contact."""
 
     height: Height
     response: Response

@@ -97,7 +97,7 @@ def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
 
 
 def _asks_peers(case: Case) -> bool:
-    """Whether other contact codes (peers) solve the scene: only if there is no adhesion."""
+    """Whether other contact codes (peers) can solve the scene: only if nothing acts in the gaps."""
     return case.law.routes.gaps
 
 
