@@ -57,6 +57,7 @@ with uncollected():
     from contact.solver import solve
 
 if TYPE_CHECKING:
+    from contact.derivatives.result import Derivative, Response, Sensitivity, sensitivity
     from contact.explorer.explore import explore
     from contact.inside.stress import Stress
     from contact.inside.yielding import Yield
@@ -86,6 +87,7 @@ _HOMES = {
     "contact.sweeps.path_table": "Event",
     "contact.sweeps.paths": "Path",
     "contact.sweeps.sweep.run": "sweep",
+    "contact.derivatives.result": "Derivative Response Sensitivity sensitivity",
     "contact.slip.history": "load_history",
     "contact.slip.partial_slip": "partial_slip",
     "contact.slip.rolling": "rolling",
@@ -122,6 +124,7 @@ __all__ = [
     "Combined",
     "ContactError",
     "Control",
+    "Derivative",
     "Dugdale",
     "E_star",
     "Event",
@@ -148,7 +151,9 @@ __all__ = [
     "Profile",
     "Sampled",
     "Scene",
+    "Response",
     "SceneError",
+    "Sensitivity",
     "Sinusoid",
     "Plastic",
     "Sliding",
@@ -180,6 +185,7 @@ __all__ = [
     "register_substrate",
     "rolling",
     "self_affine",
+    "sensitivity",
     "solve",
     "solve_many",
     "substrate",

@@ -28,7 +28,7 @@ ORDER = {
     "contact": """
         errors interrupts extras runtime model testing reference exact inverse axisymmetric
         formulation inside verify solution closed search localized adhesion tangential plastic solver
-        sweeps slip explorer __init__ paper studies commands __main__
+        sweeps slip derivatives explorer __init__ paper studies commands __main__
     """,
     "contact.search": "options topology grid context feasibility strategies find refine __init__",
 }
@@ -283,6 +283,7 @@ def test_a_series_is_solved_without_tables_pictures_or_what_belongs_to_a_tension
         "html",
         "contact.testing",
         "contact.adhesion.deformed_profile",
+        "contact.derivatives.result",
     )
     assert loaded_after("series", late) == set()
     assert loaded_after("table", late) >= set(late[1:3])

@@ -1,0 +1,318 @@
+"""`Direction`: a change of a profile, as a profile of its own.
+
+The derivative of a contact by a parameter of its profile is again a field with a right side: the
+slope of the change. So a change has all that a profile has: height, slope, kinks, jumps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.errors import SceneError
+from contact.formulation.tolerances import TOLERANCES
+from contact.model.profiles.base import Array, Profile
+from contact.model.profiles.derive import DETAIL
+from contact.model.profiles.noise import EPS
+
+Function = Callable[[Array], Array]
+
+
+class MovedPlaces(Exception):
+    """A parameter moves the places of kinks, jumps or corners of a profile."""
+
+
+# Step of differences by a parameter over the parameter. Their round-off, EPS over the step, is 1e-13;
+# their truncation is the eighth power of the step times the relative change by the parameter: 1e-11
+# for |x|^n, whose exponent n changes it by the factor ln|x|, where |x| is 1e-4.
+STEP = EPS ** (1 / 6)
+# Weights of the central difference of order 8 at the steps 1, 2, 3, 4 (B. Fornberg, Math. Comp. 51,
+# 1988, 699-706).
+WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+
+
+@dataclass(frozen=True, eq=False)
+class Given(Profile):
+    """A smooth change of the heights, by functions of x."""
+
+    dheight: Function
+    dslope: Function
+    name = "given change"
+
+    def height(self, x: ArrayLike) -> Array:
+        at = np.asarray(self.wrap(np.asarray(x, dtype=float)))
+        return np.asarray(self.dheight(at), dtype=float) + np.zeros(at.shape)
+
+    def slope(self, x: ArrayLike) -> Array:
+        at = np.asarray(self.wrap(np.asarray(x, dtype=float)))
+        return np.asarray(self.dslope(at), dtype=float) + np.zeros(at.shape)
+
+
+@dataclass(frozen=True, eq=False)
+class Direction(Profile):
+    """The sum of weights times profiles, in the cell of the profile `like`.
+
+    stretch: places x of the cell stand for the places x times one of these factors in the parts,
+    see `by_period`.
+    """
+
+    like: Profile
+    parts: tuple[Profile, ...]
+    weights: tuple[float, ...]
+    stretch: tuple[float, ...] = ()
+    name = "change"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "period", self.like.period)
+
+    @classmethod
+    def given(cls, like: Profile, dheight: Any, dslope: Any) -> Direction:
+        """The change with the given height and slope, or that which a profile describes."""
+        if isinstance(dheight, Profile):
+            if dslope is not None:
+                raise SceneError.of("dslope", dslope, "left out if dheight is a contact.Profile")
+            if dheight.period not in (None, like.period):
+                raise SceneError.of("dheight.period", dheight.period, f"{like.period} or None")
+            return cls(like, (dheight,), (1.0,))
+        for name, one in (("dheight", dheight), ("dslope", dslope)):
+            if not callable(one):
+                raise SceneError.of(name, one, "a function of x [m], or dheight a contact.Profile")
+        change = Given(dheight, dslope)
+        object.__setattr__(change, "period", like.period)
+        object.__setattr__(change, "_cell", like.x0)
+        return cls(like, (change,), (1.0,))
+
+    @classmethod
+    def itself(cls, like: Profile) -> Direction:
+        """The change of a profile whose heights grow in proportion."""
+        return cls(like, (like,), (1.0,))
+
+    @classmethod
+    def none(cls, like: Profile) -> Direction:
+        """No change."""
+        return cls(like, (), ())
+
+    @property
+    def x0(self) -> float:
+        return self.like.x0
+
+    @property
+    def support(self) -> tuple[float, float] | None:
+        return self.like.support
+
+    @property
+    def extent(self) -> tuple[float, float] | None:
+        return self.like.extent
+
+    @property
+    def resolution(self) -> float | None:
+        return self.like.resolution
+
+    @property
+    def feature(self) -> float | None:
+        return self.like.feature
+
+    @property
+    def slope_rounding(self) -> float:  # type: ignore[override]
+        return float(
+            sum(
+                abs(weight) * (part.slope_rounding + 8 * EPS * part.slope_sizes[0])
+                for weight, part in zip(self.weights, self.parts, strict=True)
+            )
+        )
+
+    @property
+    def is_round_off(self) -> bool:
+        """Whether the change is zero but for the round-off of its parts."""
+        x = places_of(self.like)
+        parts = [np.asarray(part.height(x)) for part in self.parts]
+        sizes = (
+            abs(weight) * float(np.ptp(part[np.isfinite(part)]))
+            for weight, part in zip(self.weights, parts, strict=True)
+        )
+        height = self.height(x)
+        return float(np.ptp(height[np.isfinite(height)])) <= TOLERANCES.apart_rounding * sum(sizes)
+
+    def _sum(self, x: ArrayLike, of: Callable[[Profile, Array], Array], power: int) -> Array:
+        """Sum over the parts of weight * stretch**power * of(part, stretched x)."""
+        at = np.asarray(x, dtype=float)
+        out = np.zeros(at.shape)
+        factors = self.stretch or (1.0,) * len(self.parts)
+        if self.stretch:
+            at = np.asarray(self.wrap(at))
+        for part, weight, factor in zip(self.parts, self.weights, factors, strict=True):
+            out = out + weight * factor**power * np.asarray(of(part, at * factor))
+        return np.asarray(out)
+
+    def height(self, x: ArrayLike) -> Array:
+        return self._sum(x, lambda part, at: np.asarray(part.height(at)), 0)
+
+    def slope(self, x: ArrayLike) -> Array:
+        return self._sum(x, lambda part, at: np.asarray(part.slope(at)), 1)
+
+    def slope_conjugate(self, x: ArrayLike) -> Array | None:
+        at = np.asarray(x, dtype=float)
+        some = [part.slope_conjugate(at) for part in self.parts]
+        if any(one is None for one in some):
+            return None
+        return self._sum(at, lambda part, at: np.asarray(part.slope_conjugate(at)), 1)
+
+    @cached_property
+    def kinks(self) -> Array:
+        return self._rows(lambda part: part.kinks, (), 1)
+
+    @cached_property
+    def jumps(self) -> Array:
+        return self._rows(lambda part: part.jumps, (1,), 2)
+
+    @cached_property
+    def algebraic_points(self) -> Array:
+        tables = [np.array(part.algebraic_points, dtype=float) for part in self.parts]
+        for table, weight, factor in zip(
+            tables, self.weights, self.stretch or (1.0,) * len(tables), strict=True
+        ):
+            table[:, 0] /= factor
+            table[:, 2:] *= weight * factor ** table[:, 1:2]
+        _same_places(self.like, [table[:, 0] for table in tables])
+        return np.concatenate([np.empty((0, 4)), *tables])
+
+    def _rows(self, of: Callable[[Profile], Array], same: tuple[int, ...], value: int) -> Array:
+        """Rows of place and jump, summed over the parts; `same`: columns that all parts share."""
+        tables = [np.array(of(part), dtype=float) for part in self.parts]
+        width = value + 1
+        if not tables:
+            return np.empty((0, width))
+        factors = self.stretch or (1.0,) * len(tables)
+        for table, factor in zip(tables, factors, strict=True):
+            order = table[:, 1] if value == 2 else np.ones(len(table))
+            table[:, 0] /= factor
+            table[:, value] *= factor**order
+        _same_places(self.like, [table[:, 0] for table in tables])
+        out = np.array(tables[0])
+        out[:, value] = sum(
+            (w * table[:, value] for w, table in zip(self.weights, tables, strict=True)),
+            np.zeros(len(out)),
+        )
+        return out
+
+    @classmethod
+    def by_parameter(cls, profile: Profile, to: Parameter, x: Array) -> tuple[Direction, float]:
+        """The derivative of the heights at fixed x by one parameter, and its relative error.
+
+        x: places [m] at which changes are compared.
+
+        Raises
+        ------
+        MovedPlaces
+            If the parameter moves kinks, jumps or corners.
+        """
+        of = _Varied(profile, to)
+        try:
+            one, other = of.stencil(cls, (0.5,), 0.5), of.stencil(cls, (0.5,), 0.25)
+            if _differ(one, other, x) <= TOLERANCES.rounding:  # linear in the parameter
+                _ = one.kinks, one.jumps, one.algebraic_points
+                return one, TOLERANCES.rounding
+        except SceneError:  # a value so far away is not allowed
+            pass
+        one, other = of.stencil(cls, WEIGHTS, STEP), of.stencil(cls, WEIGHTS, 0.5 * STEP)
+        return one, _differ(one, other, x)
+
+    @classmethod
+    def by_period(cls, profile: Profile) -> Direction:
+        """The derivative by ln(period) of the heights at a fixed fraction x / period.
+
+        The cell of every part is stretched to that of the profile, so that no place moves.
+        """
+        of = _Varied(profile, Parameter("profile", "period"))
+        found = of.stencil(cls, WEIGHTS, STEP)
+        length = profile.period
+        assert length is not None
+        factors = tuple((part.period or length) / length for part in found.parts)
+        weights = tuple(length * weight for weight in found.weights)
+        found = replace(found, weights=weights, stretch=factors)
+        return cls.none(profile) if found.is_round_off else found
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a profile: its table, its name, and the index in it if it is an array."""
+
+    table: str
+    name: str
+    index: int | None = None
+
+
+@dataclass(frozen=True)
+class _Varied:
+    """A profile as a function of one of its parameters."""
+
+    profile: Profile
+    to: Parameter
+
+    @cached_property
+    def value(self) -> Any:
+        return self.profile.tables()[self.to.table][self.to.name]
+
+    @cached_property
+    def at(self) -> float:
+        index = self.to.index
+        return float(self.value if index is None else np.asarray(self.value)[index])
+
+    @cached_property
+    def size(self) -> float:
+        """The size of the parameter, over which steps are counted."""
+        largest = float(np.abs(np.asarray(self.value, dtype=float)).max())
+        return abs(self.at) if self.to.index is None and self.at else largest or 1.0
+
+    def stencil(self, kind: type[Direction], weights: tuple[float, ...], step: float) -> Direction:
+        """The central difference with these weights at steps 1, 2, ... times `step`."""
+        parts, factors, h = [], [], step * self.size
+        for k, weight in enumerate(weights, 1):
+            for sign in (1.0, -1.0):
+                parts.append(self._changed(self.at + sign * k * h))
+                factors.append(sign * weight / h)
+        found = kind(self.profile, tuple(parts), tuple(factors))
+        if any(part.support != self.profile.support for part in parts):
+            raise MovedPlaces
+        return found
+
+    def _changed(self, value: float) -> Profile:
+        new: Any = value
+        if self.to.index is not None:
+            new = np.array(self.value, dtype=float)
+            new[self.to.index] = value
+        return self.profile.varied({self.to.table: {self.to.name: new}})
+
+
+def _differ(one: Direction, other: Direction, x: Array) -> float:
+    """Largest relative difference of two changes at places x, apart from a constant."""
+    first, second = one.height(x), other.height(x)
+    known = np.isfinite(first) & np.isfinite(second)
+    size = float(np.ptp(first[known]))
+    return float(np.ptp(first[known] - second[known])) / size if size else 0.0
+
+
+def places_of(profile: Profile, zones: Array | None = None) -> Array:
+    """Places at which two changes of a profile are compared: on the zones, or in the cell."""
+    known = profile.support or profile.known or (-1.0, 1.0)
+    if zones is not None and len(zones):
+        known = float(zones.min()), float(zones.max())
+    t = (np.arange(DETAIL.min_samples) + 0.4142) / DETAIL.min_samples
+    return np.asarray(known[0] + (known[1] - known[0]) * t)
+
+
+def _same_places(like: Profile, places: list[Array]) -> None:
+    """Raise MovedPlaces unless all parts have their kinks or jumps at the same places."""
+    if len({len(at) for at in places}) > 1:
+        raise MovedPlaces
+    known = like.known
+    width = 0.0 if known is None else known[1] - known[0]
+    for at in places[1:]:
+        scale = max(width, float(np.abs(at).max(initial=0.0)))
+        if np.abs(at - places[0]).max(initial=0.0) > 1e-12 * scale:
+            raise MovedPlaces

@@ -1,0 +1,202 @@
+"""Derivatives of all numbers of a solution along a change of its profile, with their errors.
+
+The error has three parts. The zones of the solution are known up to its stated error: so the
+derivatives are computed on two moved copies of the zones too, and the differences are counted. The
+equation for the derivative has a stated error of its own. And the numbers of the solution that
+enter have theirs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+
+import sie
+from contact.derivatives.direction import Direction
+from contact.derivatives.numbers import Numbers, values
+from contact.derivatives.places import lowest, peaks
+from contact.derivatives.rates import Rate, rate_of, with_moved_zones
+from contact.formulation.fields import ZoneFields
+from contact.formulation.gaps import GapFields
+from contact.formulation.protocol import Fields
+from contact.formulation.tolerances import TOLERANCES
+from contact.model.profiles.base import Profile
+from contact.solution.solution import Solution
+from sie import Array, record
+
+
+@record
+class Change:
+    """Derivatives of the numbers of a solution by one parameter, with errors, and of its pressure.
+
+    values, errors: of the numbers. pressure: derivative of the pressure at fixed x.
+    """
+
+    values: Numbers
+    errors: Numbers
+    pressure: Callable[[Array], Array]
+
+    def plus(self, other: Change, factor: float) -> Change:
+        """This change plus `factor` times another one."""
+        first, second = self.pressure, other.pressure
+        return Change(
+            self.values + other.values * factor,
+            self.errors + other.errors * abs(factor),
+            lambda x: first(x) + factor * second(x),
+        )
+
+    def times(self, factor: float) -> Change:
+        """The change by a parameter of which the present one is `factor` times as large."""
+        first = self.pressure
+        return Change(self.values * factor, self.errors * abs(factor), lambda x: factor * first(x))
+
+
+class Linearized(sie.Kept):
+    """The linear equations for the derivatives of one solution."""
+
+    def __init__(self, solution: Solution) -> None:
+        self.solution = solution
+
+    @cached_property
+    def peaks(self) -> Array:
+        """Places of the highest pressure [m]."""
+        return peaks(self.solution)
+
+    @cached_property
+    def tips(self) -> Array:
+        """Places of the lowest height [m]."""
+        return lowest(self.solution)
+
+    @cached_property
+    def values(self) -> Numbers:
+        """The numbers of the solution."""
+        return values(self.solution, len(self.peaks), len(self.tips))
+
+    @cached_property
+    def variants(self) -> tuple[Fields, ...]:
+        """The fields, and those on zones moved by the stated error in two ways."""
+        fields, error = self.solution.fields, self.solution.error
+        if not isinstance(fields, (ZoneFields, GapFields)):
+            return (fields,)
+        table = fields.zone_table
+        n = len(table)
+        if isinstance(fields, GapFields):
+            of = fields.solved_zones.table * fields.problem.units.length
+            narrow = float(np.diff(of, axis=1).min())
+        else:
+            narrow = float((table[1:, 0] - table[:-1, 1]).min(initial=np.inf))
+        width = np.minimum(error * np.diff(table, axis=1), sie.NewtonOptions().max_shrink * narrow)
+        signs = np.where(np.arange(2 * n).reshape(n, 2) % 3 < 2, 1.0, -1.0)
+        return (
+            fields,
+            with_moved_zones(fields, width * np.ones(2)),
+            with_moved_zones(fields, width * signs * [1.0, -1.0]),
+        )
+
+    @cached_property
+    def by_load(self) -> Change:
+        """The derivative by the load [N/m]."""
+        return self.along(Direction.none(self.solution.scene.profile), 1.0)
+
+    @cached_property
+    def by_moment(self) -> Change:
+        """The derivative by a given moment [N], at fixed load."""
+        return self.along(Direction.none(self.solution.scene.profile), 0.0, 1.0)
+
+    def along(self, direction: Profile, load: float = 0.0, moment: float = 0.0) -> Change:
+        """The derivative along a change of the profile and of the load."""
+        found = [self._numbers(one, direction, load, moment) for one in self.variants]
+        numbers, rate = found[0]
+        errors = self._noise(rate, numbers)
+        for other, _ in found[1:]:
+            errors = errors + abs(other - numbers) * TOLERANCES.margin
+        return Change(numbers, errors, rate.pressure)
+
+    def _numbers(
+        self, fields: Fields, direction: Profile, load: float, moment: float
+    ) -> tuple[Numbers, Rate]:
+        rate = rate_of(fields, direction, load, moment)
+        order = self.solution._order
+        ends = rate.ends[order] * [-1.0, 1.0]
+        period = self.solution.scene.period
+        fraction = np.nan
+        if period is not None:
+            fraction = float(rate.ends.sum()) / period
+        sunk = np.asarray(direction.height(self.tips), dtype=float)
+        numbers = Numbers(
+            rate.load,
+            rate.approach - sunk,
+            rate.mean_gap,
+            fraction,
+            rate.pressure(self.peaks),
+            self._stiffness(fields, rate),
+            ends,
+            rate.loads[order],
+        )
+        return numbers, rate
+
+    def _stiffness(self, fields: Fields, rate: Rate) -> float:
+        """Derivative of the stiffness S: a moved end adds -2 pi k^2 / E* to the compliance 1 / S.
+
+        k is the intensity of the derivative of p by the load. By reciprocity the compliance falls
+        at the rate at which a crack releases energy (G. R. Irwin, J. Appl. Mech. 24, 1957, 361).
+        """
+        stiffness, problem = self.solution.stiffness, fields.problem
+        follows = isinstance(fields, ZoneFields) and fields.solved_zones.follow_ends
+        if stiffness is None or not np.isfinite(stiffness) or problem.kappa or follows:
+            return np.nan
+        k = self._intensities(fields)
+        softer = float(np.sum(2 * np.pi / problem.units.E_star * k**2 * rate.ends))
+        return stiffness**2 * softer
+
+    def _intensities(self, fields: Fields) -> Array:
+        """Intensities at the ends (n, 2) of the derivative of the pressure by the load."""
+        known: dict[int, Array] = self.__dict__.setdefault("_by_load", {})
+        if id(fields) not in known:
+            none = Direction.none(self.solution.scene.profile)
+            known[id(fields)] = rate_of(fields, none, 1.0).intensities
+        return known[id(fields)]
+
+    def _noise(self, rate: Rate, numbers: Numbers) -> Numbers:
+        """Errors that the equation for the derivative has, and the relative error of the rest."""
+        fields = self.solution.fields
+        units, relative = fields.problem.units, self.solution.error
+        noise, errors = rate.noise, abs(numbers) * (2 * relative)
+        period = self.solution.scene.period
+        if not isinstance(fields, (ZoneFields, GapFields)):
+            size = noise * units.pressure
+            length = period or units.length
+            none = Numbers(
+                0.0,
+                errors.approach * 0 + noise * units.slope * length,
+                0.0,
+                0.0,
+                errors.max_pressure * 0 + size,
+                0.0,
+                numbers.zones,
+                numbers.zone_loads,
+            )
+            return errors + none
+        solved = fields.solved_zones
+        density = fields.density if isinstance(fields, ZoneFields) else fields.gap_slope
+        root = np.sqrt(solved.half / 2)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            steps = np.abs(solved.weight.end_step(1.0, np.array(density.edge_slopes)))
+            moved = np.where(solved.moves, steps, 0.0) * root * noise * units.length
+        ends = float(moved.max(initial=0.0))
+        load = np.pi * float(solved.half.sum()) * noise * units.load
+        span = float(solved.half.sum()) * noise * units.height
+        widths = self.solution.zones[:, 1:] - self.solution.zones[:, :1]
+        more = Numbers(
+            0.0 if numbers.load in (0.0, 1.0) else load,
+            np.full(numbers.approach.shape, 4 * span),
+            4 * span,
+            2 * float(moved.sum()) / period if period else np.nan,
+            np.full(numbers.max_pressure.shape, 8 * noise * units.pressure),
+            abs(numbers.stiffness) * noise,
+            np.full(numbers.zones.shape, ends),
+            np.full(numbers.zone_loads.shape, load) + 0 * widths[:, 0],
+        )
+        return errors + more

@@ -1,0 +1,78 @@
+"""`Numbers`: the numbers of a contact that have derivatives, or their derivatives, or errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields as fields_of
+from typing import Any
+
+import numpy as np
+
+from contact.solution.solution import Solution
+from sie import Array, record
+
+Value = float | Array
+
+
+@record
+class Numbers:
+    """Numbers of a contact, in SI units; nan where one is not defined or not known.
+
+    approach and max_pressure are tables: one entry for each lowest place of the profile and each
+    place of the highest pressure. Where entries of a derivative differ, it is one-sided.
+    """
+
+    load: float
+    approach: Array
+    mean_gap: float
+    contact_fraction: float
+    max_pressure: Array
+    stiffness: float
+    zones: Array
+    zone_loads: Array
+
+    @classmethod
+    def of_degrees(cls, numbers: Numbers, degrees: Mapping[str, float]) -> Numbers:
+        """Each number times its degree; a number that is not named has the degree 0."""
+        names = [one.name for one in fields_of(cls)]
+        return cls(**{n: getattr(numbers, n) * degrees.get(n, 0.0) for n in names})
+
+    def __add__(self, other: Numbers) -> Numbers:
+        return self._with(other, lambda a, b: a + b)
+
+    def __mul__(self, factor: float) -> Numbers:
+        return self._with(self, lambda a, _: factor * a)
+
+    def __sub__(self, other: Numbers) -> Numbers:
+        return self + other * -1.0
+
+    def __abs__(self) -> Numbers:
+        return self._with(self, lambda a, _: np.abs(a))
+
+    def _with(self, other: Numbers, of: Callable[[Any, Any], Any]) -> Numbers:
+        names = [one.name for one in fields_of(self)]
+        return Numbers(**{n: of(getattr(self, n), getattr(other, n)) for n in names})
+
+    def largest(self, name: str) -> Value:
+        """The number by name; for tables over several places, the largest entry."""
+        value = getattr(self, name)
+        if name in ("approach", "max_pressure"):
+            return float(np.max(value)) if np.size(value) else np.nan
+        return np.asarray(value) if np.ndim(value) else float(value)
+
+
+def values(solution: Solution, peaks: int, tips: int) -> Numbers:
+    """The numbers of a solution, with tables of these lengths."""
+    missing = np.nan
+    fraction, gap = solution.contact_fraction, solution.mean_gap
+    approach, stiffness = solution.approach, solution.stiffness
+    return Numbers(
+        solution.load,
+        np.full(tips, missing if approach is None else approach),
+        missing if gap is None else gap,
+        missing if fraction is None else fraction,
+        np.full(peaks, solution.max_pressure),
+        missing if stiffness is None else stiffness,
+        solution.zones,
+        solution.zone_loads,
+    )

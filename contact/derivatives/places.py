@@ -1,0 +1,129 @@
+"""Places at which the pressure is highest, and at which the profile is lowest.
+
+The derivative of a maximum is that of the function at the fixed place of the maximum. If there are
+several, it is one-sided: it is the largest of theirs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+
+from contact.formulation.full_contact import period_samples
+from contact.formulation.roots import maximum, reaches
+from contact.formulation.tolerances import TOLERANCES
+from contact.model.profiles.base import Profile
+from contact.model.profiles.derive import DETAIL, detail_of
+from contact.model.profiles.noise import EPS
+from contact.solution.solution import Solution
+from contact.verify.minima import SAMPLING
+from sie import Array
+
+# Half width, over the shortest length, of the window in which the place of a maximum is corrected by
+# a polynomial of degree 5. Its truncation, the fifth power, is then as small as round-off.
+WINDOW = EPS ** (1 / 5)
+
+
+def peaks(solution: Solution) -> Array:
+    """Places of the highest pressure [m] (k,); empty if it is infinite or reaches a plateau."""
+    zones, profile = solution.zones, solution.scene.profile
+    if not np.isfinite(solution.max_pressure) or not solution.max_pressure > 0:
+        return np.zeros(0)
+    shortest = profile.resolution or np.inf
+    if len(zones) == 0:
+        if profile.period is None:
+            return np.zeros(0)
+        x, ends = period_samples(profile), np.zeros((1, 2))
+        ends[0] = x[0], x[-1]
+    else:
+        width = float(np.max(zones[:, 1] - zones[:, 0]))
+        count = SAMPLING.min_points + int(min(8 * width / shortest, SAMPLING.max_points))
+        angle = np.linspace(np.pi, 0.0, count)
+        x = (zones.mean(axis=1)[:, None] + 0.5 * np.diff(zones, axis=1) * np.cos(angle)).ravel()
+        ends = zones
+    cusps = np.asarray(profile.algebraic_points).reshape(-1, 4)[:, 0]
+    return _maxima(solution.pressure, x, _Window(ends, shortest, cusps, solution.error))
+
+
+def lowest(solution: Solution) -> Array:
+    """Places of the lowest heights of the profile [m] (k,)."""
+    profile, zones = solution.scene.profile, solution.zones
+    if profile.summits is not None:
+        at = np.asarray(profile.summits, dtype=float)
+        height = np.asarray(profile.height(at))
+        size = float(np.ptp(height)) + abs(float(height.min()))
+        return np.asarray(at[height <= height.min() + TOLERANCES.height_rounding * size])
+    if profile.period is not None:
+        x = period_samples(profile)
+    else:
+        lo, hi = profile.known or (zones[0, 0], zones[-1, 1])
+        detail = profile.resolution or detail_of(profile.height, lo, hi)
+        count = DETAIL.samples_per_length * (hi - lo) / detail
+        x = np.linspace(lo, hi, int(np.clip(count, DETAIL.min_samples, SAMPLING.max_points)))
+    ends = np.array([[x[0], x[-1]]])
+    window = _Window(ends, profile.resolution or np.inf, _kinks(profile), 0.0)
+    return _maxima(lambda at: -np.asarray(profile.height(at)), x, window)
+
+
+def _kinks(profile: Profile) -> Array:
+    points = np.asarray(profile.algebraic_points).reshape(-1, 4)
+    return np.concatenate((profile.kinks[:, 0], points[:, 0]))
+
+
+@dataclass(frozen=True)
+class _Window:
+    """Intervals in which maxima lie, the shortest length, places of cusps, and the error."""
+
+    ends: Array
+    shortest: float
+    cusps: Array
+    error: float
+
+    def size(self, place: float) -> float:
+        """Half width of the window around a place."""
+        widths = self.ends[:, 1] - self.ends[:, 0]
+        inside = (self.ends[:, 0] <= place) & (place <= self.ends[:, 1])
+        width = float(widths[inside].min()) if inside.any() else float(widths.min())
+        return WINDOW * min(width, self.shortest)
+
+    def corrected(self, function: Callable[[Array], Array], place: float) -> float:
+        """The place at which the derivative of a function vanishes, near a place of its maximum."""
+        half = self.size(place)
+        if len(self.cusps):
+            nearest = float(self.cusps[int(np.argmin(np.abs(self.cusps - place)))])
+            if abs(nearest - place) <= half:
+                return nearest
+        t = np.cos(np.pi * (np.arange(16) + 0.5) / 16)
+        value = np.asarray(function(place + half * t))
+        if not np.isfinite(value).all():
+            return place
+        slope = Chebyshev.fit(t, value, 5, domain=[-1, 1]).deriv()
+        bend = slope.deriv()
+        at = 0.0
+        for _ in range(4):
+            step = float(slope(at)) / (float(bend(at)) or np.inf)
+            if not abs(at - step) <= 1:
+                return place
+            at -= step
+        return place + half * at
+
+
+def _maxima(function: Callable[[Array], Array], x: Array, window: _Window) -> Array:
+    value = np.asarray(function(x), dtype=float)
+    finite = np.where(np.isfinite(value), value, -np.inf)
+    place, highest = maximum(function, x, value=finite)
+    span = float(np.ptp(finite[np.isfinite(finite)])) or abs(highest)
+    close = TOLERANCES.margin * max(TOLERANCES.rounding, window.error) * span
+    bound = reaches(finite)
+    found = [window.corrected(function, place)]
+    for k in np.flatnonzero(bound >= highest - close).tolist():
+        lo, hi = x[max(k - 1, 0)], x[min(k + 1, len(x) - 1)]
+        if any(lo - window.size(one) <= one <= hi + window.size(one) for one in found):
+            continue
+        other, at = maximum(function, np.linspace(lo, hi, 9))
+        if at >= highest - close:
+            found.append(window.corrected(function, other))
+    return np.array(found)

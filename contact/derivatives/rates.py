@@ -1,0 +1,232 @@
+r"""The derivative of a contact by a change of its profile or of its load: a field of its own.
+
+Let p be the pressure, f the profile, and s a parameter. At first order the zones stay: p vanishes
+at free ends, so that a moved end adds nothing to an integral. On the zones the derivative p' has
+the displacement delta' - f', and outside it is zero. So p' solves the equation of p with f' in
+place of f on the same zones, with the load P'. It is singular, p' ~ k d^(-1/2), at free ends, where
+p ~ A d^(1/2): an end moves outward at the rate 2 k / A. If the gaps are the unknowns, the same
+holds for the slope of the gap. In full contact p' = pbar' - (E*/2) R', R' the relief of f'.
+
+With edge intensities that a law prescribes, p' also has terms d^(-3/2) that keep them
+(`sie.Solution.derivative`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+import sie
+from contact.errors import SceneError
+from contact.formulation.controls import Load
+from contact.formulation.fields import ZoneFields, mean_shape, moves_by
+from contact.formulation.full_contact import FullFields, FullLimit
+from contact.formulation.gaps import GapFields
+from contact.formulation.problem import Problem
+from contact.formulation.protocol import Fields
+from contact.formulation.relief import ScaledRelief
+from contact.formulation.tolerances import TOLERANCES
+from contact.model.profiles.base import Profile
+from contact.search.topology.gap_form import GapForm
+from sie import Array, record
+
+
+@record
+class Rate:
+    """Derivatives of a contact, in SI units, by one parameter at a fixed or a growing load.
+
+    load: derivative of the load. approach: that of the approach of heights f, not counted from the
+    lowest place; nan if it has no datum. ends: outward motions (n, 2), loads (n,), intensities k
+    (n, 2) of p' at the ends, in the order of the fields' zones. pressure: p' at places x. noise:
+    error of the coefficients of p' over the pressure's unit.
+    """
+
+    load: float
+    approach: float
+    mean_gap: float
+    ends: Array
+    loads: Array
+    intensities: Array
+    pressure: Callable[[Array], Array]
+    noise: float
+
+
+@record
+class Turned:
+    """How the load and the moment of a contact grow: their derivatives, in scaled units."""
+
+    load: float = 0.0
+    moment: float = 0.0
+
+
+def changed(problem: Problem, direction: Profile, moment: float) -> Problem:
+    """The problem whose profile is a change of the profile."""
+    given = None if problem.moment is None else moment
+    return replace(problem, profile=direction, lowest=0.0, moment=given)
+
+
+def held(zones: sie.Zones) -> sie.Zones:
+    """The same zones with fixed, singular ends."""
+    kinds = (sie.SINGULAR,) * len(zones)
+    return replace(zones, left=kinds, right=kinds, symmetric=False)
+
+
+def rate_of(fields: Fields, direction: Profile, load: float, moment: float = 0.0) -> Rate:
+    """The derivative along a change of the profile, under a load that grows at the rate `load`.
+
+    load: [N/m] per unit of the parameter. moment: [N] likewise, if the moment is given.
+    """
+    units = fields.problem.units
+    grown = Turned(load / units.load, moment / units.moment)
+    if isinstance(fields, ZoneFields):
+        of = _of_intensities if fields.solved_zones.follow_ends else _of_zones
+        return of(fields, direction, grown)
+    if isinstance(fields, GapFields):
+        return _of_gaps(fields, direction, grown)
+    if isinstance(fields, FullFields):
+        return _of_full(fields, direction, load)
+    raise SceneError(
+        "derivatives are known for contact by zones, by gaps and in full contact; this one is "
+        f"none of them ({type(fields).__name__})",
+        "solution",
+    )
+
+
+@record
+class RateFields(ZoneFields):
+    """The fields of the derivative of a pressure on its zones."""
+
+    @cached_property
+    def levels(self) -> Array:
+        # At the middles: beside an end, where the derivative is singular, the displacement is as
+        # steep as a square root, and a rounded place costs half of the digits.
+        middle = self.density.zones.middle
+        return -(self._relative_displacement(middle) + self.standing_shape(middle))
+
+
+def _of_zones(fields: ZoneFields, direction: Profile, grown: Turned) -> Rate:
+    problem = changed(fields.problem, direction, grown.moment)
+    zones = held(fields.solved_zones)
+    state = sie.solve_zones(problem.equation(Load(grown.load)), zones, TOLERANCES.rounding)
+    rate, units = RateFields(problem, state), problem.units
+    k = np.array(state.density.intensities)
+    return Rate(
+        rate.load,
+        np.nan if rate.approach is None else rate.approach,
+        rate.mean_gap if _fills_period(problem) else np.nan,
+        moves_by(state.density, fields.density).T * units.length,
+        rate.loads,
+        np.where(fields.solved_zones.moves, k, 0.0).T * units.intensity,
+        rate.pressure,
+        state.density_error * state.size + TOLERANCES.rounding * state.size,
+    )
+
+
+def _fills_period(problem: Problem) -> bool:
+    """Whether a mean gap over the period is defined and finite."""
+    return problem.period is not None and problem.corners == (-np.inf, np.inf)
+
+
+def _of_intensities(fields: ZoneFields, direction: Profile, grown: Turned) -> Rate:
+    problem = changed(fields.problem, direction, grown.moment)
+    zones = replace(fields.solved_zones, symmetric=False)
+    equation = fields.problem.equation(Load(fields.density.total))
+    state = sie.solve_zones(equation, zones, TOLERANCES.rounding)
+    none = np.zeros(len(zones))
+    found = sie.Solution(state.density, zones, state.density_error, errors=none, state=state)
+    try:
+        rate = found.derivative(problem.forcing, values=[grown.load, 0.0])
+    except (ValueError, sie.SingularSystem) as error:
+        raise SceneError(f"no derivative here: {error}", "solution") from error
+    density, units = rate.density, problem.units
+    middle = zones.middle[:1]
+    level = float((density.potential(middle) - problem.shape(middle))[0])
+    has_approach = problem.operator.has_approach
+    gap = np.nan
+    if _fills_period(problem):
+        sunk = problem.compression * density.total / problem.repeat_length
+        gap = (mean_shape(problem) + sunk + level) * units.height
+
+    def pressure(x: Array) -> Array:
+        scaled = fields._scaled(x)
+        return np.where(fields.inside(scaled), density(scaled), 0.0) * units.pressure
+
+    smooth = density.smooth if isinstance(density, sie.MovedDensity) else density
+    size = float(np.abs(smooth(zones.middle)).max()) + abs(density.total)
+    return Rate(
+        density.total * units.load,
+        -level * units.height if has_approach else np.nan,
+        gap,
+        rate.ends * [-1.0, 1.0] * units.length,
+        np.asarray(density.totals) * units.load,
+        np.full((len(zones), 2), np.nan),
+        pressure,
+        (state.density_error + TOLERANCES.rounding) * max(size, state.size),
+    )
+
+
+def _of_gaps(fields: GapFields, direction: Profile, grown: Turned) -> Rate:
+    problem = changed(fields.problem, direction, grown.moment)
+    units, law = problem.units, problem.law
+    relief = FullLimit(direction, units.E_star, problem.operator, law).relief
+    form = GapForm(problem, ScaledRelief.of(relief, problem))
+    equation = form.equation(Load(grown.load))
+    state = sie.solve_zones(equation, held(fields.solved_zones), TOLERANCES.rounding)
+    mean = grown.load / problem.repeat_length
+    rate = GapFields(problem, state, mean, form.relief)
+    outward = moves_by(state.density, fields.gap_slope)
+    k = np.array(state.density.intensities)
+    return Rate(
+        rate.load,
+        rate.approach,
+        rate.mean_gap,
+        -_by_zones(outward) * units.length,
+        rate.loads,
+        _by_zones(k) * units.intensity,
+        rate.pressure,
+        state.density_error * state.size + TOLERANCES.rounding * state.size + form.relief.error,
+    )
+
+
+def _by_zones(of_gaps: Array) -> Array:
+    """Values at the ends of zones (n, 2) from those at the ends of gaps (2, n)."""
+    return np.column_stack((of_gaps[1], np.roll(of_gaps[0], -1)))
+
+
+def _of_full(fields: FullFields, direction: Profile, load: float) -> Rate:
+    problem = changed(fields.problem, direction, 0.0)
+    units, period = problem.units, problem.profile.period
+    assert period is not None
+    relief = FullLimit(direction, units.E_star, problem.operator, problem.law).relief
+    mean = mean_shape(problem) * units.height
+    rate = FullFields(problem, load / period, relief, mean)
+    none = np.zeros((0, 2))
+    return Rate(
+        load, rate.approach, 0.0, none, np.zeros(0), none, rate.pressure, relief.error / units.slope
+    )
+
+
+def with_moved_zones(fields: Fields, outward: Array) -> Fields:
+    """The fields on zones whose ends are moved outward by `outward` (n, 2) [m].
+
+    The pressure then need not vanish at the ends: it shows how much follows from errors of them.
+    """
+    if isinstance(fields, ZoneFields):
+        zones = fields.solved_zones
+        moved = zones.moved(np.where(zones.moves, outward.T / fields.problem.units.length, 0.0))
+        moved = replace(moved, symmetric=False)
+        state = sie.solve_zones(
+            fields.problem.equation(Load(fields.density.total)), moved, TOLERANCES.rounding
+        )
+        return ZoneFields(fields.problem, state)
+    if isinstance(fields, GapFields):
+        gaps, form = fields.solved_zones, GapForm(fields.problem, fields.relief)
+        inward = -outward.T / fields.problem.units.length
+        moved = gaps.moved(np.array([np.roll(inward[1], 1), inward[0]]))
+        equation = form.equation(Load(fields.mean * fields.period))
+        state = sie.solve_zones(equation, moved, TOLERANCES.rounding)
+        return GapFields(fields.problem, state, fields.mean, fields.relief)
+    return fields

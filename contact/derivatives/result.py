@@ -1,0 +1,627 @@
+"""`Sensitivity`: derivatives of the numbers of a solution by the data of its scene.
+
+All follow from two kinds of linear problems (contact.derivatives.rates): the derivative by the load
+P, and that along a change of the profile f. The control of the scene keeps its value by a change of
+the load. The modulus, the edge intensity K of a law and the period follow from scaling:
+
+    E* dJ/dE* = D_f J - h J                  J grows like the power h of heights
+    K dJ/dK   = d J - P dJ/dP - E* dJ/dE*    J grows like the power d of pressures
+    x -> (1 + e) x: p -> p / (1 + e), K -> K sqrt(1 + e); loads and approaches stay
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import sie
+from contact.derivatives.direction import (
+    STEP,
+    WEIGHTS,
+    Direction,
+    MovedPlaces,
+    Parameter,
+    places_of,
+)
+from contact.derivatives.linear import Change, Linearized
+from contact.derivatives.numbers import Numbers, Value
+from contact.errors import SceneError
+from contact.formulation.fields import ZoneFields
+from contact.formulation.full_contact import FullFields
+from contact.formulation.gaps import GapFields
+from contact.formulation.tolerances import TOLERANCES
+from contact.model.checks import one_of, real
+from contact.model.controls import Quantity
+from contact.model.registry import remade
+from contact.solution.solution import Solution
+from contact.sweeps.sweep.keys import MODULUS, tables
+from sie import Array
+
+# The powers of numbers with which pressures grow at given zones, and heights likewise.
+OF_PRESSURE = {"load": 1.0, "max_pressure": 1.0, "stiffness": 1.0, "zone_loads": 1.0}
+OF_HEIGHT = {"approach": 1.0, "mean_gap": 1.0, "stiffness": -1.0}
+
+# Names of numbers that have derivatives.
+NUMBERS = (
+    "load",
+    "mean_pressure",
+    "approach",
+    "mean_gap",
+    "contact_fraction",
+    "max_pressure",
+    "stiffness",
+    "zones",
+    "zone_widths",
+    "zone_loads",
+)
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """A derivative with its stated error.
+
+    Parameters
+    ----------
+    value : float or ndarray
+        The derivative; an array for zones, their widths and their loads, and by an array of
+        parameters.
+    error : float or ndarray
+        Bound of its error, of the same shape.
+    note : str
+        Why the derivative is one-sided, for a growing parameter; empty if it is not.
+
+    Examples
+    --------
+    The half width of a cylinder's contact grows like the square root of the load.
+
+    >>> import contact
+    >>> hertz = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), load=1e4)
+    >>> by = contact.sensitivity(contact.solve(hertz, tol=1e-11)).of("zones", to="control.load")
+    >>> (by.value * 2e4 / by.value[0, 1] / 2e4).round(9).tolist(), bool(by.error.max() < 1e-15)
+    ([[-1.0, 1.0]], True)
+    """
+
+    value: Value
+    error: Value
+    note: str = ""
+
+    def __float__(self) -> float:
+        return float(self.value)
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Derivatives of a contact by one parameter, at the given value of the scene's control.
+
+    `of(number)` is that of a number with its error; `pressure(x)` that of the pressure at fixed x.
+
+    Parameters
+    ----------
+    solution : Solution
+        The solution.
+    change : Change
+        Derivatives of all numbers, their errors, and the derivative of the pressure.
+    note : str
+        Why the derivatives are one-sided; empty if they are not.
+    of_period : float
+        Derivative of the period by the parameter, on which the mean pressure depends.
+
+    Examples
+    --------
+    In full contact the pressure follows the load everywhere.
+
+    >>> import contact
+    >>> wave = contact.Sinusoid(1e-6, 1e-4)
+    >>> full = contact.solve(contact.Scene(wave, 1e9, contact.Periodic(), load=5e3))
+    >>> by_load = contact.sensitivity(full).by("control.load")
+    >>> (by_load.pressure([0.0, 3e-5]) * 1e-4).round(12).tolist()
+    [1.0, 1.0]
+    """
+
+    solution: Solution = field(repr=False)
+    change: Change = field(repr=False)
+    note: str = ""
+    of_period: float = 0.0
+
+    def of(self, number: str) -> Derivative:
+        """The derivative of a number of the solution.
+
+        Parameters
+        ----------
+        number : str
+            One of "load", "mean_pressure", "approach", "mean_gap", "contact_fraction",
+            "max_pressure", "stiffness", "zones", "zone_widths", "zone_loads".
+
+        Returns
+        -------
+        Derivative
+
+        Raises
+        ------
+        SceneError
+            If the scene does not define the number, or its derivative is not known.
+        """
+        one_of("number", number, NUMBERS)
+        values, errors = self.change.values, self.change.errors
+        if number == "zone_widths":
+            return Derivative(np.diff(values.zones)[:, 0], errors.zones.sum(axis=1), self.note)
+        if number == "mean_pressure":
+            period = self.solution.scene.profile.period
+            if period is None:
+                raise SceneError("without a period there is no mean pressure", "number")
+            mean = (values.load - self.solution.load * self.of_period / period) / period
+            return Derivative(mean, errors.load / period, self.note)
+        value, error = values.largest(number), errors.largest(number)
+        if not np.all(np.isfinite(value)):
+            raise SceneError(f"{number}: {self._missing(number)}", "number", number)
+        note = self.note
+        if number in ("approach", "max_pressure"):
+            table, slack = getattr(values, number), 4 * float(np.max(error))
+            if np.ptp(table) > slack:
+                what = "lowest places" if number == "approach" else "places of highest pressure"
+                note = f"{len(table)} {what}: the derivative is one-sided, that of the largest"
+        return Derivative(value, error, note)
+
+    def _missing(self, number: str) -> str:
+        if number == "max_pressure":
+            return "the highest pressure is infinite, or constant at a limit: no derivative"
+        if number == "stiffness":
+            return (
+                "its derivative is known where the stiffness is finite, without friction between "
+                "unlike bodies and without edge intensities"
+            )
+        return "the scene does not define it, or it is infinite"
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """Derivative of the pressure at fixed x [m], any shape; infinite at ends that move."""
+        return self.change.pressure(real("x", x))
+
+
+class Sensitivity(sie.Kept):
+    """Derivatives of the numbers of a solution; `contact.sensitivity` makes it.
+
+    Every derivative has its stated error. It is at the given value of the scene's control, except
+    the derivative by the control itself.
+
+    Parameters
+    ----------
+    solution : Solution
+        The solution.
+
+    Examples
+    --------
+    The highest pressure of a cylinder is proportional to the square root of the load.
+
+    >>> import contact
+    >>> hertz = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), load=1e4)
+    >>> by_data = contact.sensitivity(contact.solve(hertz))
+    >>> for key, value in (("control.load", 1e4), ("profile.radius", 1.0), ("material.E_star", 1e9)):
+    ...     by = by_data.of("max_pressure", to=key)
+    ...     print(key, round(by.value * value / by_data.solution.max_pressure, 9))
+    control.load 0.5
+    profile.radius -0.5
+    material.E_star 0.5
+    """
+
+    def __init__(self, solution: Solution) -> None:
+        refuse(solution)
+        self.solution = solution
+        self.linearized = Linearized(solution)
+        self._known: dict[str, Response] = {}
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Names of the data by which derivatives are known, as in scene files."""
+        scene = self.solution.scene
+        names = [MODULUS, f"control.{scene.control[0]}"]
+        names += [f"control.{name}" for name in scene.turning]
+        for table, values in tables(scene).items():
+            for name, value in values.items():
+                numbers = np.asarray(value if value is not None else "", dtype=object)
+                if table not in ("interaction", "substrate") and all(
+                    isinstance(one, (int, float, np.number)) and not isinstance(one, bool)
+                    for one in numbers.ravel()
+                ):
+                    names.append(f"{table}.{name}")
+        return tuple(names)
+
+    def of(self, number: str, to: str) -> Derivative:
+        """The derivative of a number of the solution by one of the scene's data.
+
+        Parameters
+        ----------
+        number : str
+            See `Response.of`.
+        to : str
+            The name of the data as in a scene file: "profile.amplitude", "material.E_star",
+            "law.work_of_adhesion", "control.load". An array such as "profile.cosine" has an array
+            of derivatives, and "profile.cosine[2]" one.
+
+        Returns
+        -------
+        Derivative
+
+        Raises
+        ------
+        SceneError
+            If the name is not known, or the derivative is not.
+        """
+        name, index = _parted(to)
+        one_of("to", name, self.keys)
+        value = self._value(name)
+        if index is not None or np.ndim(value) == 0:
+            return self.by(to).of(number)
+        found = [self.by(f"{name}[{k}]").of(number) for k in range(len(value))]
+        return Derivative(
+            np.array([one.value for one in found]),
+            np.array([one.error for one in found]),
+            next((one.note for one in found if one.note), ""),
+        )
+
+    def by(self, to: str) -> Response:
+        """Derivatives of all numbers, and of the pressure, by one of the scene's data."""
+        name, index = _parted(to)
+        one_of("to", name, self.keys)
+        value = self._value(name)
+        if (index is not None) != (np.ndim(value) == 1):
+            raise SceneError.of("to", to, f"{name}[k] for an array, and {name} for a number")
+        if index is not None and not 0 <= index < len(value):
+            raise SceneError.of("to", to, f"an index from 0 to {len(value) - 1}")
+        if to not in self._known:
+            self._known[to] = self._by(name, index)
+        return self._known[to]
+
+    def response(self, dheight: Any, dslope: Callable[[Array], Array] | None = None) -> Response:
+        """The derivative along a change of the profile.
+
+        Parameters
+        ----------
+        dheight : callable or Profile
+            Change of the gap at zero load, f -> f + e dheight(x), with x [m] in the cell of the
+            profile. It is smooth on the zones and, if the profile is periodic, periodic. A profile
+            also declares its kinks and jumps.
+        dslope : callable or None
+            Its slope; left out for a profile.
+
+        Returns
+        -------
+        Response
+            Derivatives by e at e = 0.
+
+        Raises
+        ------
+        SceneError
+            If the change is not resolved on the zones.
+
+        Examples
+        --------
+        >>> import contact
+        >>> import numpy as np
+        >>> wave = contact.Scene(
+        ...     contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), contact_fraction=0.5
+        ... )
+        >>> by_data, q = contact.sensitivity(contact.solve(wave)), 2 * np.pi
+        >>> higher = by_data.response(lambda x: -np.cos(q * x), lambda x: q * np.sin(q * x))
+        >>> round(higher.of("load").value, 10) == round(0.5 * np.pi, 10)
+        True
+        """
+        profile = self.solution.scene.profile
+        direction = Direction.given(profile, dheight, dslope)
+        return self._response(self.linearized.along(direction))
+
+    # The next methods give the derivative by one parameter.
+
+    def _value(self, name: str) -> Any:
+        table, _, key = name.partition(".")
+        scene = self.solution.scene
+        if name == MODULUS:
+            return scene.E_star
+        if table == "control":
+            return getattr(scene, key) if key in scene.turning else scene.control[1]
+        return tables(scene)[table][key]
+
+    def _by(self, name: str, index: int | None) -> Response:
+        table, _, key = name.partition(".")
+        scene = self.solution.scene
+        if name == MODULUS:
+            return self._response(self._by_modulus)
+        if table == "control":
+            return self._by_control(key)
+        if table == "law":
+            return self._by_law(key)
+        if key == "period" and scene.period is not None:
+            return self._by_period()
+        try:
+            x = places_of(scene.profile, self.solution.zones)
+            direction, error = Direction.by_parameter(
+                scene.profile, Parameter(table, key, index), x
+            )
+            change = self.linearized.along(direction)
+        except MovedPlaces:
+            raise SceneError(
+                f"{name}: it moves corners, kinks or jumps of the profile, and derivatives by "
+                "their places are not known: use differences of solutions",
+                "to",
+                name,
+            ) from None
+        errors = change.errors + abs(change.values) * (TOLERANCES.margin * error)
+        return self._response(replace(change, errors=errors))
+
+    @cached_property
+    def _itself(self) -> Change:
+        """The derivative along the profile itself."""
+        return self.linearized.along(Direction.itself(self.solution.scene.profile))
+
+    def _value_change(self, degrees: dict[str, float]) -> Change:
+        """A change of the numbers by themselves times these powers; none of the pressure."""
+        values = self.linearized.values
+        part = Numbers.of_degrees(values, degrees)
+        error = abs(part) * (3 * self.solution.error)
+        return Change(part, error, lambda x: np.zeros(np.shape(x)))
+
+    @cached_property
+    def _modulus_alone(self) -> Change:
+        """E* times the derivative by E*, at a given load and edge intensity."""
+        return self._itself.plus(self._value_change(OF_HEIGHT), -1.0)
+
+    @cached_property
+    def _intensity(self) -> Change:
+        """K times the derivative by the edge intensity K, at a given load and modulus."""
+        solution = self.solution
+        own = self._value_change(OF_PRESSURE)
+        own = replace(own, pressure=lambda x: solution.pressure(x))
+        found = own.plus(self.linearized.by_load, -solution.load)
+        return found.plus(self._modulus_alone, -1.0)
+
+    def _adheres(self) -> bool:
+        scene = self.solution.scene
+        return scene.law.intensity(scene.E_star) != 0.0
+
+    @cached_property
+    def _by_modulus(self) -> Change:
+        scene, change = self.solution.scene, self._modulus_alone
+        if self._adheres():
+            step = STEP * scene.E_star
+            rate = _difference(scene.law.intensity, scene.E_star, step)
+            power = scene.E_star * rate / scene.law.intensity(scene.E_star)
+            change = change.plus(self._intensity, power)
+        return change.times(1.0 / scene.E_star)
+
+    def _by_control(self, key: str) -> Response:
+        scene = self.solution.scene
+        if key == "tilt":
+            change = self.linearized.along(
+                Direction.given(scene.profile, lambda x: -x, lambda x: -np.ones_like(x))
+            )
+            return self._response(change)
+        if key == "moment":
+            return self._response(self.linearized.by_moment)
+        held, control = scene.control_object.held(scene), scene.control_object
+        assert held is not None
+        other = replace(control, value=2.0 * control.value).held(scene)
+        assert other is not None
+        nothing = self.linearized.by_load.times(0.0)
+        return self._response(nothing, (other.value - held.value) / control.value)
+
+    def _by_law(self, key: str) -> Response:
+        law, E_star = self.solution.scene.law, self.solution.scene.E_star
+        value = float(getattr(law, key))
+        step = STEP * abs(value)
+
+        def other(at: float) -> Any:
+            return remade(law, {key: at})
+
+        if law.kappa != other(value + step).kappa:
+            raise SceneError(
+                f"law.{key}: it changes the pressure of bodies that differ elastically, and "
+                "derivatives by it are not known: use differences of solutions",
+                "to",
+                f"law.{key}",
+            )
+        nothing = self.linearized.by_load.times(0.0)
+        if not self._adheres():
+            return self._response(nothing)
+        rate = _difference(lambda at: other(at).intensity(E_star), value, step)
+        return self._response(self._intensity.times(rate / law.intensity(E_star)))
+
+    def _by_period(self) -> Response:
+        scene = self.solution.scene
+        profile, period = scene.profile, scene.period
+        assert period is not None
+        if not scene.operator.is_plain or scene.operator.is_own or len(profile.bodies) > 1:
+            raise SceneError(
+                "profile.period: derivatives by it are known for one body on a half-plane",
+                "to",
+                "profile.period",
+            )
+        try:
+            change = self.linearized.along(Direction.by_period(profile))
+        except MovedPlaces:
+            raise SceneError(
+                "profile.period: the places of points, kinks or jumps do not grow with it: use "
+                "differences of solutions",
+                "to",
+                "profile.period",
+            ) from None
+        change = change.plus(self._value_change({"zones": 1.0, "max_pressure": -1.0}), 1.0)
+        if self._adheres():
+            change = change.plus(self._intensity, 0.5)
+        unknown = replace(change.times(1.0 / period), pressure=_not_known)
+        held = scene.control_object.held(scene)
+        wider = scene.profile.varied({"profile": {"period": 2.0 * period}})
+        other = scene.control_object.held(replace(scene, profile=wider))
+        assert held is not None and other is not None
+        target = (other.value - held.value) / period
+        return replace(self._response(unknown, target), of_period=1.0)
+
+    # The control.
+
+    def _response(self, change: Change, target: float = 0.0) -> Response:
+        """The response at the given value of the control, from that at a given load.
+
+        target: derivative of the value [SI] that the control prescribes.
+        """
+        held = self.solution.scene.control_object.held(self.solution.scene)
+        assert held is not None
+        if held.quantity is Quantity.LOAD and target == 0.0:
+            return Response(self.solution, change, self.note)
+        by_load = self.linearized.by_load
+        of_change, change_error = _controlled(held.quantity, change)
+        of_load, load_error = _controlled(held.quantity, by_load)
+        if not np.isfinite(of_load) or of_load == 0.0:
+            raise SceneError(
+                "the control does not depend on the load here: there are no derivatives at its "
+                "given value",
+                "control",
+            )
+        load = (target - of_change) / of_load
+        error = (change_error + abs(load) * load_error) / abs(of_load)
+        found = change.plus(by_load, load)
+        return Response(
+            self.solution,
+            replace(found, errors=found.errors + abs(by_load.values) * error),
+            self.note,
+        )
+
+    @cached_property
+    def note(self) -> str:
+        """Why derivatives are one-sided at this solution; empty if they are not."""
+        solution = self.solution
+        certificate = solution.certificate
+        if certificate.undecided:
+            return (
+                "an event: a gap, or a minimum of the pressure, is zero within rounding, so that a "
+                "zone is about to be born, to close or to part: derivatives are one-sided, those "
+                "of the zones that there are"
+            )
+        if isinstance(solution.fields, FullFields) and (
+            abs(certificate.smallest_pressure) <= 10 * solution.error * solution.max_pressure
+        ):
+            return (
+                "an event: full contact begins here: derivatives are one-sided, those of full "
+                "contact"
+            )
+        return ""
+
+
+def _not_known(x: Array) -> Array:
+    raise SceneError(
+        "the derivative of the pressure by the period at fixed x is not known: use that of numbers",
+        "x",
+    )
+
+
+def _controlled(quantity: Quantity, change: Change) -> tuple[float, float]:
+    """(derivative, error) of the quantity that a control prescribes."""
+    values, errors = change.values, change.errors
+    if quantity is Quantity.LOAD:
+        return values.load, errors.load
+    if quantity is Quantity.APPROACH:
+        value, error = values.largest("approach"), errors.largest("approach")
+        return float(value), float(error)
+    width = float(np.diff(values.zones).sum()), float(errors.zones.sum())
+    return width if quantity is Quantity.WIDTH else (0.5 * width[0], 0.5 * width[1])
+
+
+def _difference(function: Callable[[float], float], at: float, step: float) -> float:
+    """The derivative of a function of a number by a central difference of order 8."""
+    terms = (
+        weight * (function(at + k * step) - function(at - k * step))
+        for k, weight in enumerate(WEIGHTS, 1)
+    )
+    return sum(terms) / step
+
+
+def _parted(to: str) -> tuple[str, int | None]:
+    """(name, index or None) of a key such as "profile.cosine[2]"."""
+    if not isinstance(to, str):
+        raise SceneError.of("to", to, "a name such as 'profile.amplitude'")
+    name, bracket, index = to.partition("[")
+    if not bracket:
+        return name, None
+    if not (index.endswith("]") and index[:-1].isdigit()):
+        raise SceneError.of("to", to, "a name, or a name with an index such as profile.cosine[2]")
+    return name, int(index[:-1])
+
+
+def refuse(solution: Solution) -> None:
+    """Raise SceneError for solutions whose derivatives are not known."""
+    if not isinstance(solution, Solution):
+        raise SceneError.of("solution", solution, "a contact.Solution")
+    scene, fields = solution.scene, solution.fields
+    if not isinstance(fields, (ZoneFields, GapFields, FullFields)):
+        raise SceneError(
+            f"derivatives are known for contact that {scene.law.name} bodies have on zones, on "
+            f"gaps or everywhere, not for this one ({type(fields).__name__})",
+            "solution",
+        )
+    if scene.law.tension or isinstance(fields, ZoneFields) and len(fields.cohesive):
+        raise SceneError(
+            f"the law {scene.law.name}: the ends of its tension move with a condition on the gap, "
+            "and derivatives by that are not known: use differences of solutions",
+            "law",
+        )
+    if len(fields.plateaus):
+        raise SceneError(
+            "contact with plateaus of the pressure: derivatives are known for elastic contact "
+            "only: use differences of solutions",
+            "solution",
+        )
+    if scene.interaction.strip:
+        raise SceneError(
+            "localized: the strip and its nominal pressure follow the zones, and derivatives by "
+            "that are not known: use contact.Isolated() or contact.Periodic()",
+            "interaction",
+        )
+    if scene.control_object.held(scene) is None:
+        raise SceneError(
+            f"the control {scene.control[0]}: derivatives are known at a given load, mean "
+            "pressure, approach, half width or contact fraction",
+            "control",
+        )
+    if isinstance(fields, FullFields) and scene.given_fraction is not None:
+        raise SceneError(
+            "full contact under a given contact fraction: state the load instead", "control"
+        )
+
+
+def sensitivity(solution: Solution) -> Sensitivity:
+    """Derivatives of the numbers of a solution by all data of its scene.
+
+    Parameters
+    ----------
+    solution : Solution
+        A solution of contact by zones, by gaps or in full contact, isolated or periodic, on a
+        half-plane or a layer, with friction or with adhesion by edge intensities. The errors of
+        derivatives follow from its own: solve with a small `tol` for many digits.
+
+    Returns
+    -------
+    Sensitivity
+        `of(number, to=)`, `by(to)`, `response(dheight, dslope)`.
+
+    Raises
+    ------
+    SceneError
+        For localized contact, laws with a range of tension, and plateaus of the pressure.
+
+    Examples
+    --------
+    A wave under a mean pressure: sin^2(pi a / L) = mean pressure / (pi E* amplitude / L).
+
+    >>> import contact
+    >>> import numpy as np
+    >>> wave = contact.Sinusoid(1e-6, 1e-4)
+    >>> scene = contact.Scene(wave, 1e9, contact.Periodic(), mean_pressure=1e7)
+    >>> solution = contact.solve(scene, tol=1e-11)
+    >>> by = contact.sensitivity(solution).of("contact_fraction", to="profile.amplitude")
+    >>> exact = -np.tan(np.pi / 2 * solution.contact_fraction) / np.pi / 1e-6
+    >>> bool(abs(by.value - exact) < 1e-9 * abs(exact)), bool(by.error < 1e-8 * abs(exact))
+    (True, True)
+    """
+    return Sensitivity(solution)

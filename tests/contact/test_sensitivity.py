@@ -1,0 +1,267 @@
+"""Derivatives of a solution by all data of its scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contact
+from contact.derivatives.result import NUMBERS, OF_PRESSURE
+from contact.model.scene import Scene
+from contact.sweeps.sweep.keys import varied
+
+WAVE = contact.Sinusoid(1e-6, 1e-4)
+SERIES = contact.Fourier(1e-4, [-2e-7, -1e-6, 1e-7], [1e-7, 3e-7])
+ALONE = contact.Isolated(datum=1.0)
+
+
+def isolated(profile: contact.Profile, **control: Any) -> Scene:
+    return Scene(profile, 1e9, ALONE, **(control or {"load": 1e4}))
+
+
+def periodic(profile: contact.Profile, **more: Any) -> Scene:
+    return Scene(profile, 1e9, contact.Periodic(), **more)
+
+
+# A number that is a product of powers of the data has these powers as its logarithmic derivatives:
+# a ~ (P / E* f)^(1/n) for a profile of the power n, and p ~ P / a.
+POWERS = {
+    "cylinder": (isolated(contact.Parabola(1.0)), "profile.radius", 2.0, -1.0),
+    "wedge": (isolated(contact.Wedge(0.01)), "profile.slope", 1.0, 1.0),
+    "power": (isolated(contact.Power(2.0, 1.5)), "profile.coefficient", 1.5, 1.0),
+    "quartic": (isolated(contact.Power(5.0, 4.0)), "profile.coefficient", 4.0, 1.0),
+}
+
+
+@pytest.mark.parametrize("name", POWERS)
+def test_powers_of_the_data_are_logarithmic_derivatives(name: str) -> None:
+    scene, key, n, sign = POWERS[name]
+    by = contact.sensitivity(contact.solve(scene, tol=1e-11))
+    size = {"control.load": 1e4, "material.E_star": 1e9, key: 1.0 / sign}
+    size[key] = sign * next(iter(scene.profile.parameters().values()))
+    for to, power in (("control.load", 1 / n), ("material.E_star", -1 / n), (key, -1 / n)):
+        wider = by.of("zone_widths", to).value * size[to] / by.solution.zone_widths
+        assert np.allclose(wider, power, rtol=1e-9)
+        if np.isfinite(by.solution.max_pressure):
+            higher = by.of("max_pressure", to)
+            of_load = 1.0 if to == "control.load" else 0.0
+            assert np.isclose(
+                higher.value * size[to] / by.solution.max_pressure, of_load - power, rtol=1e-8
+            )
+            assert higher.error < 1e-6 * abs(higher.value)
+
+
+def test_a_wave_has_the_derivatives_of_its_closed_form() -> None:
+    """A = pi a/L with sin^2 A = pbar / p*, p* = pi E* amplitude / L, and p = 2 p* sin A."""
+    solution = contact.solve(periodic(WAVE, mean_pressure=1e7), tol=1e-12)
+    by, full = contact.sensitivity(solution), np.pi * 1e9 * 1e-2
+    angle = np.arcsin(np.sqrt(1e7 / full))
+    per_mean = {"contact_fraction": np.tan(angle) / np.pi, "max_pressure": full * np.sin(angle)}
+    for number, grown in per_mean.items():
+        assert np.isclose(by.of(number, "control.mean_pressure").value * 1e7, grown, rtol=1e-10)
+        # Pressures are proportional to E*, and to amplitude / period.
+        for to, size, sign in (
+            ("material.E_star", 1e9, 1.0),
+            ("profile.amplitude", 1e-6, 1.0),
+            ("profile.period", 1e-4, -1.0),
+        ):
+            own = solution.max_pressure if number == "max_pressure" else 0.0
+            expected = sign * (own - grown)
+            assert np.isclose(by.of(number, to).value * size, expected, rtol=1e-10)
+
+
+# Scenes of every route, with data by which they are differentiated.
+ROUTES: dict[str, tuple[Scene, tuple[str, ...]]] = {
+    "zones": (periodic(SERIES, mean_pressure=2e7), ("profile.cosine[0]", "profile.period")),
+    "zones at a fraction": (
+        periodic(SERIES, contact_fraction=0.3),
+        ("profile.sine[1]", "control.contact_fraction"),
+    ),
+    "zones at an approach": (
+        periodic(SERIES, approach=1e-6),
+        ("profile.sine[1]", "material.E_star"),
+    ),
+    "gaps": (periodic(SERIES, contact_fraction=0.9), ("profile.cosine[1]", "profile.period")),
+    "full contact": (periodic(SERIES, mean_pressure=1e8), ("profile.cosine[1]", "profile.period")),
+    "layer": (
+        periodic(SERIES, substrate=contact.Layer(2e-5, 0.3), contact_fraction=0.4),
+        ("profile.sine[0]", "material.E_star"),
+    ),
+    "layer by gaps": (
+        periodic(SERIES, substrate=contact.Layer(2e-5, 0.3), contact_fraction=0.9),
+        ("profile.sine[0]",),
+    ),
+    "one zone": (isolated(contact.Biquadratic(1.0, 1e-3)), ("profile.spacing", "profile.radius")),
+    "exponent": (isolated(contact.Power(2.0, 1.7)), ("profile.exponent",)),
+    "tilt": (isolated(contact.Parabola(1.0), load=1e4, tilt=1e-4), ("control.tilt",)),
+    "moment": (isolated(contact.Power(1.0, 4.0), load=1e4, moment=10.0), ("control.moment",)),
+    "half width": (isolated(contact.Power(1.0, 4.0), half_width=1e-3), ("profile.exponent",)),
+    "sliding": (
+        periodic(SERIES, law=contact.Sliding(0.5, 0.3), mean_pressure=2e7),
+        ("profile.sine[0]", "control.mean_pressure"),
+    ),
+    "adhesion": (
+        periodic(WAVE, law=contact.JKR(0.01), mean_pressure=1e7),
+        ("profile.amplitude", "law.work", "profile.period"),
+    ),
+}
+TOL = 1e-11
+
+
+def changed(scene: Scene, to: str, factor: float) -> Scene:
+    """The scene with another value of one of its data."""
+    name, _, index = to.partition("[")
+    value = contact.sensitivity(contact.solve(scene))._value(name)
+    if not index:
+        return varied(scene, {name: float(value) * factor})
+    table, _, key = name.partition(".")
+    other = np.array(value, dtype=float)
+    other[int(index[:-1])] *= factor
+    return replace(scene, profile=scene.profile.varied({table: {key: other}}))
+
+
+def by_differences(scene: Scene, to: str, of: Callable[[Any], Any], step: float = 2e-3) -> Any:
+    """Derivative by the logarithm of one of the data, by differences of order 6."""
+    total = 0.0
+    for k, weight in enumerate((3 / 4, -3 / 20, 1 / 60), 1):
+        for sign in (1.0, -1.0):
+            other = contact.solve(changed(scene, to, 1 + sign * k * step), TOL)
+            total = total + sign * weight / step * np.asarray(of(other), dtype=float)
+    return total
+
+
+def numbers_of(solution: contact.Solution) -> Any:
+    """All numbers that have derivatives, in one array; each over its size."""
+    return np.concatenate(
+        [np.ravel(getattr(solution, name)) for name in NUMBERS if defined(solution, name)]
+    )
+
+
+def defined(solution: contact.Solution, name: str) -> bool:
+    value = getattr(solution, name)
+    known = not solution.scene.law.kappa and not solution.scene.law.intensity(1.0)
+    return value is not None and np.isfinite(value).all() and (name != "stiffness" or known)
+
+
+QUICK = ("zones", "full contact", "one zone", "tilt", "moment", "half width")
+
+
+@pytest.mark.parametrize(
+    "route", [pytest.param(r, marks=[] if r in QUICK else pytest.mark.slow) for r in ROUTES]
+)
+def test_derivatives_are_those_of_differences_on_every_route(route: str) -> None:
+    scene, keys = ROUTES[route]
+    solution = contact.solve(scene, TOL)
+    by = contact.sensitivity(solution)
+    names = [name for name in NUMBERS if defined(solution, name)]
+    sizes = np.concatenate([size_of(solution, name) for name in names])
+    for to in keys:
+        value = abs(np.ravel(by._value(to.partition("[")[0])))
+        unit = value[int(to.partition("[")[2][:-1])] if "[" in to else value[0]
+        found = np.concatenate([np.ravel(by.of(name, to).value) for name in names]) * unit
+        expected = by_differences(scene, to, numbers_of)
+        if "[" in to and np.ravel(by._value(to.partition("[")[0]))[int(to[-2])] < 0:
+            expected = -expected
+        assert np.abs((found - expected) / sizes).max() < 1e-8, (to, names)
+
+
+def size_of(solution: contact.Solution, name: str) -> Any:
+    """The number relative to which an error counts; for ends, the width in contact."""
+    value = np.ravel(getattr(solution, name))
+    size = (
+        np.abs(np.diff(solution.zones)).sum() if name == "zones" else np.abs(value).max(initial=0)
+    )
+    if name == "mean_gap":
+        size = solution.approach or 1.0
+    return np.full(len(value), size)
+
+
+@pytest.mark.parametrize("route", ["zones", "gaps", "full contact", "layer", "sliding", "one zone"])
+def test_without_adhesion_no_derivative_depends_on_an_edge_intensity(route: str) -> None:
+    """J(E*, P, K) is homogeneous: without K, E* dJ/dE* + P dJ/dP is the degree times J."""
+    by = contact.sensitivity(contact.solve(ROUTES[route][0], TOL))
+    left, values = by._intensity.values, by.linearized.values
+    for name in OF_PRESSURE:
+        rest, size = np.asarray(getattr(left, name)), np.asarray(getattr(values, name))
+        if np.isfinite(rest).all() and name != "stiffness":
+            assert np.abs(rest).max(initial=0) <= 1e-9 * np.abs(size).max(initial=0)
+    assert np.abs(left.zones).max(initial=0) <= 1e-9 * np.abs(values.zones).max(initial=1)
+
+
+@pytest.mark.parametrize("route", ["zones", "gaps", "layer", "one zone", "adhesion"])
+def test_the_stated_error_of_a_derivative_bounds_its_error(route: str) -> None:
+    scene, keys = ROUTES[route]
+    exact = contact.sensitivity(contact.solve(scene, TOL))
+    for tol in (1e-4, 1e-8):
+        by = contact.sensitivity(contact.solve(scene, tol))
+        for to in keys:
+            for name in NUMBERS:
+                if defined(exact.solution, name):
+                    one, other = by.of(name, to), exact.of(name, to)
+                    missed = np.abs(np.asarray(one.value) - other.value)
+                    slack = 1e-13 * np.abs(np.asarray(other.value)).max()
+                    assert np.all(missed <= np.asarray(one.error) + other.error + slack)
+
+
+def test_a_response_is_that_of_the_pressure_too() -> None:
+    scene, q = periodic(SERIES, mean_pressure=2e7), 2 * np.pi / 1e-4
+    solution = contact.solve(scene, TOL)
+    by = contact.sensitivity(solution)
+    rise = by.response(lambda x: 1e-7 * np.sin(q * x), lambda x: 1e-7 * q * np.cos(q * x))
+    x = np.concatenate([np.linspace(a, b, 9)[2:-2] for a, b in solution.zones])
+
+    def at(step: float) -> Any:
+        other = contact.Fourier(1e-4, SERIES.cosine, np.add(SERIES.sine, [1e-7 * step, 0, 0]))
+        return contact.solve(replace(scene, profile=other), TOL).pressure(x)
+
+    h = 1e-2
+    difference = (8 * (at(h) - at(-h)) - at(2 * h) + at(-2 * h)) / (12 * h)
+    assert np.abs(rise.pressure(x) - difference).max() < 1e-7 * solution.max_pressure
+    assert np.isclose(rise.of("zone_loads").value.sum(), 0.0, atol=1e-9 * solution.load)
+
+
+def test_the_derivative_by_another_parameter_is_noticed() -> None:
+    by = contact.sensitivity(contact.solve(ROUTES["zones"][0], TOL))
+    one, other = (by.of("max_pressure", f"profile.cosine[{k}]").value for k in (0, 1))
+    assert abs(one - other) > 1e-2 * abs(one)
+
+
+def test_at_an_event_and_at_equal_peaks_derivatives_are_said_to_be_one_sided() -> None:
+    begins = contact.solve(periodic(WAVE, mean_pressure=np.pi * 1e7))
+    assert "one-sided" in contact.sensitivity(begins).of("approach", "profile.amplitude").note
+    twins = contact.Fourier(1e-4, [0.0, -1e-6])
+    by = contact.sensitivity(contact.solve(periodic(twins, mean_pressure=1e7), 1e-11))
+    assert "one-sided" in by.of("max_pressure", "profile.cosine[0]").note
+    assert by.of("max_pressure", "profile.cosine[1]").note == ""
+
+
+REFUSED = {
+    "localized": Scene(WAVE, 1e9, contact.Localized(), load=500.0),
+    "dugdale": periodic(WAVE, law=contact.Dugdale(0.01, 1e7), mean_pressure=1e7),
+    "plateaus": periodic(WAVE, law=contact.Plastic(1.5e7), mean_pressure=1e7),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_not_exact_is_refused_by_name(name: str) -> None:
+    with pytest.raises(contact.SceneError, match=f"{name}|not known"):
+        contact.sensitivity(contact.solve(REFUSED[name]))
+
+
+def test_parameters_that_move_corners_or_change_the_kernel_are_refused_by_name() -> None:
+    by = contact.sensitivity(contact.solve(isolated(contact.Flat(1e-3))))
+    with pytest.raises(contact.SceneError, match="moves corners"):
+        by.of("approach", "profile.width")
+    with pytest.raises(contact.SceneError, match="infinite"):
+        by.of("max_pressure", "control.load")
+    for to in ("profile.length", "substrate.nu", "profile.width[0]"):
+        with pytest.raises(contact.SceneError, match="to"):
+            by.of("approach", to)
+    sliding = contact.sensitivity(contact.solve(ROUTES["sliding"][0]))
+    with pytest.raises(contact.SceneError, match="friction"):
+        sliding.of("approach", "law.friction")
+    assert sliding.of("approach", "control.mean_pressure").value > 0
