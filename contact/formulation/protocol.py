@@ -110,7 +110,7 @@ class Fields(Protocol):
 
     @property
     def contact_fraction(self) -> float:
-        """Width in contact divided by the period."""
+        """Total width of the zones divided by the period."""
 
     @property
     def widening_rate(self) -> float:

@@ -27,8 +27,8 @@ class FieldErrorOptions:
     # The factor 2 also bounds the effect of errors of a zone's two ends, where the pressure grows
     # like the square root of the distance.
     of_pressure: float = 2.0
-    # Absolute values of the kernels of the shear have no finite integrals. So a rough error of the
-    # shear causes a larger error of the stresses.
+    # The absolute values of the shear's kernels have infinite integrals. So an error of the shear
+    # that varies over short distances causes a larger error of the stresses.
     of_shear: float = 8.0
     rounding_margin: float = 64.0  # round-off of F and of y F' in units of the last digit
 

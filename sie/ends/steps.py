@@ -90,8 +90,8 @@ def newton_step(
     k = np.array(density.intensities)
     residual = np.where(moves, k - zones.intensities, 0.0)
     if zones.follow_ends:
-        # If prescribed intensities are not zero, no gap is treated as a slit. Then `whole` is the
-        # state on the given zones.
+        # A moving end has a prescribed intensity other than zero. Then no gap is treated as a slit,
+        # so `whole` is the state on the given zones.
         return _coupled_step(state.whole, moves, residual, options, value_response)
     a, noise_k = np.array(density.edge_slopes), state.intensity_noise
     safe, weak = _safe_slopes(density, state.natural, options, residual, last)

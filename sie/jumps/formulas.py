@@ -25,9 +25,9 @@ class JumpOptions:
     # closed form. The effect of more distant points is smooth on the zone. Values from 0.3 to 1
     # work equally well.
     reach: float = 0.5
-    # At points with |rho| below a limit, one series for all jumps of a zone replaces the closed
-    # forms; rho = zeta - sqrt(zeta^2 - 1). Below the first limit closed forms lose digits. The
-    # other two apply to zones with at least `far_jumps` jumps, for which the series is faster.
+    # At points with |rho| below one of these limits, one series for all jumps of a zone replaces
+    # the closed forms; rho = zeta - sqrt(zeta^2 - 1). Below the first limit closed forms lose
+    # digits. The other two apply from `far_jumps` jumps on a zone, where the series is faster.
     far_rho: tuple[float, ...] = (0.25, 0.6, 0.87)
     far_jumps: tuple[int, ...] = (10, 36)
 

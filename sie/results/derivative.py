@@ -307,7 +307,7 @@ def known_parts(system: System | GradedSystem | SecondKindRows, view: Rows, size
 
 
 def end_rates_of(density: AnyDensity, lack: Array) -> Array:
-    """Outward motions (2, Z) of the free ends that change their intensity from zero to `lack`.
+    """Outward motions (2, Z) of the free ends that change the intensity there from 0 to `lack`.
 
     density: the solution, whose edge slopes count.
     """

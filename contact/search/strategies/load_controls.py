@@ -139,8 +139,8 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
             return start
         return solve_load(load, nearest)
 
-    # The search ends when the bracket, divided by the load, is this narrow. Because of round-off
-    # it cannot become narrower.
+    # The search ends when the width of the bracket, divided by the load, is at most `closed`.
+    # Round-off prevents a narrower bracket.
     limits = KnownLoads(closed=64 * EPS)
     for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
         _raise_if_corner(context, here)

@@ -173,7 +173,7 @@ def floors(quick: bool) -> Iterator[Scaled]:
 
 
 def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scaled:
-    """Measure one scene; `patience` is the time [s] for repeated runs."""
+    """Measure one scene; `patience` is the time [s] spent on repeated runs."""
     try:
         solution = solve(scene, tol)
     except NotConverged:
