@@ -67,7 +67,7 @@ class NoState(Exception):
 
 @record
 class Corners:
-    """Residuals of all ends at a profile with sharp corners, as if no end were pinned.
+    """Residuals of all ends on a profile with sharp corners, as if no end were pinned.
 
     pinned: which ends rest at a corner (2n,). residual, rates, by_value: as in `State`.
     """

@@ -85,7 +85,8 @@ class GridGuide(sie.Kept):
         strip = 0.25 * math.pi * units.E_star * law.reach / law.tension
         least = GRID.cells * width / feature
         wanted = max(least, GRID.cells * width / strip)
-        # With more cells than the maximum below, the gradient flow without a grid takes less time.
+        # With more cells than the maximum in the next line, the gradient flow without a grid takes
+        # less time.
         if not wanted <= max(GRID.max_points, min(least, MOST_POINTS)):
             return None
         return cls(problem, x0, width, 2 ** math.ceil(math.log2(wanted)), by_load)

@@ -369,7 +369,7 @@ def _room(pulled: TractionLoaded, zones: Array) -> tuple[Array, Mask]:
 
 
 def _own(pulled: TractionLoaded, zones: Array) -> Array:
-    """Interval of tension around each zone (n, 2), or between sharp corners without tension."""
+    """Interval of tension around each zone (n, 2); without tension, that between the corners."""
     table = pulled.pulling.table
     return (
         table[interval_of(zones, table)]
@@ -427,7 +427,7 @@ def samples_with_extremes(gap: Callable[[Array], Array], x: Array) -> tuple[Arra
 
 
 def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
-    """Sample points outside the contact, denser near the ends of zones and of the tension."""
+    """Sample points outside the contact, denser near ends of zones and intervals of tension."""
     table, period = pulled.pulling.table, pulled.round
     lo, hi = (
         np.maximum(pulled.borders[0], pulled.corners[0]),

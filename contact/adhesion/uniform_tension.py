@@ -121,7 +121,7 @@ class UniformTension(sie.Kept):
         return self.stress / np.pi * out
 
     def in_plane(self, z: Complex) -> tuple[Complex, Complex]:
-        """The transform of the tension and its derivative at scaled points z, Im z >= 0."""
+        """(transform of the tension, derivative of the transform) at scaled points z, Im z >= 0."""
         flat = np.ravel(z)
         value: Complex = np.zeros(len(flat), dtype=complex)
         slope: Complex = np.zeros(len(flat), dtype=complex)

@@ -289,7 +289,7 @@ def touch_pressures(
 
 @dataclass(frozen=True)
 class _Contact:
-    """Levels that begin to touch at the same nominal pressure (over E*) and approach `delta`."""
+    """Levels that begin to touch at the same `pressure` (nominal, divided by E*) and `delta`."""
 
     kinds: list[int]
     pressure: float

@@ -131,7 +131,10 @@ def carried_by(problem: Problem, control: Control, a: float) -> float:
 
 
 def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
-    """(half widths, load or approach `control` at each), up to the first maximum of the latter."""
+    """(half widths, controlled quantity at each), up to the first maximum of this quantity.
+
+    The quantity is the load or the approach.
+    """
     limit = widest(problem)
     if not math.isfinite(limit):
         limit = 1e3 * guess_half_width(problem, control)

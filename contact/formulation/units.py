@@ -56,5 +56,5 @@ class Units:
         return self.scaled(self.x(scaled))
 
     def minus_place(self, scaled: Array) -> Array:
-        """Scaled height that a unit tilt adds: minus the position x [m] over the unit of length."""
+        """Scaled height that a unit tilt adds: -x / (unit of length), for the position x [m]."""
         return np.asarray(-(scaled + self.lever))

@@ -86,7 +86,7 @@ class Criterion:
         return np.nan_to_num(self.of(body.stress(x, y, self.lateral, self.nu)), posinf=0.0)
 
     def bound(self, highest: Array, anywhere: float, deep: float) -> Array:
-        """Bound of the equivalent stress at points, from the pressures near each and anywhere.
+        """Bound of the equivalent stress at points, from the highest pressures near and overall.
 
         It holds for surfaces without shear. highest: largest pressure near each point; anywhere:
         largest pressure of all; deep: pressure far below the surface.
@@ -235,7 +235,7 @@ class _Samples:
 
 
 def _apart(x: Array, y: Array, value: Array, size: Array) -> tuple[Array, Array, Array]:
-    """Places of the largest stresses (x, y, size), none of them close to a better one."""
+    """(x, y, size) of the places of largest stress, none of them close to a larger stress."""
     order = np.argsort(-value)
     order = order[value[order] >= OPTIONS.near_best * value[order[0]]]
     kept: list[int] = []
@@ -284,7 +284,7 @@ def _refined(body: Body, criterion: Criterion, x: Array, y: Array, size: Array) 
 
 
 def _vertex(value: Array, dx: Array, dy: Array) -> tuple[Array, Array]:
-    """Steps in x and y to the maximum of a paraboloid fitted to 3 x 3 values; at most 1 each."""
+    """Steps, in spacings and at most 1, to the top of a paraboloid fitted to 3 x 3 values."""
     columns = np.column_stack((np.ones(9), dx, dy, 0.5 * dx * dx, dx * dy, 0.5 * dy * dy))
     _, gx, gy, xx, xy, yy = np.linalg.pinv(columns) @ value
     determinant = xx * yy - xy * xy

@@ -59,7 +59,8 @@ Rest = Callable[[Array, float], Array]
 class OperatorOptions:
     """Options for averaging a kernel over the cells of a grid."""
 
-    near_cells: float = 4.5  # cell widths: nearer to the source the kernel is averaged over a cell
+    # Distance from the source, in cell widths, up to which the kernel is averaged over a cell.
+    near_cells: float = 4.5
 
 
 _OPTIONS = OperatorOptions()

@@ -19,7 +19,7 @@ from sie import Array
 
 
 def proposed_spots(scaled: ScaledScene, limit: float, points: int | None) -> tuple[Spots, int]:
-    """(first spots, number of grid points), from a contact on a grid; limit: of p [Pa].
+    """(first spots, number of grid points), from a contact on a grid; limit: largest p [Pa].
 
     Raises OutOfRange if the contact reaches the border of the part of the profile that is known.
     """

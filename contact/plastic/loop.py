@@ -111,7 +111,10 @@ class PlasticLoop:
             ) from fault
 
     def _without_lost(self, free: sie.Free, spots: Spots) -> Spots | Failure:
-        """The spots without vanished intervals; two alike beside a vanished one are united."""
+        """The spots without vanished intervals.
+
+        The two contacts beside a closed gap become one, and so do two plateaus.
+        """
         zones, problem = free.density.zones, self.problem
         table, values = zones.table, zones.values
         contacts, plateaus = spots.contacts, spots.plateaus

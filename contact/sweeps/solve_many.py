@@ -118,8 +118,8 @@ def _in_processes(
     ]
     solvers = min(workers or processors(), len(left) // 2)
     if solvers > 1:
-        # Each of n processes solves every n-th value in ascending order, each started from the
-        # value before it. So all processes take about the same time.
+        # Each of n processes solves every n-th value in ascending order. It starts each solution
+        # from its previous one. So all processes take about the same time.
         chunks = [
             Chunk.of_curve(curve.control, left[first::solvers], values) for first in range(solvers)
         ]

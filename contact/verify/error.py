@@ -345,7 +345,7 @@ class SolvedGaps(Solved):
 
     @property
     def _place_error(self) -> Array:
-        """Possible scaled error of the position of each narrow gap.
+        """Largest possible error of the scaled position of each narrow gap.
 
         At a smooth maximum of R with curvature k, a narrow gap may lie anywhere where R is within
         its rounding r of the maximum: up to sqrt(2 r / k) away. The error is 0 for wider gaps and

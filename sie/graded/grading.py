@@ -70,7 +70,7 @@ class Grading(Kept):
 
     @cached_property
     def reach(self) -> float:
-        """The length L of the zone with both gaps."""
+        """The length L of the zone together with the gaps on both sides."""
         return self.width + self.before + self.after
 
     @cached_property

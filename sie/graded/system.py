@@ -48,7 +48,8 @@ class GradedOptions:
     # they give have more digits.
     min_plain_unknowns: int = 900
     # A gap wider than this multiple of its zone's width is replaced by this multiple, so that the
-    # coordinate is defined next to infinite gaps. Next to such gaps it is nearly linear.
+    # coordinate is defined next to infinite gaps. Next to such gaps the
+    # coordinate is nearly linear.
     max_grading_gap: float = 1.0
     # Number of modes of a zone that the right side gets in addition to those that the kernel needs.
     extra_modes: int = 8
@@ -93,7 +94,7 @@ def first_sizes(gradings: list[Grading]) -> Index:
 
 
 def even_sizes(count: Array) -> Index:
-    """Even numbers, none below the given ones."""
+    """For each number in `count`, the smallest even number that is not below it."""
     return 2 * np.ceil(0.5 * count).astype(np.intp)
 
 

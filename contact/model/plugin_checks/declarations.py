@@ -19,7 +19,7 @@ from contact.model.profiles.derive import DETAIL
 from contact.model.profiles.noise import ROUND_OFF
 from sie import Array
 
-# For each array of declarations with one row for each place, the names of its columns.
+# Names of the columns of each array that a profile declares. Each row describes one place.
 _COLUMNS = {
     "kinks": ("position", "jump of the slope"),
     "jumps": ("position", "order", "jump of that derivative"),

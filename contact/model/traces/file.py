@@ -270,8 +270,8 @@ def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
         if found.layout.numbers(cells, found.places) is not None:
             first = above
             continue
-        # A single number in a row need not be a point. It may be, for example, the number of
-        # points.
+        # A row with a single number need not be a point of the trace. The number may be, for
+        # example, the count of points.
         lone = last >= len(cells) and (found.layout.delimiter or "\n") not in text
         if lone or (others and found.layout.numbers(cells, others) is None):
             break

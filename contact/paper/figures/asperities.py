@@ -32,7 +32,8 @@ from sie import Array
 class AsperitiesOfThePaper:
     """The scenes of figures 7 to 12, with E* = 1, the period L = 1 and the radius R = L."""
 
-    # Amplitude of the wave and slope of the wedge. Their pressures are proportional to this number.
+    # The amplitude of the wave, and also the slope of the wedge. The pressures are proportional to
+    # this number.
     scale: float = 0.01
     # The pressure on wave and wedge is drawn at these contact fractions 2a/L. That on the parabola
     # is drawn at these mean pressures, divided by E*.

@@ -388,7 +388,7 @@ class _Loop(Generic[Kind]):
         if not repeats:
             return corrected
         # The same intervals were tried before, so the number of intervals alternates between two
-        # values. Errors of the ends may cause the wrong sign that changes the right number. So the
+        # values. The wrong sign that changes the number may come from errors of the ends. So the
         # same intervals are solved with the smallest tolerance.
         if is_tight:
             raise WrongTopology(f"the number of {form.what}s did not settle", free)

@@ -126,7 +126,7 @@ def _verdict(
 
 
 def _other_topology(found: Solution, exact: Exact) -> tuple[float, str]:
-    """Largest difference of found and exact pressure, relative to the peak pressure; a message."""
+    """(largest difference of found and exact pressure, relative to the peak; message)."""
     x = truth.comb(exact)
     apart = truth.at_places(x, found.pressure(x), exact)[0]
     word = ", undecided" if found.certificate.undecided else ""
