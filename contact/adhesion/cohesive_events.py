@@ -426,7 +426,8 @@ class CohesiveEvents(Events):
     def _under_all_to(self, here: CohesiveState, value: float) -> Iterator[Jump | PathState]:
         rises = value > here.value
         end = min(value, self.full - ACCURACY.resting_step * self.size) if rises else value
-        # Full contact has no gap to follow. So `end`, the last control value, is below `self.full`.
+        # The gap is followed, and full contact has none. So `end`, the last control value, is below
+        # `self.full`.
         at, step, halvings = here.value, MOVES.small_part * (end - here.value), 0
         while at != end:
             ahead = end if abs(step) >= abs(end - at) else at + step

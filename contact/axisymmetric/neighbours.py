@@ -129,7 +129,7 @@ class Surroundings:
 
 
 def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:
-    """Neighbours on shifted lattices: single spots up to `cut` spacings, then a mean pressure.
+    """Neighbours on shifted lattices: single spots up to `cut` spacings, mean pressure beyond.
 
     If `cut` is infinite, all neighbours are single spots.
     """

@@ -85,7 +85,7 @@ class OneZoneProblem:
         return np.asarray((slope - 0.5 * self.kink) / weight)
 
     def kink_load(self, half: Value) -> tuple[Value, Value]:
-        """(load of the kink divided by E*/2, derivative of this load by the half length)."""
+        """(load that the kink adds, divided by E*/2; derivative of this ratio by `half`)."""
         if self.kink == 0.0:
             return 0.0, 0.0
         if self.map.period is None:

@@ -201,7 +201,7 @@ def _read_material(table: Table) -> float:
 
 
 def _read_law(table: Table, moduli: Table) -> Table:
-    """The table of a law, with what the law takes from the moduli of the bodies."""
+    """The table of a law, with the parameters that follow from the moduli of the bodies."""
     model, given = _named(table, "model")
     completed: Table = LAWS.find(model, "model").completed(given, moduli)
     return {"model": model, **completed}

@@ -291,7 +291,8 @@ class Rolling:
         try:
             found = sie.solve(equation, free.density.zones, self.tol)
         except sie.NotConverged as error:
-            # If q' is a small part of the shear, it needs fewer digits: `_slip` checks the error.
+            # A q' that is a small part of the shear needs fewer digits than `self.tol` asks for.
+            # So `error.best` may suffice: `_slip` checks its error.
             if error.best is None:
                 raise NotConverged(
                     f"not converged: the zones that stick: {error.reason}", (), self.solution

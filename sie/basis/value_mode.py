@@ -138,7 +138,7 @@ class ValueMode:
     def _mirrored(
         self, points: Points, of: Callable[[JacobiFunctions, Number, Number], Number], sign: float
     ) -> Number:
-        """`of` at the points; for the value 1 at the right end, from the mirrored function."""
+        """Values of `of` at the points; mirrored if the density is 1 at the right end."""
         left, less = from_ends(points)
         if self.at_left:
             return of(self._half, left, less)

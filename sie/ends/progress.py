@@ -218,8 +218,8 @@ class Progress:
         narrowest = np.minimum(width, self.first_width)
         closed = self.closing >= 2
         if not options.allow_loss:
-            # Without `allow_loss`, a closed gap ends the search. So repeated closing steps close a
-            # gap only if it is narrow enough to be a slit.
+            # Without `allow_loss`, a closed gap ends the search. So a gap that repeated
+            # steps would close counts as closed only if it is narrow enough to be a slit.
             narrow = gaps < SLITS.max_gap * narrowest
             closed = (self.closing >= options.insistent_steps) & narrow
         closed |= gaps < options.vanished_part * np.minimum(self.first_gap, narrowest)

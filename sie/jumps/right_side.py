@@ -465,7 +465,7 @@ class ForcingJumps(PlacedJumps):
         )
 
     def left_out(self, x: Array) -> Array:
-        """Sum at points x (n,) of the logarithms of the right side that its given values lack.
+        """Sum at points x (n,) of the logarithms that the given values of the right side lack.
 
         It is 0 if there are plateaus: their logarithms are minus the transform of the plateaus.
         """

@@ -289,7 +289,7 @@ class SecondKindDensity(DensityBase):
         return [one for one in self.known if isinstance(one, KnownJumps)]
 
     def _kinks_of(self, zone: int) -> tuple[Array, Array]:
-        """(distances of a zone's kinks from its left end in half widths, their heights)."""
+        """(distances of kinks from the zone's left end in half widths, heights of these kinks)."""
         parts = [one for one in self._known_jumps if one.zone == zone and one.order == 0]
         at = np.concatenate([np.ravel(one.closed.left) for one in parts])
         return at, np.concatenate([one.factors for one in parts])

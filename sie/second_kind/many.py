@@ -274,7 +274,7 @@ class ManyRows(Rows):
 
     @cached_property
     def others(self) -> Index:
-        """Indices of the coefficients c_k with k > 0; there is one for each row of the equation."""
+        """Indices of the coefficients c_k with k > 0, one index for each row of the equation."""
         layout = self.dense.layout
         return np.delete(np.arange(layout.coefficients), layout.offset)
 
