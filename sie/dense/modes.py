@@ -49,9 +49,9 @@ class ModeOptions:
     # nodes for each jump.
     nodes_per_piece: int = 4
     # Largest number of modes of a zone that are coupled to other zones. For a regular kernel that
-    # needs more modes, the last of `COUPLED_SIZES` applies instead. A gap next to
-    # which a zone would need more modes becomes a slit if the gap's ends are free (`sie.slits`).
-    # Zones next to a gap with a fixed end get graded coordinates (`sie.graded`).
+    # needs more modes, the last of `COUPLED_SIZES` applies instead. A gap next to which a zone
+    # would need more modes becomes a slit if the gap's ends are free (`sie.slits`). Zones next to a
+    # gap with a fixed end get graded coordinates (`sie.graded`).
     max_modes: int = 768
     # If the matrix would have more entries than this, motions of ends are found by iteration.
     max_matrix_numbers: float = 4e7

@@ -95,7 +95,7 @@ class GapGuesses:
         return float(np.sum(table[:, 1] - table[:, 0]))
 
     def _about(self, place: float, highest: float, mean: float) -> Array:
-        """The gap (1, 2) about a maximum of R; empty if the maximum is below the mean pressure."""
+        """The gap (1, 2) about a maximum of R; empty if R is flat or below the mean pressure."""
         sides = np.asarray(self.relief(np.array([place - self.step, place + self.step])))
         bend = 2 * highest - float(sides.sum())
         if highest <= mean or not bend > 0:
