@@ -71,6 +71,17 @@ def test_every_page_is_in_the_navigation_once_and_every_entry_is_a_page() -> Non
     assert sorted(named) == sorted(page.relative_to(DOCS).as_posix() for page in PAGES)
 
 
+def address(page: str) -> str:
+    """The folder of the site in which a page stands."""
+    return page.removesuffix(".md").removesuffix("index").rstrip("/")
+
+
+def test_no_two_pages_have_one_address() -> None:
+    taken = [address(page.relative_to(DOCS).as_posix()) for page in PAGES]
+    assert sorted(taken) == sorted(set(taken))
+    assert address("paper.md") == address("paper/index.md") != address("paper/spots.md")
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.relative_to(DOCS).as_posix())
 def test_links_of_a_page_lead_to_what_is_there(page: Path) -> None:
     for target in re.findall(r"\]\(([^)\s]+)\)", prose(page)):
