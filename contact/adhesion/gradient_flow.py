@@ -340,7 +340,7 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
     first, last = here.whole, ahead.whole
     before, after = sign * first.residual, sign * last.residual
     allowed = np.minimum(
-        -MOVES.small_drive * np.minimum(np.abs(before), 1.0) - ACCURACY.coarse,
+        -MOVES.small_part * np.minimum(np.abs(before), 1.0) - ACCURACY.coarse,
         1.1 * before - ACCURACY.coarse,
     )
     # Short steps are exempt from the test: near a stable equilibrium a small overshoot corrects

@@ -36,11 +36,11 @@ class MoveOptions:
     # Factor by which a failed step is shortened. From one step to the next, a step length grows at
     # most by 1 / `least_part`, and the unit of the control falls at most by `least_part`.
     least_part: float = 0.3
-    # A length or growth rate counts as small below this fraction of the value with which it is
-    # compared.
+    # A length, a growth rate or a residual of the wrong sign counts as small below this fraction of
+    # the value with which it is compared.
     small_part: float = 0.1
-    # Largest accepted error of a predicted residual. It is also the largest accepted residual of
-    # the wrong sign after an end has passed an equilibrium.
+    # Largest accepted error of a predicted residual. A larger residual of the wrong sign shows that
+    # an end has passed an equilibrium, even after a short step.
     small_drive: float = 0.05
     # If the residuals of both ends of a gap or zone exceed this, the gap or zone vanishes before
     # the ends reach equilibrium.
