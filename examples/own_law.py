@@ -11,14 +11,14 @@ import contact
 @dataclass(frozen=True)
 class Adhesive(contact.Law):
     """Bodies that adhere with the work of adhesion [J/m^2] (K. L. Johnson, K. Kendall & A. D. Roberts, Proc. R. Soc. A 324 (1971) 301):
-    at distance d from the end of a zone the pressure is -sqrt(E* work / (2 pi) / d)."""
+    at distance d from the end of a zone the pressure is -sqrt(E* work / pi / d)."""
 
     work: float
     allows = ("load", "mean_pressure", "half_width")
     pulls = True
 
     def intensity(self, E_star):
-        return -np.sqrt(E_star * self.work / (2 * np.pi))
+        return -np.sqrt(E_star * self.work / np.pi)
 
 
 def main():

@@ -17,7 +17,14 @@ import contact
 
 ROOT = Path(contact.__file__).parent.parent
 DOCS = ROOT / "docs"
-PAGES = ("ablation.md", "benchmarks.md", "engine.md", "many-zones.md", "stability.md", "tests.md")
+PAGES = (
+    "ablation.md",
+    "benchmarks.md",
+    "measured-engine.md",
+    "many-zones.md",
+    "stability.md",
+    "tests.md",
+)
 PLACE = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 

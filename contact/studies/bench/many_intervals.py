@@ -6,7 +6,7 @@ The cases are rows of 500 and 2,000 intervals of different widths and gaps. They
 edges, side conditions and kernels of a user's own, columns without declared modes, or prescribed
 intensities. Each case runs in a process of its own, on one thread. A remark gives the exponents of
 time as a power of the number of intervals. `python -m contact.studies.pages DIR` sets
-DIR/many-intervals.md in docs/engine.md.
+DIR/many-intervals.md in docs/measured-engine.md.
 """
 
 from __future__ import annotations
@@ -109,8 +109,8 @@ def kernel_of_both(length: float) -> sie.Kernel:
 
 CASES: dict[str, Callable[[int], tuple[sie.Equation, sie.Zones]]] = {
     "aerofoils in tandem": lambda n: (wave_equation(), row_of_zones(n, sie.BOUNDED)),
-    "totals, a condition of one's own": lambda n: (wave_equation(Totals()), row_of_zones(n)),
-    "on springs, a condition of one's own": lambda n: (wave_equation(OnSprings()), row_of_zones(n)),
+    "totals, a condition of your own": lambda n: (wave_equation(Totals()), row_of_zones(n)),
+    "on springs, a condition of your own": lambda n: (wave_equation(OnSprings()), row_of_zones(n)),
     "a column of undeclared modes": lambda n: (
         wave_equation(
             sie.ZoneTotals(0.1), sie.Amplitude(0, 0.3), columns=(sie.Forcing(np.cos, np.sin),)
