@@ -112,7 +112,7 @@ class Law(Named, sie.Kept):
     Examples
     --------
     A parabola that adheres, p ~ K/sqrt(d) at its ends: P = pi E* a^2/(4 R) + pi K sqrt(2 a) (M.
-    Barquins, J. Adhesion 26, 1988, 1, doi 10.1080/00218468808071271).
+    Barquins, J. Adhesion 26, 1988, 1).
 
     >>> import contact
     >>> import numpy as np

@@ -3,7 +3,7 @@
 At the distance d from the end of a zone p ~ -sqrt(E* w/pi) / sqrt(d).
 
 K. L. Johnson, K. Kendall & A. D. Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313; in the plane M.
-Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464; of a wavy surface K. L.
+Barquins, J. Adhesion 26 (1988) 1-12; of a wavy surface K. L.
 Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9. Attraction has
 no range: where the surfaces do not touch, nothing acts between them.
 """

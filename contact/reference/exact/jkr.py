@@ -5,7 +5,7 @@ less a flat punch with this intensity sqrt(E* w/pi) at its corners. The load of 
 
     Q = sqrt(2 pi E* a w) isolated,   Q = sqrt(2 E* w L tan(pi a/L)) with a period L.
 
-Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464. Wave: K. L.
+Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12. Wave: K. L.
 Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9. Other profiles,
 approaches and energies are derived here, as the same zone less the same punch.
 """
@@ -35,7 +35,7 @@ class JKRZone(AdhesiveZone):
     surface energy = -2 a w.
 
     Energies are in `AdhesiveZone`, fields in `SymmetricZone`. M. Barquins, J. Adhesion 26 (1988)
-    1-12, doi 10.1080/00218468808075464; K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430,
+    1-12; K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430,
     doi 10.1016/0020-7683(94)00111-9.
 
     Parameters
@@ -153,7 +153,7 @@ class JKRCylinder(Cylinder, _JKREquilibria):
     approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a).
 
     Pull-off at prescribed load: a^3 = 2 R^2 w/(pi E*), P = -3 (pi E* w^2 R/16)^(1/3). M.
-    Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464.
+    Barquins, J. Adhesion 26 (1988) 1-12.
 
     Parameters
     ----------
