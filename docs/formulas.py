@@ -9,7 +9,7 @@ import re
 from typing import Any
 
 from latex2mathml.converter import convert
-from mkdocs.exceptions import PluginError
+from properdocs.exceptions import PluginError
 
 # What pymdownx.arithmatex makes of $...$ and $$...$$.
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
@@ -45,7 +45,7 @@ def mathml(tex: str, display: bool) -> str:
 
 
 def on_page_content(content: str, page: Any, **_: Any) -> str:
-    """Called by mkdocs with the HTML of every page."""
+    """Called by ProperDocs with the HTML of every page."""
 
     def set_one(found: re.Match[str]) -> str:
         try:

@@ -14,8 +14,8 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from mkdocs.exceptions import PluginError
-from mkdocs.structure.files import File
+from properdocs.exceptions import PluginError
+from properdocs.structure.files import File
 
 ROOT = Path(__file__).parents[1]
 FILES = {
@@ -91,7 +91,7 @@ def heading_of(notebook: Path) -> str:
 
 
 def on_config(config: Any, **_: Any) -> Any:
-    """Called by mkdocs first: examples and notebooks stand below their pages in the navigation."""
+    """Called by ProperDocs first: examples and notebooks stand below their pages in the navigation."""
     below = {
         "examples.md": [
             {heading: [{told(script)[0]: f"gallery/{script.stem}.md"} for script in files]}
@@ -107,7 +107,7 @@ def on_config(config: Any, **_: Any) -> Any:
 
 
 def on_files(files: Any, config: Any, **_: Any) -> Any:
-    """Called by mkdocs with the files of the folder: the pages are added."""
+    """Called by ProperDocs with the files of the folder: the pages are added."""
     for script in (script for found in scripts().values() for script in found):
         if not all(
             (ROOT / "docs" / "gallery" / f"{script.stem}.{end}").exists() for end in ("png", "txt")
@@ -120,5 +120,5 @@ def on_files(files: Any, config: Any, **_: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Called by mkdocs with the text of every page."""
+    """Called by ProperDocs with the text of every page."""
     return markdown.replace(PLACE, index()) if PLACE in markdown else markdown

@@ -64,8 +64,8 @@ def page(notebook: Path) -> tuple[str, dict[str, bytes]]:
 
 
 def on_files(files: Any, config: Any, **_: Any) -> Any:
-    """Called by mkdocs with the files of the folder: the pages are added."""
-    from mkdocs.structure.files import File
+    """Called by ProperDocs with the files of the folder: the pages are added."""
+    from properdocs.structure.files import File
 
     for notebook in notebooks():
         content, pictures = page(notebook)
@@ -76,7 +76,7 @@ def on_files(files: Any, config: Any, **_: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Called by mkdocs with the text of every page: the list of notebooks leads to their pages."""
+    """Called by ProperDocs with the text of every page: the list of notebooks leads to their pages."""
     return markdown.replace(".ipynb)", ".md)") if page.file.src_uri == "notebooks.md" else markdown
 
 

@@ -38,7 +38,7 @@ def completed(page: str, package: str) -> str:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Called by mkdocs with the text of every page."""
+    """Called by ProperDocs with the text of every page."""
     package = page.file.src_uri.removeprefix("api/").removesuffix(".md")
     return (
         completed(markdown, package)

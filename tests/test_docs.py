@@ -104,7 +104,7 @@ def test_a_page_loads_nothing_from_elsewhere(page: Path) -> None:
 
 
 def hook(name: str) -> ModuleType:
-    """A file of docs that mkdocs runs."""
+    """A file of docs that ProperDocs runs."""
     spec = importlib.util.spec_from_file_location(f"docs_{name}", DOCS / f"{name}.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -202,7 +202,7 @@ def test_a_heading_that_is_not_there_is_noticed(tmp_path: Path) -> None:
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The pages, built."""
     if (
-        importlib.util.find_spec("material") is None
+        importlib.util.find_spec("materialx") is None
         or importlib.util.find_spec("mkdocstrings") is None
     ):
         pytest.skip("the extra `docs` is not installed")
@@ -210,7 +210,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     command = [
         sys.executable,
         "-m",
-        "mkdocs",
+        "properdocs",
         "build",
         "--quiet",
         "--strict",
