@@ -56,8 +56,9 @@ class Change:
 class Linearized(sie.Kept):
     """The linear equations for the derivatives of one solution."""
 
-    def __init__(self, solution: Solution) -> None:
-        self.solution = solution
+    def __init__(self, solution: Solution, stated: bool = True) -> None:
+        """stated: whether errors are asked for, which take two more solves."""
+        self.solution, self.stated = solution, stated
 
     @cached_property
     def peaks(self) -> Array:
@@ -78,7 +79,7 @@ class Linearized(sie.Kept):
     def variants(self) -> tuple[Fields, ...]:
         """The fields, and those on zones moved by the stated error in two ways."""
         fields, error = self.solution.fields, self.solution.error
-        if not isinstance(fields, (ZoneFields, GapFields)):
+        if not isinstance(fields, (ZoneFields, GapFields)) or not self.stated:
             return (fields,)
         table = fields.zone_table
         n = len(table)

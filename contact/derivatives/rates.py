@@ -81,11 +81,14 @@ def rate_of(fields: Fields, direction: Profile, load: float, moment: float = 0.0
     """
     units = fields.problem.units
     grown = Turned(load / units.load, moment / units.moment)
-    if isinstance(fields, ZoneFields):
-        of = _of_intensities if fields.solved_zones.follow_ends else _of_zones
-        return of(fields, direction, grown)
-    if isinstance(fields, GapFields):
-        return _of_gaps(fields, direction, grown)
+    try:
+        if isinstance(fields, ZoneFields):
+            of = _of_intensities if fields.solved_zones.follow_ends else _of_zones
+            return of(fields, direction, grown)
+        if isinstance(fields, GapFields):
+            return _of_gaps(fields, direction, grown)
+    except (ValueError, sie.SingularSystem) as error:
+        raise SceneError(f"no derivative along this change: {error}", "change") from error
     if isinstance(fields, FullFields):
         return _of_full(fields, direction, load)
     raise SceneError(
@@ -137,10 +140,7 @@ def _of_intensities(fields: ZoneFields, direction: Profile, grown: Turned) -> Ra
     state = sie.solve_zones(equation, zones, TOLERANCES.rounding)
     none = np.zeros(len(zones))
     found = sie.Solution(state.density, zones, state.density_error, errors=none, state=state)
-    try:
-        rate = found.derivative(problem.forcing, values=[grown.load, 0.0])
-    except (ValueError, sie.SingularSystem) as error:
-        raise SceneError(f"no derivative here: {error}", "solution") from error
+    rate = found.derivative(problem.forcing, values=[grown.load, 0.0])
     density, units = rate.density, problem.units
     middle = zones.middle[:1]
     level = float((density.potential(middle) - problem.shape(middle))[0])

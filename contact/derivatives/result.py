@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
+from contact.derivatives.adjoint import Weights
 from contact.derivatives.direction import (
     STEP,
     WEIGHTS,
@@ -28,6 +29,8 @@ from contact.derivatives.direction import (
     Parameter,
     places_of,
 )
+from contact.derivatives.functionals import Functionals, Weighted
+from contact.derivatives.heights import by_heights
 from contact.derivatives.linear import Change, Linearized
 from contact.derivatives.numbers import Numbers, Value
 from contact.errors import SceneError
@@ -37,6 +40,7 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.checks import one_of, real
 from contact.model.controls import Quantity
+from contact.model.profiles.sampled import Sampled
 from contact.model.registry import remade
 from contact.solution.solution import Solution
 from contact.sweeps.sweep.keys import MODULUS, tables
@@ -46,6 +50,8 @@ from sie import Array
 OF_PRESSURE = {"load": 1.0, "max_pressure": 1.0, "stiffness": 1.0, "zone_loads": 1.0}
 OF_HEIGHT = {"approach": 1.0, "mean_gap": 1.0, "stiffness": -1.0}
 
+# Numbers that are arrays, with an entry for each zone.
+TABLES = ("zones", "zone_widths", "zone_loads")
 # Names of numbers that have derivatives.
 NUMBERS = (
     "load",
@@ -192,6 +198,8 @@ class Sensitivity(sie.Kept):
     ----------
     solution : Solution
         The solution.
+    stated : bool
+        Whether errors are stated. Without them, derivatives take a third of the time.
 
     Examples
     --------
@@ -208,10 +216,10 @@ class Sensitivity(sie.Kept):
     material.E_star 0.5
     """
 
-    def __init__(self, solution: Solution) -> None:
+    def __init__(self, solution: Solution, stated: bool = True) -> None:
         refuse(solution)
         self.solution = solution
-        self.linearized = Linearized(solution)
+        self.linearized = Linearized(solution, stated)
         self._known: dict[str, Response] = {}
 
     @property
@@ -256,6 +264,12 @@ class Sensitivity(sie.Kept):
         value = self._value(name)
         if index is not None or np.ndim(value) == 0:
             return self.by(to).of(number)
+        table, _, key = name.partition(".")
+        scene = self.solution.scene
+        if key == "height" and isinstance(scene.profile, Sampled):
+            return self.to_heights(number)
+        if table in scene.profile.bodies and self._adjoint and number not in TABLES:
+            return self._by_array(number, table, key)
         found = [self.by(f"{name}[{k}]").of(number) for k in range(len(value))]
         return Derivative(
             np.array([one.value for one in found]),
@@ -313,6 +327,102 @@ class Sensitivity(sie.Kept):
         profile = self.solution.scene.profile
         direction = Direction.given(profile, dheight, dslope)
         return self._response(self.linearized.along(direction))
+
+    def to_heights(self, number: str, index: int | tuple[int, ...] = ()) -> Derivative:
+        """The derivatives of one number by all heights of a measured profile, from one solve.
+
+        Parameters
+        ----------
+        number : str
+            See `Response.of`.
+        index : int or tuple of int
+            The entry of an array: that of a zone for "zone_loads" and "zone_widths", (zone, 0 or 1)
+            for an end of "zones". Left out for a number.
+
+        Returns
+        -------
+        Derivative
+            One entry for each point of the profile. Heights count upwards, towards contact.
+
+        Raises
+        ------
+        SceneError
+            If the profile is no contact.Sampled, the number has no derivative, or the law is one of
+            adhesion or of friction between unlike bodies.
+
+        Examples
+        --------
+        If all heights rise by 1, nothing changes.
+
+        >>> import contact
+        >>> import numpy as np
+        >>> x = np.linspace(0.0, 1.0, 16, endpoint=False)
+        >>> wave = contact.Sampled(x, 1e-2 * np.cos(2 * np.pi * x), period=1.0)
+        >>> scene = contact.Scene(wave, 1.0, contact.Periodic(), contact_fraction=0.4)
+        >>> by_heights = contact.sensitivity(contact.solve(scene)).to_heights("max_pressure")
+        >>> by_heights.value.shape, bool(abs(by_heights.value.sum()) < 1e-9)
+        ((16,), True)
+        """
+        profile = self.solution.scene.profile
+        if not isinstance(profile, Sampled):
+            raise SceneError(
+                f"the {profile.name} profile has no heights: use `of(number, to=...)`, or "
+                "contact.Sampled",
+                "profile",
+            )
+        found = self._weights(number, index)
+        return self._by_weights(found, lambda one: by_heights(profile, one), number)
+
+    @property
+    def _adjoint(self) -> bool:
+        """Whether the weights of all heights are known, and not only single derivatives."""
+        return Functionals(self.linearized).refusal == ""
+
+    def _by_array(self, number: str, table: str, key: str) -> Derivative:
+        """The derivatives of a number by an array of parameters, from one solve."""
+        profile, found = self.solution.scene.profile, self._weights(number, ())
+        x = places_of(profile, self.solution.zones)
+        all_of = [
+            Direction.by_parameter(profile, Parameter(table, key, k), x)
+            for k in range(len(self._value(f"{table}.{key}")))
+        ]
+        by = self._by_weights(
+            found,
+            lambda one: np.array([one.of(way.height, way.slope) for way, _ in all_of]),
+            number,
+        )
+        unsure = np.array([error for _, error in all_of])
+        more = TOLERANCES.margin * unsure * np.abs(np.asarray(by.value))
+        return replace(by, error=by.error + more)
+
+    def _weights(self, number: str, index: int | tuple[int, ...]) -> Weighted:
+        """The weights of a number on the zones and on moved zones."""
+        one_of("number", number, NUMBERS)
+        at = index if isinstance(index, tuple) else (index,)
+        # That the number has a derivative is checked by the one by the load.
+        value = np.asarray(Response(self.solution, self.linearized.by_load).of(number).value)
+        if len(at) != value.ndim or any(
+            not 0 <= k < n for k, n in zip(at, value.shape, strict=True)
+        ):
+            raise SceneError.of("index", index, f"an index of an array of shape {value.shape}")
+        return Functionals(self.linearized).weights(number, at)
+
+    def _by_weights(
+        self, weighted: Weighted, table_of: Callable[[Weights], Array], number: str
+    ) -> Derivative:
+        """The derivatives that `table_of` makes of weights, with their error."""
+        tables = [table_of(one) for one in weighted.found]
+        value = tables[0]
+        relative = 2 * self.solution.error + TOLERANCES.margin * weighted.found[0].error
+        error = relative * float(np.abs(value).max(initial=0.0)) + np.zeros(value.shape)
+        for other in tables[1:]:
+            error = error + TOLERANCES.margin * abs(other - value)
+        if weighted.control is not None:
+            error = error + weighted.unsure * abs(table_of(weighted.control))
+        note = self.note
+        if number == "max_pressure" and len(self.linearized.peaks) > 1:
+            note = "several places of highest pressure: the derivatives are those of one of them"
+        return Derivative(value, error, note)
 
     # The next methods give the derivative by one parameter.
 

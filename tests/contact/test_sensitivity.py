@@ -265,3 +265,65 @@ def test_parameters_that_move_corners_or_change_the_kernel_are_refused_by_name()
     with pytest.raises(contact.SceneError, match="friction"):
         sliding.of("approach", "law.friction")
     assert sliding.of("approach", "control.mean_pressure").value > 0
+
+
+def measured(count: int = 48) -> contact.Sampled:
+    """A measured period of a rough surface."""
+    rng, x = np.random.default_rng(3), 1e-4 * np.arange(count) / count
+    waves = (
+        2e-6 / k**1.7 * np.cos(2 * np.pi * k * x / 1e-4 + rng.uniform(0, 6))
+        for k in range(1, count // 4)
+    )
+    return contact.Sampled(x, sum(waves), 1e-4)
+
+
+ROUGH = measured()
+LONE = contact.Sampled(ROUGH.x, ROUGH.heights - 4e-5 * (ROUGH.x / 1e-4 - 0.5) ** 2)
+MEASURED = {
+    "zones": periodic(ROUGH, contact_fraction=0.3),
+    "gaps": periodic(ROUGH, contact_fraction=0.9),
+    "full contact": periodic(ROUGH, mean_pressure=8e8),
+    "approach": periodic(ROUGH, approach=2e-6),
+    "layer": periodic(ROUGH, substrate=contact.Layer(2e-5, 0.3), contact_fraction=0.3),
+    "alone": isolated(LONE, load=1e3),
+    "moment": isolated(LONE, load=1e3, moment=0.05),
+}
+FEW = ("zones", "alone", "full contact")
+
+
+@pytest.mark.filterwarnings("ignore::contact.ModelWarning")
+@pytest.mark.parametrize(
+    "name", [pytest.param(r, marks=[] if r in FEW else pytest.mark.slow) for r in MEASURED]
+)
+def test_all_heights_at_once_and_one_at_a_time_have_the_same_derivatives(name: str) -> None:
+    """The adjoint equation against the equation of each derivative."""
+    solution = contact.solve(MEASURED[name], 1e-9)
+    by = contact.sensitivity(solution)
+    for number, index in (
+        ("max_pressure", ()),
+        ("approach", ()),
+        ("stiffness", ()),
+        ("mean_gap", ()),
+        ("zones", (0, 1)),
+        ("zone_loads", (0,)),
+    ):
+        one = getattr(solution, number)
+        if one is None or not np.size(one) or not np.isfinite(one).all():
+            continue
+        table = by.to_heights(number, index)
+        size = np.abs(table.value).max()
+        for k in (0, 7, int(np.argmax(np.abs(table.value)))):
+            single = by.by(f"profile.height[{k}]").of(number)
+            missed = np.abs(np.asarray(single.value)[index] - table.value[k])
+            assert missed <= table.error[k] + np.asarray(single.error)[index]
+            assert missed <= 1e-9 * size or size <= np.max(table.error)
+
+
+def test_arrays_of_coefficients_have_the_derivatives_of_their_entries() -> None:
+    by = contact.sensitivity(contact.solve(ROUTES["zones"][0], TOL))
+    table = by.of("max_pressure", "profile.sine")
+    single = [by.of("max_pressure", f"profile.sine[{k}]").value for k in range(3)]
+    assert np.allclose(table.value, single, rtol=1e-9)
+    adhesive = contact.sensitivity(contact.solve(ROUTES["adhesion"][0]))
+    with pytest.raises(contact.SceneError, match="no heights"):
+        adhesive.to_heights("max_pressure")

@@ -1,0 +1,394 @@
+r"""The derivative of one number by all heights at once, from one solve of an adjoint equation.
+
+Let V be the potential and T = V' the transform of the kernel. The derivative p' along a change f' of
+the profile has V p' = f' + const on the zones, and a given load. V is symmetric. So a number J(p')
+is the integral of W f' over the zones, where V W is the functional J itself, up to a constant:
+
+    load of a zone      V W = 1 on this zone, 0 on the others
+    approach            the pressure of a unit load under flat zones
+    p'(x*)              V W = a unit source at x*
+    intensity at an end V W = 0, with W ~ d^(-3/2) at this end
+
+The last two have a part W = -w' in closed form on their own zone, with t from -1 to 1 on it:
+
+    p'(x*):     w ~ sqrt(1 - t^2) / (t - t*),        T w ~ 1 - sqrt(z^2 - 1) / (z - t*)
+    right end:  w ~ sqrt((1 + t) / (1 - t)),         T w ~ sqrt((z + 1) / (z - 1)) - 1
+    left end:   w ~ sqrt((1 - t) / (1 + t)),         T w ~ 1 - sqrt((z - 1) / (z + 1))
+
+and T w = 1, -1, 1 on the zone. The rest of W solves the equation of the zones with T w as the change
+of the profile. The integral of w (f')' is a principal value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+
+import sie
+from contact.derivatives.rates import held
+from contact.errors import SceneError
+from contact.formulation.controls import Load
+from contact.formulation.fields import ZoneFields
+from contact.formulation.full_contact import FullFields
+from contact.formulation.gaps import GapFields
+from contact.formulation.problem import Problem
+from contact.formulation.quadrature import gauss, over_period
+from contact.formulation.tolerances import TOLERANCES
+from sie import Array, record
+
+# Gauss nodes in a panel, which is so short that they integrate its waves to round-off.
+NODES = 16
+
+
+@record
+class Source:
+    """A closed-form part w of the weight: on one zone, for p' at t = place or for an end.
+
+    end: 0 for a place, -1 and 1 for the left and the right end. factor: factor of w.
+    """
+
+    zone: int
+    factor: float
+    end: int = 0
+    place: float = 0.0
+
+    def weight(self, t: Array) -> Array:
+        """w times dt / d(angle), at t = cos(angle)."""
+        if self.end:
+            return np.asarray(self.factor * (1 + self.end * t))
+        return np.asarray(self.factor * (1 - t) * (1 + t) / (t - self.place))
+
+    def field(self, left: Array, right: Array, slope: bool) -> Array:
+        """T w, or its derivative by z, off the zone; left = z + 1, right = z - 1."""
+        root = np.sign(left) * np.sqrt(left * right)
+        if self.end == 1:
+            value, rise = np.sqrt(left / right) - 1, -1 / (right * root)
+        elif self.end == -1:
+            value, rise = 1 - np.sqrt(right / left), -1 / (left * root)
+        else:
+            away = 0.5 * (left + right) - self.place
+            value = 1 - root / away
+            rise = (root / away - 0.5 * (left + right) / root) / away
+        return np.asarray(self.factor * (rise if slope else value))
+
+    @property
+    def area(self) -> float:
+        """Integral of w dt, a principal value."""
+        return np.pi * self.factor * (1.0 if self.end else -self.place)
+
+    @property
+    def on_zone(self) -> float:
+        """T w on the zone."""
+        return -self.factor if self.end == 1 else self.factor
+
+
+@dataclass(frozen=True)
+class Functional:
+    """A number as a functional of the derivative of a contact, with the factor of each part.
+
+    ends: of outward motions [m] (n, 2). loads: of loads of zones (n,). approach: of the approach of
+    heights f. gap: of the mean of f. peak: place [m] and factor of the pressure there. tip: factor of
+    f at its lowest place. Zones are in the order of the fields.
+    """
+
+    ends: Array
+    loads: Array
+    approach: float = 0.0
+    mean: float = 0.0
+    peak: tuple[float, float] | None = None
+    tip: float = 0.0
+
+    def plus(self, other: Functional, factor: float) -> Functional:
+        """This functional plus `factor` times another one, which has no peak."""
+        return replace(
+            self,
+            ends=self.ends + factor * other.ends,
+            loads=self.loads + factor * other.loads,
+            approach=self.approach + factor * other.approach,
+            mean=self.mean + factor * other.mean,
+            tip=self.tip + factor * other.tip,
+        )
+
+
+@record
+class Weights:
+    """A functional of changes of the profile: sum of heights f'(x) and slopes f''(x) at places.
+
+    x: places [m]. heights, slopes: their weights. error: relative error of the sum.
+    """
+
+    x: Array
+    heights: Array
+    slopes: Array
+    error: float
+
+    def of(self, height: Callable[[Array], Array], slope: Callable[[Array], Array]) -> float:
+        """The functional of a change with this height and slope."""
+        return float(self.heights @ height(self.x) + self.slopes @ slope(self.x))
+
+
+def weights_of(fields: Any, functional: Functional, tip: float) -> Weights:
+    """The functional, on the given fields, as weights of heights and slopes at places.
+
+    tip: lowest place of the profile [m].
+    """
+    if isinstance(fields, GapFields):
+        zones = sie.Zones.of(fields.zones, sie.SINGULAR, sie.SINGULAR)
+        slopes = np.abs(np.array(fields.gap_slope.edge_slopes))
+        slopes = np.array([slopes[1], np.roll(slopes[0], -1)])
+        moves = np.ones(slopes.shape, dtype=bool)
+    else:
+        assert isinstance(fields, ZoneFields)
+        solved = fields.solved_zones
+        zones, slopes, moves = held(solved), np.array(fields.density.edge_slopes), solved.moves
+    with np.errstate(divide="ignore", invalid="ignore"):
+        steps = np.where(moves, zones.weight.end_step(1.0, slopes), 0.0)
+    return _Adjoint(fields.problem, zones).weights(functional, steps, tip)
+
+
+@dataclass(frozen=True)
+class _Adjoint:
+    """The adjoint equation on given zones."""
+
+    problem: Problem
+    zones: sie.Zones
+    sources: list[Source] = field(default_factory=list)
+    series: list[Chebyshev] = field(default_factory=list)
+
+    def weights(self, functional: Functional, steps: Array, tip: float) -> Weights:
+        problem, zones, units = self.problem, self.zones, self.problem.units
+        out_of = functional.ends.T * steps * units.length
+        root = np.sqrt(zones.half / 2) / np.pi
+        for side, end in enumerate((-1, 1)):
+            for zone in np.flatnonzero(out_of[side]).tolist():
+                factor = -end * out_of[side, zone] * root[zone]
+                self.sources.append(Source(zone, float(factor), end))
+        if functional.peak is not None:
+            self.sources.append(self._at(*functional.peak))
+        state = self._solved(functional)
+        density = state.density
+        parts = [self._on_zone(density, k, int(density.sampling[k])) for k in range(len(zones))]
+        x, heights, slopes = (np.concatenate(one) for one in zip(*parts, strict=True))
+        x, heights, slopes = units.x(x), heights / units.height, slopes / units.slope
+        if functional.mean:
+            more, _, share = over_period(problem.profile)
+            x, heights, slopes = (
+                np.append(x, more),
+                np.append(heights, functional.mean * share),
+                np.append(slopes, np.zeros(len(more))),
+            )
+        x, heights = np.append(x, tip), np.append(heights, functional.tip)
+        error = state.density_error + TOLERANCES.rounding
+        return Weights(x, heights, np.append(slopes, 0.0), error)
+
+    def _at(self, x: float, factor: float) -> Source:
+        """The source of the pressure [Pa] at a place x [m]."""
+        zones, period = self.zones, self.problem.period
+        at = np.asarray(self.problem.units.scaled(np.array([x])))
+        if period is not None:
+            at = sie.wrapped(at, float(zones.a[0]), period)
+        zone = int(np.argmin(np.abs(at - zones.middle) / zones.half))
+        left = float((at[0] - zones.a[zone]) / zones.half[zone])
+        right = float((zones.b[zone] - at[0]) / zones.half[zone])
+        factor = factor * self.problem.units.pressure / (np.pi * np.sqrt(left * right))
+        return Source(zone, factor, 0, 0.5 * (left - right))
+
+    def _solved(self, functional: Functional) -> sie.AnyState:
+        """The rest of the weight, a density on the zones."""
+        units = self.problem.units
+        jump = functional.loads * units.load
+        own = np.array(jump)
+        for one in self.sources:
+            own[one.zone] += one.on_zone / self.zones.half[one.zone]
+
+        def value(x: Array) -> Array:
+            return self._field(x, True)
+
+        def primitive(x: Array) -> Array:
+            return self._field(x, False) + own[self._zone_of(x)]
+
+        # The weight has no moment, so that a tilt changes nothing.
+        moment = None if self.problem.moment is None else -sum(one.area for one in self.sources)
+        equation = replace(self.problem, moment=moment).equation(
+            Load(functional.approach * units.height)
+        )
+        forcing = sie.Forcing(value, primitive)
+        try:
+            return sie.solve_zones(
+                replace(equation, forcing=forcing), self.zones, TOLERANCES.rounding
+            )
+        except (ValueError, sie.SingularSystem) as error:
+            raise SceneError(
+                f"gaps are too narrow for the weights of all heights ({error}): use "
+                "`of(number, to=...)`",
+                "number",
+            ) from error
+
+    def _zone_of(self, x: Array) -> Any:
+        # Parted in the middles of gaps: places at ends may be rounded to outside of their zone.
+        return np.searchsorted(self._cells[1:-1], x)
+
+    @cached_property
+    def _cells(self) -> Array:
+        """The middles of the gaps, and places at half a gap, or half a zone, outside of all."""
+        zones, period = self.zones, self.problem.period
+        span = float(zones.b[-1] - zones.a[0])
+        rim = 0.5 * (span if period is None else period - span)
+        middles = 0.5 * (zones.b[:-1] + zones.a[1:])
+        return np.concatenate(([zones.a[0] - rim], middles, [zones.b[-1] + rim]))
+
+    def _field(self, x: Array, slope: bool) -> Array:
+        """T w of all sources, or its slope, without its constants on their own zones."""
+        zones, kernel, out = self.zones, self.problem.kernel, np.zeros(np.shape(x))
+        of = self._zone_of(x)
+        for one in self.sources:
+            half = zones.half[one.zone]
+            for shift in kernel.poles:
+                left = (x - shift - zones.a[one.zone]) / half
+                right = (x - shift - zones.b[one.zone]) / half
+                away = (of != one.zone) if shift == 0.0 else np.ones(np.shape(x), dtype=bool)
+                part = one.field(left[away], right[away], slope)
+                out[away] += part / half ** (2 if slope else 1)
+        return out + self._smooth(x, of, slope) if kernel.regular and self.sources else out
+
+    def _smooth(self, x: Array, of: Any, slope: bool) -> Array:
+        """Field of all sources by the regular part of the kernel, or its slope, at x of zones."""
+        if not self.series:
+            self.series.extend(self._series(zone) for zone in range(len(self.zones)))
+        out = np.zeros(np.shape(x))
+        for zone in np.unique(of).tolist():
+            here, series = of == zone, self.series[zone]
+            out[here] = (series.deriv() if slope else series)(x[here])
+        return out
+
+    def _series(self, zone: int) -> Chebyshev:
+        """The field of the regular part on a zone and half of the gaps beside it.
+
+        Its degree is doubled until it has settled.
+        """
+        domain = float(self._cells[zone]), float(self._cells[zone + 1])
+        degree = NODES
+        while True:
+            found = Chebyshev.interpolate(self._regular, degree, domain)
+            coefficients = np.abs(found.coef)
+            last = float(coefficients[-4:].max())
+            if last <= TOLERANCES.rounding * coefficients.max() or degree > NODES**2:
+                return found
+            degree *= 2
+
+    def _regular(self, x: Array) -> Array:
+        """Field of all sources by the regular part of the kernel at places x (n,)."""
+        regular = self.problem.kernel.regular
+        assert regular is not None
+        xi, weight = self._spread
+        return np.asarray(regular(x[:, None], xi) @ weight)
+
+    @cached_property
+    def _spread(self) -> tuple[Array, Array]:
+        """All sources as sums over scaled places: places, and weights over pi."""
+        zones, length = self.zones, self.problem.kernel.length
+        places, weights = [], []
+        for one in self.sources:
+            half, middle = zones.half[one.zone], zones.middle[one.zone]
+            count = 2 * NODES + int(4 * half / length) if np.isfinite(length) else 2 * NODES
+            t, weight, at_place = self._rule(one, np.array([0.0, np.pi]), count)
+            if at_place is not None:
+                t, weight = np.append(t, one.place), np.append(weight, at_place)
+            places.append(middle + half * t)
+            weights.append(weight / np.pi)
+        return np.concatenate(places), np.concatenate(weights)
+
+    def _rule(self, one: Source, cuts: Array, count: int) -> tuple[Array, Array, float | None]:
+        """Nodes t and weights of the integral of w g dt on a zone, and the weight of g(place).
+
+        cuts: angles between which g is smooth. count: number of nodes between them, at the least.
+        """
+        if one.end:
+            t, weight = _gauss(cuts, count)
+            return t, weight * one.weight(t), None
+        angle = np.arccos(np.clip(one.place, -1, 1))
+        t, weight = _gauss(np.union1d(cuts, _graded(angle, cuts[0], cuts[-1])), count)
+        weight = weight * one.weight(t)
+        return t, weight, one.area - float(weight.sum())
+
+    def _on_zone(
+        self, density: sie.AnyDensity, zone: int, count: int
+    ) -> tuple[Array, Array, Array]:
+        """Scaled places, weights of heights and of slopes on one zone."""
+        half, middle = self.zones.half[zone], self.zones.middle[zone]
+        breaks = self._breaks(zone)
+        cuts = np.unique(np.concatenate(([0.0, np.pi], np.arccos(np.clip(breaks, -1, 1)))))
+        t, weight = _gauss(cuts, count)
+        sine = np.sqrt((1 - t) * (1 + t))
+        found = [(t, half * weight * sine * density.at_t(zone, t), np.zeros(len(t)))]
+        for one in self.sources:
+            if one.zone == zone:
+                at, slopes, at_place = self._rule(one, cuts, count)
+                found.append((at, np.zeros(len(at)), slopes))
+                if at_place is not None:
+                    found.append((np.array([one.place]), np.zeros(1), np.array([at_place])))
+        x, heights, slopes = (np.concatenate(part) for part in zip(*found, strict=True))
+        return middle + half * x, heights, slopes
+
+    def _breaks(self, zone: int) -> Array:
+        """Positions t on a zone at which the profile is not smooth."""
+        problem = self.problem
+        at = np.asarray(problem.units.scaled(np.asarray(problem.profile.breakpoints, dtype=float)))
+        if problem.period is not None and len(at):
+            at = sie.wrapped(at, float(self.zones.a[zone]), problem.period)
+        t = (at - self.zones.middle[zone]) / self.zones.half[zone]
+        return np.asarray(t[np.abs(t) < 1])
+
+
+def _graded(place: float, lo: float, hi: float) -> Array:
+    """Places from lo to hi that close in on `place` by halves.
+
+    A polynomial that begins at a knot beside `place` is over the distance from `place` nearly
+    singular there.
+    """
+    away = (hi - lo) * 0.5 ** np.arange(1, 2 * NODES)
+    at = np.concatenate(([lo, place, hi], place - away, place + away))
+    return np.asarray(np.unique(at[(at >= lo) & (at <= hi)]))
+
+
+def _gauss(cuts: Array, count: int) -> tuple[Array, Array]:
+    """Nodes t = cos(angle) and weights of the angle, between cuts; `count` nodes or more in all."""
+    shortest = NODES * np.pi / max(count, 2 * NODES)
+    pieces = np.maximum(1, np.ceil(np.diff(cuts) / shortest)).astype(int)
+    edges = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(cuts, cuts[1:], pieces, strict=False)]
+    angles = np.append(np.concatenate(edges), cuts[-1])
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    half, middle = 0.5 * np.diff(angles)[:, None], 0.5 * (angles[1:] + angles[:-1])[:, None]
+    angle = (middle + half * nodes).ravel()
+    return np.cos(angle), (half * weights).ravel()
+
+
+def full_weights(fields: FullFields, functional: Functional, tip: float) -> Weights:
+    """The functional in full contact on a half-plane, where p' = - (E*/2) H f''.
+
+    H f'(x*) is the principal value of (1/L) int f'(x) cot(pi (x* - x) / L) dx.
+    """
+    profile = fields.problem.profile
+    period = profile.period
+    assert period is not None
+    x, _, share = over_period(profile)
+    heights, slopes = (functional.mean + functional.approach) * share, np.zeros(len(x))
+    x, heights, slopes = np.append(x, tip), np.append(heights, functional.tip), np.append(slopes, 0)
+    if functional.peak is not None:
+        place, factor = functional.peak
+        breaks = np.asarray(profile.breakpoints, dtype=float)
+        cuts = (np.append(breaks, np.linspace(0, period, 4 * NODES)) - place) % period
+        edges = np.union1d(cuts, _graded(0.0, 0.0, period))
+        edges = np.union1d(edges, _graded(period, 0.0, period))
+        at, weight = gauss(edges, NODES)
+        weight = weight * factor * fields.problem.units.E_star / (2 * period)
+        weight = weight / np.tan(np.pi * at / period)
+        x = np.concatenate((x, place + at, [place]))
+        heights = np.append(heights, np.zeros(len(at) + 1))
+        slopes = np.concatenate((slopes, weight, [-weight.sum()]))
+    return Weights(x, heights, slopes, TOLERANCES.rounding)

@@ -1,0 +1,156 @@
+"""Numbers of a solution as functionals of changes of its profile, at the value of its control."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+import sie
+from contact.derivatives.adjoint import Functional, Weights, full_weights, weights_of
+from contact.derivatives.linear import Linearized
+from contact.derivatives.numbers import Numbers
+from contact.errors import SceneError
+from contact.formulation.fields import ZoneFields
+from contact.formulation.full_contact import FullFields
+from contact.model.controls import Quantity
+from sie import Array, Index, record
+
+
+@record
+class Weighted:
+    """The weights of a number on the zones, then on zones moved by the stated error.
+
+    control: weights of the controlled quantity, of which `unsure` times may be missing or too much;
+    None if the load is given, or if errors are not asked for.
+    """
+
+    found: tuple[Weights, ...]
+    control: Weights | None
+    unsure: float
+
+
+class Functionals(sie.Kept):
+    """The functionals of one solution."""
+
+    def __init__(self, linearized: Linearized) -> None:
+        self.linearized, self.solution = linearized, linearized.solution
+
+    def weights(self, number: str, index: tuple[int, ...]) -> Weighted:
+        """The weights of a number, at the given value of the scene's control.
+
+        index: that of the entry, for a number that is an array.
+        """
+        if self.refusal:
+            raise SceneError(f"{self.refusal}: use `of(number, to=...)`", "number", number)
+        functional, control = self._at_load(number, index), self._control
+        fields, unsure = self.solution.fields, 0.0
+        if control is not None:
+            values, errors = self.linearized.by_load.values, self.linearized.by_load.errors
+            of_control, of_number = control[1], self._entry(values, number, index)
+            unsure = (
+                self._entry(errors, number, index) + abs(of_number / of_control) * control[2]
+            ) / abs(of_control)
+            functional = functional.plus(control[0], -of_number / of_control)
+        variants = self.linearized.variants
+        found = tuple(self._on(one, functional) for one in variants)
+        if control is None or not self.linearized.stated:
+            return Weighted(found, None, 0.0)
+        return Weighted(found, self._on(fields, control[0]), unsure)
+
+    def _on(self, fields: Any, functional: Functional) -> Weights:
+        tip = float(self.linearized.tips[0])
+        of = full_weights if isinstance(fields, FullFields) else weights_of
+        return of(fields, functional, tip)
+
+    @property
+    def refusal(self) -> str:
+        """Why the adjoint equation is not that of the zones; empty if it is."""
+        fields, law = self.solution.fields, self.solution.scene.law
+        if law.kappa or isinstance(fields, ZoneFields) and fields.solved_zones.follow_ends:
+            return (
+                f"the law {law.name}: derivatives by all heights at once are known without "
+                "adhesion and without friction between unlike bodies"
+            )
+        if isinstance(fields, FullFields) and not fields.problem.operator.is_plain:
+            return (
+                "full contact of a layer: derivatives by all heights at once are known on a "
+                "half-plane"
+            )
+        return ""
+
+    @cached_property
+    def _order(self) -> Index:
+        return self.solution._order
+
+    def _none(self) -> Functional:
+        count = len(self.solution.zones)
+        return Functional(np.zeros((count, 2)), np.zeros(count))
+
+    @cached_property
+    def _control(self) -> tuple[Functional, float, float] | None:
+        """(functional of the controlled quantity, its derivative by the load, error of that).
+
+        None if the load is given.
+        """
+        scene, by_load = self.solution.scene, self.linearized.by_load
+        held = scene.control_object.held(scene)
+        assert held is not None
+        if held.quantity is Quantity.LOAD:
+            return None
+        values, errors = by_load.values, by_load.errors
+        if held.quantity is Quantity.APPROACH:
+            functional = self._at_load("approach", ())
+            return (
+                functional,
+                float(values.largest("approach")),
+                float(errors.largest("approach")),
+            )
+        none = self._none()
+        functional = replace(none, ends=np.ones(none.ends.shape))
+        return functional, float(np.diff(values.zones).sum()), float(errors.zones.sum())
+
+    def _entry(self, numbers: Numbers, number: str, index: tuple[int, ...]) -> float:
+        if number == "zone_widths":
+            return float(np.diff(numbers.zones)[:, 0][index])
+        if number == "mean_pressure":
+            assert self.solution.scene.profile.period is not None
+            return numbers.load / self.solution.scene.profile.period
+        if number == "max_pressure":
+            return float(numbers.max_pressure[0])
+        return float(np.asarray(numbers.largest(number))[index])
+
+    def _at_load(self, number: str, index: tuple[int, ...]) -> Functional:
+        """The functional of a number at a given load."""
+        none, solution, order = self._none(), self.solution, self._order
+        ends, loads = none.ends, none.loads
+        if number in ("load", "mean_pressure"):
+            return none
+        if number == "approach":
+            return replace(none, approach=1.0, tip=-1.0)
+        if number == "mean_gap":
+            return replace(none, approach=-1.0, mean=1.0)
+        if number == "max_pressure":
+            return replace(none, peak=(float(self.linearized.peaks[0]), 1.0))
+        if number == "zone_loads":
+            loads[order[index[0]]] = 1.0
+        elif number == "zone_widths":
+            ends[order[index[0]]] = 1.0
+        elif number == "zones":
+            ends[order[index[0]], index[1]] = 1.0 if index[1] else -1.0
+        elif number == "contact_fraction":
+            period = solution.scene.period
+            assert period is not None
+            ends[:] = 1.0 / period
+        else:
+            ends[:] = self._of_stiffness()
+        return none
+
+    def _of_stiffness(self) -> Array:
+        """Derivatives of the stiffness by outward motions of the ends (n, 2)."""
+        stiffness, E_star = self.solution.stiffness, self.solution.scene.E_star
+        assert stiffness is not None
+        k = self.linearized._intensities(self.solution.fields)
+        return np.asarray(stiffness**2 * 2 * np.pi / E_star * k**2)
