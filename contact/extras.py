@@ -21,8 +21,6 @@ EXTRAS = {
     "tamaas": "peers",
     "ContactMechanics": "peers",
     "SurfaceTopography": "instruments",
-    "panel": "explore",
-    "bokeh": "explore",
     "distributed": "cluster",
     "cloudpickle": "cluster",
 }

@@ -144,6 +144,16 @@ class Page:
     def type(self, text: str) -> None:
         self.tell("Input.insertText", text=text)
 
+    def resize(self, width: int, height: int = 1000) -> None:
+        """A window of so many pixels, with the scroll bars of a phone."""
+        self.tell(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=True,
+        )
+
     def picture(self, file: Path) -> None:
         file.write_bytes(
             base64.b64decode(

@@ -48,7 +48,7 @@ def test_the_recipe_needs_what_the_package_needs() -> None:
     optional = bounds(
         [
             line
-            for name in ("plot", "io", "explore")
+            for name in ("plot", "io")
             for line in PROJECT["optional-dependencies"][name]
         ]
     )

@@ -70,9 +70,11 @@ def explore_command(scene: Path | None, port: int | None, show: bool, tol: float
     """
 
     given = scene_of(scene) if scene is not None and str(scene) == "-" else scene
-    require("contact.explorer.explore").serve(
-        given, tol, port, lambda address: click.echo(f"{address}  (Ctrl-C ends it)"), show
-    )
+    page = require("contact.explorer.explore").explore(given, tol, port)
+    click.echo(f"{page.address}  (Ctrl-C ends it)")
+    if show:
+        page.show()
+    page.wait()
 
 
 class Commands(click.Group):

@@ -1,4 +1,5 @@
 """A page with sliders for a scene, served to this machine only.
 
-It shows the surfaces, the pressure, the load curve, the stated error and the scene file.
+What comes in is a scene; what goes out is a page with both bodies, pressure, stress below, load
+curve, numbers and the scene file. The page itself is plain HTML, CSS and JavaScript in `web/`.
 """

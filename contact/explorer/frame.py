@@ -1,10 +1,6 @@
-"""One frame of the page: the solution of a scene as numbers and curves, or an error message.
+"""One frame of the page: the solution of a scene as numbers and curves, or an error message."""
 
-The load curve is computed one point at a time, so that the page stays responsive.
-"""
-
-import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,8 +8,10 @@ import numpy as np
 
 from contact.errors import ContactError, NotConverged, unwarned
 from contact.explorer.handles import Handle
+from contact.extras import require
 from contact.model.scene import Scene
 from contact.model.units import prefix, quantity
+from contact.search.topology.loop import Progress
 from contact.solution.sampling import (
     POINTS,
     on_zones,
@@ -24,21 +22,28 @@ from contact.solution.sampling import (
     zones_within,
 )
 from contact.solution.solution import Solution
-from contact.solver import solve
 from contact.sweeps.curve import Curve
+from contact.sweeps.path import path
 from sie import Array
 
 
 @dataclass(frozen=True)
 class FrameOptions:
-    """Resolution of the curves in a frame."""
+    """Resolution of frames and of load curves."""
 
     # Number of points of a curve while a slider moves, one for every second pixel column. More
     # points are added at the ends of zones.
     points_while_moving: int = 500
+    # Tolerance while a slider moves. Four digits are shown, and a picture shows three.
+    tol_while_moving: float = 1e-4
+    curve_points: int = 33  # of a load curve, and of each branch under adhesion
+    max_text: int = 20_000  # longest scene file that the page shows [characters]
 
 
 OPTIONS = FrameOptions()
+_LARGEST = "contact.inside.largest"
+_YIELDING = "contact.inside.yielding"
+_REPORT = "contact.solution.stress_report"
 
 
 @dataclass(frozen=True)
@@ -46,42 +51,23 @@ class Frame:
     """The curves of a solution, in the units that `names` gives.
 
     fields: rows of x, heights of the body, heights of the deformed surface, heights in contact, and
-    pressure; zones: rows of ends; names: labels of x, height and pressure.
+    pressure; zones: rows of ends; names: labels of x, height and pressure. details: other numbers
+    of the pictures, see `drawn`.
     """
 
     solution: Solution
-    seconds: float
     fields: Array
     zones: Array
     names: tuple[str, str, str]
+    details: Mapping[str, Any]
 
 
-def solved(
-    scene: Scene,
-    tol: float,
-    previous: Solution | None,
-    branch: str,
-    points: int = POINTS.screen_points,
-) -> Frame:
-    """Solve a scene and return its frame.
+def drawn(solution: Solution, points: int = POINTS.screen_points) -> Frame:
+    """The frame of a solution, with about `points` points in its curves.
 
-    The search starts from the previous solution if only the control has changed.
+    Its details are `along` (units of x per metre), the lowest and highest pressure of the picture,
+    the mean pressure, and the places at which the pressure is infinite.
     """
-    start = time.perf_counter()
-    same_parts = previous is not None and all(
-        getattr(previous.scene, part) == getattr(scene, part) for part in _PARTS
-    )
-    with unwarned():
-        warm_start = previous if same_parts and not scene.law.pressure_range.has_tension else None
-        solution = solve(scene, tol=tol, near=warm_start, branch=branch)
-    return drawn(solution, time.perf_counter() - start, points)
-
-
-_PARTS = ("profile", "interaction", "substrate", "law")
-
-
-def drawn(solution: Solution, seconds: float, points: int = POINTS.screen_points) -> Frame:
-    """The frame of a solution, with about `points` points in its curves."""
     lo, hi = window(solution)
     x = positions(solution, lo, hi, points)
     surface, body = surfaces(solution, x)
@@ -104,49 +90,133 @@ def drawn(solution: Solution, seconds: float, points: int = POINTS.screen_points
     push = prefix(
         float(np.max(np.abs(pressure[np.isfinite(pressure)]), initial=0.0)) if top <= 0 else top
     )
+    rising, falling = _infinite(solution, x, pressure, zones)
     # The pressure is infinite at corners and at adhesive ends: the curve of the pressure is cut off
-    # there.
-    shown = np.clip(
-        np.nan_to_num(pressure, nan=0.0, posinf=2 * top, neginf=-2 * top),
-        -1.5 * abs(top),
-        1.5 * abs(top),
-    )
+    # there. Infinite tension is drawn as far below zero as the peak is above zero.
+    lowest = -abs(top) if len(falling) else float(np.nanmin(pressure, initial=0.0))
+    shown = np.clip(np.nan_to_num(pressure, nan=0.0), 1.5 * lowest, 1.5 * abs(top))
     touching = np.where(on_zones(x, zones), surface, np.nan)
     fields = np.array(
         [x * along[0], body * up[0], surface * up[0], touching * up[0], shown * push[0]]
     )
     names = f"x [{along[1]}m]", f"height [{up[1]}m]", f"pressure [{push[1]}Pa]"
-    return Frame(solution, seconds, fields, zones * along[0], names)
+    details = {
+        "along": along[0],
+        "range": [push[0] * lowest, push[0] * abs(top)],
+        "mean": None if solution.mean_pressure is None else push[0] * solution.mean_pressure,
+        "rising": (rising * along[0]).tolist(),
+        "falling": (falling * along[0]).tolist(),
+    }
+    return Frame(solution, fields, zones * along[0], names, details)
 
 
-def numbers(frame: Frame) -> list[tuple[str, str]]:
+def _infinite(solution: Solution, x: Array, pressure: Array, zones: Array) -> tuple[Array, Array]:
+    """Places in the picture at which the pressure tends to plus and to minus infinity."""
+    rising = np.isposinf(pressure)
+    if np.isinf(solution.max_pressure):
+        kinks = solution.scene.profile.kinks
+        tips = kinks[kinks[:, 1] > 0, 0]
+        period = solution.scene.period
+        if period is not None:
+            tips = (tips[:, None] + period * np.array([-1.0, 0.0, 1.0])).ravel()
+        tips = tips[on_zones(tips, zones)]
+    else:
+        tips = np.zeros(0)
+    inside = (tips >= x[0]) & (tips <= x[-1])
+    falling = zones.ravel() if solution.fields.problem.end.intensity else x[np.isneginf(pressure)]
+    falling = falling[(falling > x[0]) & (falling < x[-1])]
+    return np.union1d(x[rising], tips[inside]), np.unique(falling)
+
+
+def numbers(frame: Frame, seconds: float) -> list[tuple[str, str]]:
     """Names and values of the numbers shown for a solution, as text."""
     solution = frame.solution
     zones = len(solution.zones)
     rows = [
-        ("stated error, at most", f"{solution.error:.1e}"),
+        ("stated error, at most", f"{solution.error:.0e}"),
         (
             "certificate",
             "holds"
             if solution.certificate.holds
             else f"does not hold: {solution.certificate.to_dict()['note']}",
         ),
-        ("load", quantity(solution.load, "N/m", 6)),
-        ("mean pressure", quantity(solution.mean_pressure, "Pa", 6, none="")),
-        ("highest pressure", quantity(solution.max_pressure, "Pa", 6)),
-        ("approach", quantity(solution.approach, "m", 6, none="")),
+        ("load", quantity(solution.load, "N/m")),
+        ("mean pressure", quantity(solution.mean_pressure, "Pa", none="")),
+        ("largest pressure", quantity(solution.max_pressure, "Pa")),
+        ("approach", quantity(solution.approach, "m", none="")),
         (
             "in contact",
-            "" if solution.contact_fraction is None else f"{100 * solution.contact_fraction:.6g} %",
+            "" if solution.contact_fraction is None else f"{100 * solution.contact_fraction:.4g} %",
         ),
-        ("zones", str(zones) if zones else "full contact"),
-        (
-            "width of the zones",
-            quantity(float(np.sum(solution.zone_widths)), "m", 6) if zones else "",
-        ),
-        ("solved in", quantity(frame.seconds, "s", 3)),
+        ("zones", str(zones) if zones else "full contact" if solution.contact_fraction else "none"),
+        ("width of the zones", quantity(float(np.sum(solution.zone_widths)), "m") if zones else ""),
+        ("E*", quantity(solution.scene.E_star, "Pa")),
+        ("solved in", quantity(seconds, "s", 3)),
     ]
     return [(name, value) for name, value in rows if value]
+
+
+@dataclass(frozen=True)
+class Below:
+    """The stress below the surface, as the page draws it.
+
+    values: rows of stresses [Pa] at the middles of equal cells, NaN where it is infinite; details:
+    the rectangle [m] in the units of x, the name, and the largest stress with its place.
+    """
+
+    values: Array
+    details: Mapping[str, Any]
+
+
+def below(
+    solution: Solution,
+    kind: str,
+    nu: float,
+    stretch: tuple[float, float] | None,
+    columns: int,
+    find_largest: bool,
+) -> Below:
+    """The largest shear stress, or for "mises" the von Mises stress, in `columns` columns.
+
+    stretch: interval of x [m], None for all; find_largest: whether the largest stress of the body
+    is found, too.
+    """
+    report = require(_REPORT)
+    lo, hi = stretch or window(solution)
+    depth = report.depth_of(solution, lo, hi)
+    size = (hi - lo) / columns
+    rows = max(1, round(depth / size))
+    x = lo + size * (np.arange(columns) + 0.5)
+    y = depth * (np.arange(rows) + 0.5) / rows
+    stress = solution.stress(x, y[:, None])
+    value = stress.mises(nu) if kind == "mises" else stress.shear
+    value = np.where(np.isfinite(value), value, np.nan)
+    peak, top = None, float(np.nanmax(value, initial=0.0))
+    infinite = require(_YIELDING).infinite_at(solution) is not None
+    if infinite:
+        top = float(np.nanquantile(value, 0.995))
+    elif find_largest:
+        largest = require(_LARGEST)
+        name = "mises" if kind == "mises" else "shear"
+        found = largest.largest(solution, largest.Criterion(name, nu, "as loaded"))
+        peak, top = found, found.stress
+    along = prefix(max(abs(end) for end in window(solution)))
+    details: dict[str, Any] = {
+        "kind": kind,
+        "low": lo * along[0],
+        "high": hi * along[0],
+        "depth": depth * along[0],
+        "top": top,
+        "infinite": infinite,
+    }
+    if peak is not None:
+        details["peak"] = [peak.x * along[0], peak.y * along[0]]
+        name = "largest von Mises" if kind == "mises" else "largest shear"
+        details["rows"] = [
+            [name, quantity(peak.stress, "Pa")],
+            ["its depth", quantity(peak.y, "m")],
+        ]
+    return Below(value, details)
 
 
 def message(error: Exception) -> str:
@@ -180,31 +250,103 @@ def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[
     return float(np.sum(solution.zone_widths)), float(up[0]), ("width of the zones", "m"), up[1]
 
 
-def load_curve(
-    scene: Scene, control: Handle, tol: float, branch: str, points: int = 33
-) -> Iterator[Solution]:
-    """Solutions at increasing values of the control.
+# A point of a load curve: abscissa, ordinate and, if it is known, the slope of the curve.
+Point = list[float | None]
 
-    points: number of values. Values without a solution are left out.
+
+def point_of(solution: Solution) -> Point:
+    """The point of a solution on the load curve, with the slope if it is that of the approach."""
+    across, up, *_ = place_on_curve(solution)
+    slope = solution.stiffness
+    if slope is None or not np.isfinite(slope):
+        return [across, up, None]
+    return [across, up, slope if solution.scene.period is None else slope / solution.scene.period]
+
+
+def load_curve(scene: Scene, control: Handle, tol: float, progress: Progress) -> Iterator[Solution]:
+    """Solutions at increasing values of the control. Values without a solution are left out.
+
+    Points are close together where loads are small, where the curve bends most.
     """
     name = scene.control[0]
-    spaced = np.geomspace if control.log else np.linspace
-    values = spaced(control.low, control.high, points)
-    # Under adhesion each value is solved without the previous solution, on the chosen branch.
-    curve = None if scene.law.pressure_range.has_tension else Curve(scene, name, tol)
+    least = 1e-5 * control.high if control.low > 0 else control.low
+    share = np.linspace(0.0, 1.0, OPTIONS.curve_points)
+    values = least + (control.high - least) * share**2
+    curve = Curve(scene, name, tol, progress)
     for value in values:
         try:
             with unwarned():
-                here = (
-                    curve.at(float(value))
-                    if curve
-                    else solve(scene.under(name, float(value)), tol=tol, branch=branch)
-                )
+                here = curve.at(float(value))
         except ContactError:
             continue
         yield here
         if len(here.zones) == 0:
             return  # full contact: nothing more happens
+
+
+@dataclass(frozen=True)
+class Branches:
+    """The load curve of surfaces that adhere: lines of points, and jumps between lines.
+
+    advancing, receding: the lines under a rising and under a falling control.
+    """
+
+    advancing: list[list[Point]]
+    receding: list[list[Point]]
+    jumps: list[list[Point]]
+
+
+def both_branches(scene: Scene, control: Handle, tol: float, progress: Progress) -> Branches:
+    """The load curve there and back, with every jump.
+
+    The highest value is lowered until it has a solution, as an approach has up to full contact.
+    """
+    name, high = scene.control[0], control.high
+    while True:
+        rising = np.linspace(control.low, high, OPTIONS.curve_points)
+        try:
+            with unwarned():
+                found = path(
+                    scene, np.concatenate((rising, rising[-2::-1])), tol, progress, control=name
+                )
+            break
+        except ContactError:
+            if high - control.low < 1e-2 * (control.high - control.low):
+                raise
+            high = control.low + 0.8 * (high - control.low)
+    per_load = 1.0 if scene.period is None else 1 / scene.period
+    lines: dict[bool, list[list[Point]]] = {True: [[]], False: [[]]}
+    jumps: list[list[Point]] = []
+    turn = len(rising) - 1
+    abscissa = place_on_curve(found.solutions[turn])[2]
+    for place, (solution, events) in enumerate(zip(found.solutions, found.passed, strict=True)):
+        branch = lines[place <= turn]
+        for event in events:
+            ends = [[across, load * per_load, None] for across, load in _sides(event, abscissa[0])]
+            if any(across is None for across, *_ in ends):
+                branch.append([])
+            elif not np.allclose(ends[0][:2], ends[1][:2], rtol=1e-6, atol=0.0):
+                branch[-1].append(ends[0])
+                branch.append([ends[1]])
+                jumps.append(ends)
+        if place_on_curve(solution)[2] == abscissa:
+            branch[-1].append(point_of(solution))
+        if place == turn:
+            lines[False][-1].append(point_of(solution))
+    advancing, receding = ([line for line in lines[way] if len(line) > 1] for way in (True, False))
+    return Branches(advancing, receding, jumps)
+
+
+def _sides(event: Any, abscissa: str) -> list[tuple[Any, float]]:
+    """The abscissa and the load before and after an event of a path."""
+    if abscissa == "approach":
+        ways = getattr(event, "approach", None), getattr(event, "approach_after", None)
+    else:
+        ways = float(np.diff(event.before).sum()), float(np.diff(event.after).sum())
+    loads = float(event.load), float(getattr(event, "load_after", event.load))
+    return [
+        (None if way is None else float(way), load) for way, load in zip(ways, loads, strict=True)
+    ]
 
 
 def same_curve(one: Scene, other: Scene) -> bool:

@@ -91,6 +91,25 @@ def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...
     return _named_apart([*found, *_samples(scene.profile)])
 
 
+def moduli_handles(material: Mapping[str, float]) -> tuple[Handle, ...]:
+    """The sliders of the moduli of a scene file: E1, nu1, E2 and nu2. None if it gives E_star.
+
+    They have no `at`: a scene knows E* only, which follows from all of them.
+    """
+    if "E1" not in material:
+        return ()
+    return tuple(
+        replace(_times(MODULUS, float(value)), name=name, at=_as_it_is)
+        if name.startswith("E")
+        else Handle(name, "", float(value), 0.0, 0.5, _as_it_is)
+        for name, value in material.items()
+    )
+
+
+def _as_it_is(scene: Scene, _: float) -> Scene:
+    return scene
+
+
 def _named_apart(found: list[Handle]) -> tuple[Handle, ...]:
     """The sliders, with a number added to names that occur more than once."""
     names = [handle.name for handle in found]
@@ -136,7 +155,7 @@ def _control(scene: Scene, solution: Solution | None) -> Handle:
         pull_off = solution.pull_off if solution is not None and known else None
         pull = getattr(pull_off, name, None) if pull_off is not None else None
         reach = max(abs(value), abs(pull or 0.0)) or scene.E_star * 1e-6
-        return _between(key, value, -1.2 * reach, 4 * reach)
+        return _between(key, value, -1.2 * reach, 2 * reach)
     if value <= 0:
         return _between(key, value, -4 * abs(value) or -1.0, 4 * abs(value) or 1.0)
     # The slider reaches from a thousandth of `value` to ten times `value`. At ten times the load,
@@ -146,12 +165,18 @@ def _control(scene: Scene, solution: Solution | None) -> Handle:
 
 def _numbers(scene: Scene, place: str) -> list[Handle]:
     """Sliders for the positive parameters of a part of the scene, such as its law."""
+    part = getattr(scene, place)
     numbers = {
         name: value
-        for name, value in parameters(getattr(scene, place)).items()
+        for name, value in parameters(part).items()
         if isinstance(value, float) and value > 0
     }
-    return [_allowed(scene, _times(f"{place}.{name}", value)) for name, value in numbers.items()]
+    found = {name: _times(f"{place}.{name}", value) for name, value in numbers.items()}
+    units = getattr(type(part), "units", {})
+    return [
+        _allowed(scene, replace(handle, unit=handle.unit or str(units.get(name, "")).strip("1")))
+        for name, handle in found.items()
+    ]
 
 
 def _allowed(scene: Scene, handle: Handle) -> Handle:

@@ -266,7 +266,8 @@ def to_toml(scene: Scene, written: Mapping[str, Table] | None = None) -> str:
     """The text of a scene file that describes this scene.
 
     written: tables [profile] and [counter] as a file gave them, where they name a file of points;
-    otherwise all numbers are written. Raises SceneError where a part has no name that a scene file
+    otherwise all numbers are written. Tables [material] and [law] as a file gave them keep its
+    keys, such as E1 and nu1 in place of E_star. Raises SceneError where a part has no name that a scene file
     could use.
     """
     bodies = scene.profile.bodies
@@ -285,6 +286,13 @@ def to_toml(scene: Scene, written: Mapping[str, Table] | None = None) -> str:
             )
     text_tables = tables(scene)
     for place, table in (written or {}).items():
+        if place == "material":
+            text_tables[place] = dict(table)
+            continue
+        if place == "law":
+            present = text_tables.get(place, {})
+            text_tables[place] = {key: present.get(key, table[key]) for key in table}
+            continue
         own = {"shape", *bodies[place].parameters()}
         rest = {key: value for key, value in text_tables[place].items() if key not in own}
         text_tables[place] = {**table, **rest}
@@ -319,7 +327,7 @@ def toml(value: Any) -> str:
     if isinstance(value, (Integral, np.integer)):
         return str(int(value))
     if isinstance(value, Real):
-        return repr(float(value))
+        return _number(float(value))
     if isinstance(value, (np.ndarray, list, tuple)):
         return f"[{', '.join(toml(item) for item in value)}]"
     if isinstance(value, str):
@@ -330,3 +338,14 @@ def toml(value: Any) -> str:
         value,
         "a number, a text, true or false, or a list of them: a scene file holds nothing else",
     )
+
+
+def _number(value: float) -> str:
+    """A number as people write it: 2.1e11, not 210000000000.0."""
+    plain = repr(value)
+    if not plain.endswith("000000.0"):
+        return plain
+    digits, exponent = plain[:-2].rstrip("0"), len(plain[:-2].lstrip("-")) - 1
+    sign, digits = ("-", digits[1:]) if digits.startswith("-") else ("", digits)
+    rest = f".{digits[1:]}" if len(digits) > 1 else ".0"
+    return f"{sign}{digits[0]}{rest}e{exponent}"

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-import asyncio
-import math
+import json
+import re
 import subprocess
 import sys
 import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
 
 import numpy as np
 import pytest
-from tornado.httpclient import HTTPClientError, HTTPRequest
-from tornado.websocket import websocket_connect
 
 import contact
-from contact.explorer import page
-from contact.explorer.explore import ADDRESS
+from contact.explorer import server
 from contact.explorer.frame import drawn
 from contact.explorer.handles import handles, turned
-from contact.explorer.page import Explorer
+from contact.explorer.presets import PRESETS
+from contact.explorer.server import ADDRESS, Given, Reply
+from contact.explorer.session import Session
 from contact.model.scene_file import scene_from_tables, to_toml
 from contact.model.units import quantity
 from tests.browser import CHROMIUM, MISSING, Page, browser
@@ -97,28 +99,57 @@ def test_samples_of_a_shape_are_points_on_it() -> None:
     assert np.ptp(sampled.height(sampled.x + 3e-6) - WAVE.profile.height(sampled.x + 3e-6)) > 1e-12
 
 
-def test_a_slider_that_moves_shows_the_solution_of_the_text_beside_it() -> None:
-    page = Explorer(WAVE, 1e-8)
-    page.sliders.objects[0].value -= 0.5
-    scene = scene_from_tables(tomllib.loads(page.text.value))
-    assert scene.mean_pressure == pytest.approx(1.7e9 / math.sqrt(10), rel=1e-3)
-    solution = contact.solve(scene)
-    assert np.array(page.frame.solution.zones) == pytest.approx(solution.zones, rel=1e-8)
-    assert ["in contact", f"{solution.contact_fraction * 100:.6g} %"] in page.pictures.frame[
-        "numbers"
-    ]
-    assert page.pictures.refused == ""
-    before = page.pictures.curve
-    assert len(before["points"][1]) > 20  # the load curve, up to full contact
-    page.sliders.objects[0].value += 0.2
-    assert page.pictures.curve == before
-    page.sliders.objects[1].value += 0.2
-    assert page.pictures.curve != before
+def session(scene: contact.Scene | str, is_awaited: Callable[[], bool] = lambda: False) -> Session:
+    """The tab of a scene, or of the text of a scene file."""
+    if isinstance(scene, contact.Scene):
+        return Session(Given(scene), 1e-8, is_awaited)
+    tables = tomllib.loads(scene)
+    return Session(Given(scene_from_tables(tables), tables), 1e-8, is_awaited)
+
+
+def ask(tab: Session, ask: str, **request: Any) -> dict[str, Any]:
+    header, arrays = tab.reply({"ask": ask, **request})
+    return {**header, **arrays}
+
+
+def said(reply: dict[str, Any]) -> dict[str, str]:
+    return dict(map(tuple, reply["numbers"]))
+
+
+MATERIALS = PRESETS["sliding"].text
+
+
+def test_materials_are_shown_as_they_were_entered() -> None:
+    tab = session(MATERIALS)
+    shown = {one["name"]: one["value"] for one in ask(tab, "begin")["sliders"]}
+    assert {name: shown[name] for name in ("E1", "nu1", "E2", "nu2")} == {
+        "E1": 5e6,
+        "nu1": 0.35,
+        "E2": 210e9,
+        "nu2": 0.3,
+    }
+    assert not {"E_star", "beta"} & set(shown)
+    reply = ask(tab, "frame", values={"E1": 2e7, "nu1": 0.4}, fine=True)
+    solved = tab.solution.scene
+    assert solved.E_star == contact.E_star(2e7, 0.4, 210e9, 0.3)
+    assert solved.law.beta == contact.dundurs_beta(2e7, 0.4, 210e9, 0.3)
+    material = tomllib.loads(reply["text"])["material"]
+    assert material == {"E1": 2e7, "nu1": 0.4, "E2": 210e9, "nu2": 0.3}
+    assert "2.1e11" in reply["text"] and "beta" not in reply["text"]
+    assert scene_from_tables(tomllib.loads(reply["text"])) == solved
+
+
+@pytest.mark.parametrize("value", [2.1e11, -3e6, 1234000000.0, 123456789.0, 1e22, 0.1, 5.0])
+def test_large_numbers_of_a_scene_file_are_short_and_exact(value: float) -> None:
+    scene = replace(WAVE, E_star=abs(value), mean_pressure=None, load=1.0)
+    text = to_toml(scene)
+    assert tomllib.loads(text)["material"]["E_star"] == abs(value)
+    assert "00000.0" not in text
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_a_frame_shows_the_fields_of_its_solution(name: str) -> None:
-    found = drawn(contact.solve(SCENES[name]), 0.0)
+    found = drawn(contact.solve(SCENES[name]))
     x, body, surface, touching, pressure = found.fields
     assert (np.diff(x) >= 0).all() and np.isfinite([x, body, surface, pressure]).all()
     # Bodies do not enter each other; they are one line just where they touch, and push there.
@@ -130,113 +161,235 @@ def test_a_frame_shows_the_fields_of_its_solution(name: str) -> None:
     assert [name.partition(" ")[0] for name in found.names] == ["x", "height", "pressure"]
 
 
-@pytest.fixture
-def awaited(monkeypatch: pytest.MonkeyPatch) -> list[Callable[[], None]]:
-    """What a served page has put off, in order; a hand rests as soon as there is nothing else to
-    do.
-    """
-    later: list[Callable[[], None]] = []
-    monkeypatch.setattr(Explorer, "_is_served", True)
-    monkeypatch.setattr(Explorer, "_soon", lambda self, do, after=0: later.append(do))
-    return later
+def test_infinite_pressure_is_marked_with_its_sign() -> None:
+    def marked(scene: contact.Scene) -> tuple[list[float], list[float]]:
+        found = drawn(contact.solve(scene)).details
+        return found["rising"], found["falling"]
+
+    wedge = contact.Scene(contact.Wedge(0.01, 1e-4), 1e9, contact.Periodic(), mean_pressure=1e6)
+    assert marked(wedge) == ([0.0], [])
+    assert marked(SCENES["punch"]) == (pytest.approx([-20.0, 20.0]), [])
+    ends = contact.solve(SCENES["adhesion"]).zones[0]
+    rising, falling = marked(SCENES["adhesion"])
+    assert rising == [] and np.ptp(falling) / np.ptp(ends) == pytest.approx(1e6)
+    assert marked(WAVE) == ([], [])
 
 
-def test_while_a_hand_moves_frames_are_light_and_at_rest_all_is_there(
-    awaited: list[Callable[[], None]],
-) -> None:
-    shown = Explorer(WAVE, 1e-8)
-    text, light = shown.text.value, points(shown)
-    for _ in range(5):
-        shown.sliders.objects[0].value -= 0.1
-    # Of five moves one frame is due, and one thing to do when the hand rests.
-    assert len(awaited) == 2
-    awaited.pop()()
-    assert shown.frame.solution.mean_pressure == pytest.approx(1.7e9 / math.sqrt(10), rel=1e-3)
-    assert points(shown) <= 1.5 * light and shown.text.value == text
-    assert len(awaited) == 1
-    shown._rest_at = 0.0
-    awaited.pop()()
-    assert points(shown) > 1.5 * light
-    assert (
-        scene_from_tables(tomllib.loads(shown.text.value)).mean_pressure
-        == shown.frame.solution.mean_pressure
+def test_finite_tension_is_drawn_to_its_end() -> None:
+    law = contact.Dugdale(0.02, 1e5)
+    scene = contact.Scene(
+        contact.Sinusoid(1e-6, 1e-4), 4e6, contact.Periodic(), law=law, approach=2e-7
     )
-    # The load curve, a point at a time.
-    while awaited:
-        awaited.pop()()
-    assert len(shown.pictures.curve["points"][1]) > 20
+    found = drawn(contact.solve(scene))
+    assert found.names[2] == "pressure [kPa]"
+    assert found.details["range"][0] == pytest.approx(-100.0) == found.fields[4].min()
 
 
-def test_a_frame_under_a_moving_hand_is_one_change_of_one_thing(
-    awaited: list[Callable[[], None]],
-) -> None:
-    shown, changes = Explorer(WAVE, 1e-8), []
-    shown._rest_at = 0.0
-    while awaited:  # until the curve stands
-        awaited.pop()()
-    shown.pictures.param.watch(
-        lambda event: changes.append(event.name), ["frame", "curve", "refused"]
+def test_a_slider_that_moves_shows_the_solution_of_the_text_beside_it() -> None:
+    tab = session(WAVE)
+    first = ask(tab, "frame")
+    moved = ask(tab, "frame", values={"mean_pressure": 5.3e8})
+    rest = ask(tab, "frame", values={"mean_pressure": 5.3e8}, fine=True)
+    solution = contact.solve(scene_from_tables(tomllib.loads(rest["text"])))
+    assert solution.mean_pressure == 5.3e8
+    assert tab.solution.zones == pytest.approx(solution.zones, rel=1e-8)
+    for reply in (moved, rest):
+        shown = said(reply)
+        assert shown["in contact"] == f"{100 * solution.contact_fraction:.4g} %"
+        assert shown["largest pressure"] == quantity(solution.max_pressure, "Pa")
+    assert said(first)["mean pressure"] == "1.7 GPa" and said(rest)["mean pressure"] == "530 MPa"
+    assert rest["fields"].shape[1] > moved["fields"].shape[1]
+
+
+def test_a_moving_rough_surface_states_the_error_it_has_and_is_exact_at_rest() -> None:
+    tab = session(PRESETS["rough"].text)
+    for pressure in (1.0e8, 1.1e8, 1.2e8):
+        ask(tab, "frame", values={"mean_pressure": pressure})
+        exact = contact.solve(tab.solution.scene, tol=1e-10)
+        wrong = np.max(np.abs(tab.solution.zones - exact.zones) / exact.zone_widths[:, None])
+        assert wrong <= tab.solution.error <= 1e-4
+    ask(tab, "frame", values={"mean_pressure": 1.2e8}, fine=True)
+    assert tab.solution.error <= 1e-8
+
+
+def whole_curve(tab: Session) -> dict[str, Any]:
+    while not (reply := ask(tab, "curve"))["done"]:
+        pass
+    return reply
+
+
+def test_the_load_curve_stays_while_the_scene_moves_along_it() -> None:
+    tab = session(WAVE)
+    first = ask(tab, "frame")
+    found = whole_curve(tab)
+    (points,) = found["advancing"]
+    assert found["curve"] == first["curve"] and len(points) > 15 and found["receding"] == []
+    x, y, slope = np.array(points[:-1], dtype=float).T
+    assert (np.diff(x) > 0).all() and (np.diff(y) > 0).all()
+    # The curve lies between the chords' slopes, which its own slopes enclose: it is convex.
+    assert (np.diff(y) / np.diff(x) > slope[:-1]).all()
+    assert (np.diff(y) / np.diff(x) < slope[1:]).all()
+    assert ask(tab, "frame", values={"mean_pressure": 1e9})["curve"] == first["curve"]
+    assert ask(tab, "frame", values={"amplitude": 3e-6})["curve"] != first["curve"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["JKR", "Dugdale"])
+def test_under_adhesion_both_branches_are_there_with_their_jumps(name: str) -> None:
+    tab = session(PRESETS[name].text)
+    ask(tab, "begin")
+    first = ask(tab, "frame", fine=True)
+    found = ask(tab, "curve")
+    assert found["done"] and len(found["jumps"]) == 2
+    (into, out), period = found["jumps"], tab.base.period or 1.0
+    # Contact begins by a jump into tension and ends by one to zero load, at a smaller approach.
+    assert into[0][1] == 0.0 > into[1][1] and out[0][1] < 0.0 == out[1][1]
+    assert out[0][0] < into[0][0]
+    half = 0.5 * (into[0][0] + out[0][0])
+    receding = contact.solve(replace(tab.base, approach=half), branch="receding")
+    line = max(found["receding"], key=len)
+    x, y = np.array([point[:2] for point in line]).T
+    at = receding.approach
+    assert np.interp(at, x[::-1], y[::-1]) == pytest.approx(receding.load / period, rel=2e-2)
+    assert first["here"][0] == pytest.approx(tab.base.approach)
+
+
+def test_a_load_curve_gives_way_to_a_hand() -> None:
+    waits = False
+    tab = session(PRESETS["rough"].text, lambda: waits)
+    ask(tab, "frame", fine=True)
+    waits = True
+    assert ask(tab, "curve").get("dropped")
+    assert ask(tab, "frame", values={"mean_pressure": 1.3e8}, fine=True).get("dropped")
+    assert "numbers" in ask(tab, "frame", values={"mean_pressure": 1.3e8})
+    waits = False
+    assert ask(tab, "curve")["advancing"]
+
+
+@pytest.mark.parametrize("kind", ["shear", "mises", "fringes"])
+def test_the_stress_below_is_that_of_the_solution(kind: str) -> None:
+    tab = session(PRESETS["wave"].text)
+    reply = ask(tab, "frame", below=kind, columns=40, stretch=[-2e-5, 2e-5], fine=True)
+    rows, columns = reply["below"].shape
+    details = tab.reply({"ask": "frame", "below": kind, "columns": 40, "fine": True})[0]["below"]
+    assert columns == 40 and details["kind"] == kind
+    depth = (
+        1e-6
+        * tab.reply(
+            {"ask": "frame", "below": kind, "columns": 40, "stretch": [-2e-5, 2e-5], "fine": True}
+        )[0]["below"]["depth"]
     )
-    for widget in (shown.text, shown.draw, shown.branch, *shown.sliders.objects):
-        widget.param.watch(lambda event: changes.append(event.name), list(widget.param))
-    for count in range(1, 4):
-        shown.sliders.objects[0].value -= 0.1
-        changes.clear()
-        next(do for do in awaited if do.__name__ == "_show")()
-        awaited[:] = [do for do in awaited if do.__name__ != "_show"]
-        assert changes == ["frame"], count
+    x = -2e-5 + 1e-6 * (np.arange(columns) + 0.5)
+    y = depth * (np.arange(rows) + 0.5) / rows
+    stress = tab.solution.stress(x, y[:, None])
+    expected = stress.mises(0.3) if kind == "mises" else stress.shear
+    assert reply["below"] == pytest.approx(expected)
+    name = "largest von Mises" if kind == "mises" else "largest shear"
+    largest = max(map(float, expected.ravel()))
+    assert details["top"] == pytest.approx(largest, rel=2e-2)
+    assert said(reply)[name] == quantity(details["top"], "Pa")
 
 
-def test_a_slider_waits_for_nothing_before_it_tells_its_value() -> None:
-    # The name is Panel's: held, so that another version of it is noticed.
-    assert type(Explorer(WAVE, 1e-8).sliders.objects[0])._debounce > 0
-    assert {slider._debounce for slider in Explorer(WAVE, 1e-8).sliders.objects} == {0}
+def test_a_body_without_stresses_says_so() -> None:
+    reply = ask(session(SCENES["layer"]), "frame", below="shear")
+    below = tuple(reply["below"].values()) if isinstance(reply["below"], dict) else ()
+    assert any("no stresses" in str(part) for part in below) and "numbers" in reply
 
 
-def points(shown: Explorer) -> int:
-    """At how many places the fields are drawn."""
-    return shown.pictures.frame["fields"].shape[1]
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_is_a_scene(name: str) -> None:
+    reply = ask(session(WAVE), "begin", preset=name)
+    assert reply["preset"] == name and len(reply["sliders"]) > 3 and reply["about"]
+    assert scene_from_tables(tomllib.loads(PRESETS[name].text)).control
 
 
 def test_a_scene_that_cannot_be_is_told_and_the_last_one_stays() -> None:
-    page = Explorer(SCENES["layer"], 1e-8)
-    last = page.frame
+    tab = session(SCENES["layer"])
+    text = ask(tab, "frame", fine=True)["text"]
+    last = tab.solution
     wrong = (
         "[profile",
         "x = 1",
-        page.text.value.replace('"sinusoid"', '"sinusiod"'),
-        page.text.value.replace("nu = 0.3", "nu = 0.7"),
+        text.replace('"sinusoid"', '"sinusiod"'),
+        text.replace("nu = 0.3", "nu = 0.7"),
     )
-    for text, said in zip(wrong, ("not a scene file", "x", "did you mean", "Poisson"), strict=True):
-        page.text.value = text
-        page._read()
-        assert said in page.pictures.refused and "Traceback" not in page.pictures.refused
-        assert page.frame is last
-    isolated = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Isolated(), load=1.0)
-    page = Explorer(isolated, 1e-8)
-    page.text.value = page.text.value.replace("load = 1.0", "load = 1e9")
-    page._read()
-    assert "border" in page.pictures.refused and page.frame is None
+    for given, expected in zip(
+        wrong, ("not a scene file", "x", "did you mean", "Poisson"), strict=True
+    ):
+        reply = ask(tab, "begin", text=given)
+        assert expected in reply["refused"] and "Traceback" not in reply["refused"]
+        assert tab.solution is last
+    tab = session(contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Isolated(), load=1e9))
+    assert "border" in ask(tab, "frame")["refused"] and tab.solution is None
 
 
 def test_a_fault_of_the_program_is_told_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    shown = Explorer(WAVE, 1e-8)
+    tab = session(WAVE)
 
     def broken(*_: object) -> None:
         raise ZeroDivisionError("division\nby zero")
 
-    monkeypatch.setattr(page, "solved", broken)
-    shown.sliders.objects[0].value -= 0.5
-    assert (
-        "a fault of the program, not of the scene (ZeroDivisionError: division by zero)"
-        in shown.pictures.refused
+    monkeypatch.setattr("contact.explorer.session.drawn", broken)
+    assert ask(tab, "frame")["refused"] == (
+        "a fault of the program, not of the scene (ZeroDivisionError: division by zero)."
     )
 
 
-def test_without_panel_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "panel", None)
-    with pytest.raises(contact.MissingExtra, match=r"\[explore\]"):
-        contact.explore(WAVE)
+def test_a_reply_is_read_back_as_it_was() -> None:
+    numbers = np.array([[1.5, np.nan], [2.0, -np.inf]])
+    read = bytes(Reply({"title": "µ"}, {"fields": numbers}))
+    length = int.from_bytes(read[:8], "little")
+    header = json.loads(read[8 : 8 + length])
+    assert length % 8 == 0 and header == {"title": "µ", "arrays": {"fields": [2, 2]}}
+    assert np.array_equal(np.frombuffer(read[8 + length :]).reshape(2, 2), numbers, equal_nan=True)
+
+
+def test_the_page_s_files_name_no_other_address() -> None:
+    files = [file for file in server._FILES.iterdir() if file.suffix in server._TYPES]
+    text = {file.name: file.read_text(encoding="utf-8") for file in files}
+    assert not [name for name, said in text.items() if re.search(r"https?:|//[a-z]+\.", said)]
+    named = {
+        name
+        for said in text.values()
+        for name in re.findall(r'(?:src|href|from) ?=? ?"\.?/?([\w.]+)"', said)
+    }
+    assert named <= set(text) and "main.js" in named
+
+
+@pytest.fixture
+def wave_page() -> Iterator[server.Page]:
+    page = contact.explore(WAVE)
+    yield page
+    page.close()
+
+
+def status(request: Request) -> int:
+    try:
+        with urlopen(request, timeout=30) as answer:
+            return int(answer.status)
+    except HTTPError as refused:
+        return refused.code
+
+
+def test_only_the_page_itself_may_speak_to_its_server(wave_page: server.Page) -> None:
+    address, body = wave_page.address, b'{"ask": "frame"}'
+    own = {"Origin": address.rstrip("/")}
+    assert address.startswith(f"http://{ADDRESS}:") and address in wave_page._repr_html_()
+    assert status(Request(address)) == 200
+    assert status(Request(address + "ask", data=body, headers=own)) == 200
+    assert status(Request(address + "ask", data=b"{", headers=own)) == 400
+    for other in ("http://elsewhere.example", "null"):
+        assert status(Request(address + "ask", data=body, headers={"Origin": other})) == 403
+    assert status(Request(address + "ask", data=body)) == 403
+    assert status(Request(address, headers={"Host": "elsewhere.example"})) == 403
+    assert status(Request(address + "..%2fserver.py")) == 404
+    assert status(Request(address + "../server.py")) == 404
+
+
+def test_a_port_that_is_taken_is_refused_by_name(wave_page: server.Page) -> None:
+    taken = int(wave_page.address.rsplit(":", 1)[1].strip("/"))
+    with pytest.raises(contact.SceneError, match="port"):
+        contact.explore(WAVE, port=taken)
 
 
 @dataclass
@@ -260,114 +413,147 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
             address = process.stdout.readline().split()[0]
             with browser() as page:
                 page.open(address)
-                page.until(
-                    lambda: page.run(
-                        "deep('dd').length > 5 && deep('textarea')[0].value.length > 20"
-                    )
-                )
+                at_rest(page)
                 yield Served(page, address)
         finally:
             process.terminate()
 
 
+TEXT = "document.querySelector('textarea').value"
+NUMBERS = "[...document.querySelectorAll('dl > div')].map(one => [...one.children].map(part => part.innerText))"
+SIZES = (390, 768, 1280)
+
+
+def at_rest(page: Page) -> str:
+    """The text of the scene file, once it is that of the scene that is shown."""
+    return page.until(lambda: page.run(f"document.body.dataset.rest === 'yes' && {TEXT}"), 120)
+
+
 def shown(page: Page) -> dict[str, str]:
-    """The numbers that stand on the page: all of a frame, the last of which is its time."""
-    rows = "deep('dl > div').map(one => [one.children[0].innerText, one.children[1].innerText])"
-    return page.until(lambda: now if "solved in" in (now := dict(page.run(rows))) else None)
+    return dict(page.run(NUMBERS))
 
 
-def solved(text: str) -> contact.Solution:
-    return contact.solve(scene_from_tables(tomllib.loads(text)))
+def click(page: Page, selector: str) -> None:
+    page.run(f"document.querySelector({selector!r}).click()")
 
 
-def in_contact(page: Page) -> str:
-    """As it is solved here from the text on the page."""
-    fraction = solved(page.run("deep('textarea')[0].value")).contact_fraction
-    return f"{100 * fraction:.6g} %"
-
-
-@pytest.mark.slow
-def test_a_hand_that_drags_the_load_reads_the_numbers_of_that_load(served: Served) -> None:
-    page = served.page
-    before, text = shown(page), page.run("deep('textarea')[0].value")
-    assert float(before["stated error, at most"]) <= 1e-8
-    assert before["in contact"] == in_contact(page)
-    page.drag("deep('.noUi-handle')[0]", -60)
-    # The text follows once the hand is at rest.
+def preset(page: Page, name: str) -> None:
+    buttons = "[...document.querySelectorAll('nav button')]"
+    page.run(f"{buttons}.find(one => one.innerText === {name!r}).click()")
     page.until(
-        lambda: (
-            page.run("deep('textarea')[0].value") != text
-            and shown(page)["in contact"] == in_contact(page)
-        )
+        lambda: page.run(f"{buttons}.find(one => one.ariaPressed === 'true').innerText") == name
     )
-    now, found = shown(page), solved(page.run("deep('textarea')[0].value"))
-    assert found.mean_pressure < 1.2e9
-    assert now["highest pressure"] == quantity(found.max_pressure, "Pa", 6)
-    assert float(now["stated error, at most"]) <= 1e-8 and now["certificate"] == "holds"
 
 
 @pytest.mark.slow
-def test_what_the_server_sends_of_a_frame_is_one_message_and_is_painted_once(
-    served: Served,
+@pytest.mark.parametrize("width", SIZES)
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_fits_and_says_what_a_solve_says(
+    served: Served, name: str, width: int
 ) -> None:
-    page, painted, text = served.page, "deep('canvas')[0].frames", "deep('textarea')[0].value"
-    before, was, heard = page.run(painted), page.run(text), len(page.told)
-    page.drag("deep('.noUi-handle')[0]", -40, steps=40)
-    page.until(lambda: page.run(text) != was)
-    patches = sum('"PATCH-DOC"' in said for said in page.told[heard:])
-    assert 2 <= page.run(painted) - before <= patches
+    page = served.page
+    page.resize(width)
+    preset(page, name)
+    solution = contact.solve(scene_from_tables(tomllib.loads(at_rest(page))))
+    now = shown(page)
+    assert page.run("document.querySelector('#refused').hidden")
+    assert float(now["stated error, at most"]) <= 1e-8 and now["certificate"] == "holds"
+    assert now["load"] == quantity(solution.load, "N/m")
+    assert now["largest pressure"] == quantity(solution.max_pressure, "Pa")
+    assert now["width of the zones"] == quantity(float(np.sum(solution.zone_widths)), "m")
+    if solution.approach is not None:
+        assert now["approach"] == quantity(solution.approach, "m")
+    click(page, 'input[name="below"][value="mises"]')
+    at_rest(page)
+    if name == "layer":
+        assert "largest von Mises" not in shown(page)
+    elif np.isfinite(solution.max_pressure) and name != "JKR":
+        given = tomllib.loads(PRESETS[name].text)["material"]
+        report = contact.extras.require("contact.solution.stress_report")
+        largest = report.stress_report(solution, given["nu1"]).mises
+        assert shown(page)["largest von Mises"] == quantity(largest.stress, "Pa")
+    # Nothing is wider than the window.
+    assert page.run("document.documentElement.scrollWidth") <= width
+    wide = "[...document.querySelectorAll('main *')].map(one => one.getBoundingClientRect().right)"
+    assert page.run(f"Math.max(...{wide})") <= width
+    click(page, 'input[name="below"][value="none"]')
+    at_rest(page)
+    assert served.page.faults == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", SIZES)
+def test_a_hand_that_drags_the_load_reads_the_numbers_of_that_load(
+    served: Served, width: int
+) -> None:
+    page = served.page
+    page.resize(width)
+    preset(page, "given scene")
+    before = at_rest(page)
+    page.drag("document.querySelector('input[type=range]')", 0.1 * width)
+    page.until(lambda: at_rest(page) != before)
+    found = contact.solve(scene_from_tables(tomllib.loads(at_rest(page))))
+    now = shown(page)
+    assert now["mean pressure"] == quantity(found.mean_pressure, "Pa")
+    assert now["in contact"] == f"{100 * found.contact_fraction:.4g} %"
+    assert now["largest pressure"] == quantity(found.max_pressure, "Pa")
+    label = "document.querySelector('#sliders output').innerText"
+    assert page.run(label) == quantity(found.mean_pressure, "Pa")
+
+
+@pytest.mark.slow
+def test_a_frame_is_painted_for_every_few_moves(served: Served) -> None:
+    page, painted = served.page, "document.querySelector('#contact').frames"
+    page.resize(1280)
+    preset(page, "wave")
+    at_rest(page)
+    before = page.run(painted)
+    page.drag("document.querySelector('input[type=range]')", -40, steps=40)
+    at_rest(page)
+    assert 5 <= page.run(painted) - before <= 60
 
 
 @pytest.mark.slow
 def test_a_stretch_that_is_dragged_over_fills_the_pictures(served: Served) -> None:
-    page, across = served.page, "(one => one.high - one.low)(deep('canvas')[0].across)"
+    page, canvas = served.page, "document.querySelector('#contact')"
+    page.resize(1280)
+    preset(page, "wave")
+    at_rest(page)
+    across = f"(one => one.high - one.low)({canvas}.across)"
     whole = page.run(across)
-    page.drag("deep('canvas')[0]", 100)  # the middle is within the second picture
-    width = page.run("deep('canvas')[0].clientWidth")
-    page.until(lambda: page.run(across) == pytest.approx(whole * 100 / (width - 94), rel=0.02))
-    page.click("deep('canvas')[0]", times=2)
+    page.drag(canvas, 100)
+    page.until(lambda: page.run(across) < 0.5 * whole)
+    width = page.run(f"{canvas}.clientWidth")
+    assert page.run(across) == pytest.approx(whole * 100 / (width - 76), rel=0.03)
+    page.click(canvas, times=2)
     page.until(lambda: page.run(across) == whole)
 
 
 @pytest.mark.slow
 def test_a_bad_scene_is_a_message_on_the_page(served: Served) -> None:
-    page = served.page
-    page.run("(deep('textarea')[0].focus(), deep('textarea')[0].select())")
+    page, refused = served.page, "document.querySelector('#refused')"
+    page.resize(1280)
+    preset(page, "wave")
+    at_rest(page)
+    area = "document.querySelector('textarea')"
+    page.run(f"({area}.focus(), {area}.select())")
     page.type('[profile]\nshape = "sinusiod"')
-    page.run("deep('textarea')[0].blur()")
-    page.click("deep('button').find(one => one.innerText == 'solve this text')")
-    said = page.until(lambda: page.run("deep('p.refused')[0].innerText"))
-    assert "missing" in said and "the last scene that was solved" in said
+    click(page, "#solve")
+    page.until(lambda: not page.run(f"{refused}.hidden"))
+    message = page.run(f"{refused}.innerText")
+    assert "missing" in message and "the last scene that was solved" in message
     assert "Traceback" not in page.run("document.documentElement.innerHTML")
     # And the page goes on.
-    page.drag("deep('.noUi-handle')[1]", 20)
-    page.until(lambda: page.run("deep('p.refused')[0].hidden"))
+    page.drag("document.querySelectorAll('input[type=range]')[1]", 20)
+    page.until(lambda: page.run(f"{refused}.hidden"))
+    at_rest(page)
     assert shown(page)["certificate"] == "holds"
 
 
 @pytest.mark.slow
 def test_all_that_the_page_loads_comes_from_this_machine(served: Served) -> None:
     assert served.address.startswith(f"http://{ADDRESS}:")
-    own = served.address.partition("//")[2]
-    asked = [
-        address for address in served.page.requests if not address.startswith(("data:", "blob:"))
-    ]
+    asked = [one for one in served.page.requests if not one.startswith(("data:", "blob:"))]
     assert len(asked) > 5
-    assert [address for address in asked if address.partition("//")[2][: len(own)] != own] == []
+    assert [one for one in asked if not one.startswith(served.address)] == []
     assert served.page.faults == []
-
-
-async def _answer(address: str, origin: str) -> int:
-    """The status that a page of that origin is answered with when it opens a socket."""
-    request = HTTPRequest(address.replace("http", "ws") + "ws", headers={"Origin": origin})
-    try:
-        (await websocket_connect(request)).close()
-    except HTTPClientError as refused:
-        return refused.code
-    return 101
-
-
-@pytest.mark.slow
-def test_only_the_page_itself_may_speak_to_its_server(served: Served) -> None:
-    assert asyncio.run(_answer(served.address, served.address.rstrip("/"))) == 101
-    assert asyncio.run(_answer(served.address, "http://elsewhere.example")) == 403

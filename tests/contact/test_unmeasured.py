@@ -173,9 +173,10 @@ def test_it_is_told_in_python_on_a_curve_in_json_and_on_one_line_of_the_command_
 
 
 def test_the_page_says_it(tmp_path: Path) -> None:
-    pytest.importorskip("panel")
-    from contact.explorer.page import Explorer
+    from contact.explorer.session import Given, Session
 
-    page = Explorer(scene(with_crest_in(Kind.TAPERED, tmp_path), load=200.0), 1e-5)
-    (said,) = page.pictures.frame["warnings"]
+    tab = Session(
+        Given(scene(with_crest_in(Kind.TAPERED, tmp_path), load=200.0)), 1e-5, lambda: False
+    )
+    (said,) = tab.reply({"ask": "frame"})[0]["warnings"]
     assert "tapered ends" in said
