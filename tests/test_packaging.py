@@ -46,11 +46,7 @@ def test_recipe_and_citation_name_the_same_package_version_and_licence() -> None
 def test_the_recipe_needs_what_the_package_needs() -> None:
     assert bounds(RECIPE["requirements"]["run"]) == bounds(PROJECT["dependencies"])
     optional = bounds(
-        [
-            line
-            for name in ("plot", "io")
-            for line in PROJECT["optional-dependencies"][name]
-        ]
+        [line for name in ("plot", "io") for line in PROJECT["optional-dependencies"][name]]
     )
     assert bounds(RECIPE["requirements"]["run_constraints"]) == optional
     assert RECIPE["build"]["python"]["entry_points"] == [
