@@ -31,9 +31,31 @@ class PlasticFields(ZoneFields):
         density = self.density
         return Spots.of(density.zones, density.plateaus, self.problem.period)
 
+    @cached_property
+    def true_spots(self) -> Spots:
+        """Contacts and plateaus, whose ends at rims are those of the rims' true widths."""
+        zones, spots, period = self.density.zones, self.spots, self.problem.period
+        if not zones.depth.any():
+            return spots
+        ends, true = (
+            np.concatenate((zones.middle - half, zones.middle + half))
+            for half in (zones.half, zones.true_half)
+        )
+        ends = np.concatenate((zones.a, zones.b))
+        true = np.where(np.tile(zones.depth, 2) < 0.0, true, ends)
+        order = np.argsort(ends)
+
+        def moved(table: Array) -> Array:
+            place = wrapped(table, float(ends[order[0]]), period)
+            i = order[np.minimum(np.searchsorted(ends[order], place), len(ends) - 1)]
+            return np.where(ends[i] == place, table + (true[i] - ends[i]), table)
+
+        contacts = spots.contacts if spots.full else moved(spots.contacts)
+        return Spots(contacts, moved(spots.plateaus), spots.full)
+
     @property
     def zones(self) -> Array:
-        return self.spots.contacts if not self.spots.full else np.zeros((0, 2))
+        return self.true_spots.contacts if not self.spots.full else np.zeros((0, 2))
 
     @property
     def zone_table(self) -> Array:
@@ -42,7 +64,21 @@ class PlasticFields(ZoneFields):
     @property
     def plateaus(self) -> Array:  # type: ignore[override]
         """Intervals [m] (m, 2) at which the pressure is the limit."""
-        return np.asarray(self.problem.units.x(self.density.plateaus))
+        return np.asarray(self.problem.units.x(self.true_spots.plateaus))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """Pressure [Pa] at x [m]; on a rim that is narrower than its zone, by its true width."""
+        scaled, zones = self._scaled(x), self.density.zones
+        value = np.asarray(self.density(scaled))
+        if zones.depth.any():
+            i = np.minimum(np.searchsorted(zones.b, wrapped(
+                scaled, float(zones.a[0]), self.problem.period)), len(zones) - 1)
+            place = wrapped(scaled, float(zones.a[0]), self.problem.period)
+            t = np.clip((place - zones.middle[i]) / zones.true_half[i], -1, 1)
+            left, right = zones.values
+            passage = right[i] + (left - right)[i] * np.arccos(t) / np.pi
+            value = np.where((place >= zones.a[i]) & (zones.depth[i] < 0.0), passage, value)
+        return value * self.problem.units.pressure
 
     def overlap(self, x: ArrayLike) -> Array:
         """Overlap of the surfaces [m] at x [m]: the height that yielded; 0 outside the plateaus."""

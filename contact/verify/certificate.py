@@ -140,7 +140,7 @@ def openings(fields: ZoneFields, unresolved_fraction: float = 0.0) -> Openings:
     zones = fields.density.zones
     # The exact gap on the zones is zero, so the values computed there measure the error of all
     # values.
-    places = (zones.middle[:, None] + zones.half[:, None] * chebyshev_nodes(4)).ravel()
+    places = (zones.middle[:, None] + zones.true_half[:, None] * chebyshev_nodes(4)).ravel()
     on_zones = float(np.quantile(np.abs(fields.formal_gap(places)), 1.0 - unresolved_fraction))
     rounding = fields.gap_rounding + allowed_overlap(on_zones=on_zones)
     return Openings(*_gaps(fields, rounding), on_zones)

@@ -53,7 +53,10 @@ class SolvedZones(Solved):
             _is_singular(density),
             reference(density, problem.end, problem.borne(density), has_tips(density, problem)),
         )
-        moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
+        # The pressure at equal normalised position on a narrow rim does not depend on its place.
+        follows = ~self.free.narrow_rims
+        moved = ends[:, 0] * by_left + ends[:, 1] * by_right
+        moved = float(moved[follows].max(initial=0.0)) / peak
         on_zones = (TOLERANCES.singular_end if singular else 1) * (
             state.density_error * state.size / peak + TOLERANCES.rounding
         ) + _kink_rounding(density) / peak
@@ -169,7 +172,7 @@ def position_rounding(found: SolvedZones) -> float:
         return 0.0
     units, zones = found.fields.problem.units, found.fields.density.zones
     rounding = np.spacing(np.abs(units.x(zones.table))).max(axis=1) / units.length
-    return float((0.5 * rounding / zones.half).max())
+    return float((rounding / found.free.end_scales).max())
 
 
 def _kink_rounding(density: sie.AnyDensity) -> float:

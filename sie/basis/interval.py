@@ -447,13 +447,13 @@ def integral_on(c: Array, row: Index, angle: Array) -> Array:
     )
 
 
-def mean_potential(w: Any, datum: Any) -> Any:
+def mean_potential(w: Any, datum: Any, depth: Any = 0.0) -> Any:
     """Mean over the interval, with weight 1/X, of the potential of 1/X, X = sqrt(1 - t^2).
 
     The mean is zero for T_l / X with l > 0. w: half width. datum: length by which the potential
-    divides distances.
+    divides distances. depth: see `Zones`.
     """
-    return w * np.log(w / (2 * datum))
+    return w * (np.log(w / (2 * datum)) + depth)
 
 
 # The functions below give a density's intensity K and edge slope A: at the distance d from an end

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import inputs
-from sie.basis.data import TINY, Array, Index, Kept, Mask, sum_error
+from sie.basis.data import EPS, TINY, Array, Index, Kept, Mask, sum_error
 from sie.basis.weight import HALF, Weight
 
 
@@ -196,6 +196,9 @@ class Zones(Kept):
         nearer to a corner of the right side than the digits of its position show.
     weight : Weight
         The exponents of a density at the ends of the zones. `solve` sets them from the equation.
+    depth : ndarray
+        Logarithm of the true width of a rim over the width that it has here (n,), see
+        `sie.ends.rims`; 0 for other zones.
 
     Examples
     --------
@@ -212,10 +215,13 @@ class Zones(Kept):
     symmetric: bool = False
     rest: Array = field(default_factory=lambda: np.zeros((2, 0)))
     weight: Weight = field(default=HALF, repr=False)
+    depth: Array = field(default_factory=lambda: np.zeros(0), repr=False)
 
     def __post_init__(self) -> None:
         if self.rest.shape[1] != len(self.a):
             object.__setattr__(self, "rest", np.zeros((2, len(self.a))))
+        if len(self.depth) != len(self.a):
+            object.__setattr__(self, "depth", np.zeros(len(self.a)))
 
     @classmethod
     def of(
@@ -287,7 +293,14 @@ class Zones(Kept):
         rest = np.array([self.rest[0, kept], self.rest[1, last]])
         weight = self.weight.of(kept)
         return replace(
-            self, a=self.a[kept], b=b, left=left, right=right, rest=rest, weight=weight
+            self,
+            a=self.a[kept],
+            b=b,
+            left=left,
+            right=right,
+            rest=rest,
+            weight=weight,
+            depth=self.depth[kept],
         ), kept
 
     def beyond_a(self, x: Array, zone: Index) -> Array:
@@ -310,6 +323,11 @@ class Zones(Kept):
     def half(self) -> Array:
         """Half widths w of the zones (n,)."""
         return np.asarray(0.5 * ((self.b - self.a) + (self.rest[1] - self.rest[0])))
+
+    @cached_property
+    def true_half(self) -> Array:
+        """Half widths of the zones (n,); those of rims are the true ones, see `depth`."""
+        return np.asarray(self.half * np.exp(np.maximum(self.depth, np.log(EPS))))
 
     @property
     def edge_scale(self) -> Array:

@@ -567,6 +567,8 @@ class System(Rows):
         constants = rows @ layout.flat(self.known)
         if self.unseen_moments is not None:
             constants = constants + self.of_panels(self.unseen_moments)[1]
+        # A charge on a rim spreads over its true width (`Zones.depth`), the known passage does not.
+        rows[np.arange(len(solved)), layout.offset[solved]] += (zones.half * zones.depth)[solved]
         for k, column in enumerate(self.equation.columns):
             rows[:, layout.coefficients + k] = -self._column_means(column.primitive)
         return rows, constants - self._forcing_means()

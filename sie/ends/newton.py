@@ -15,13 +15,14 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import HALF_DIGITS, Array, Index
+from sie.basis.data import HALF_DIGITS, Array, Index, Mask
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.ends.limits import DomainLimit, domain_limit, pinned_at_limits, released
 from sie.ends.motions import DirectMotions, IteratedMotions, motions_of
 from sie.ends.options import NewtonOptions, WarmStart
 from sie.ends.progress import Convergence, Progress, Step
+from sie.ends.rims import are_narrow, end_scales, with_rim_steps
 from sie.ends.steps import (
     LastMoves,
     NewtonStep,
@@ -130,10 +131,22 @@ class Free:
     @cached_property
     def end_truncation(self) -> Array:
         """Error of each end due to truncated coefficients, relative to its zone's width (Z, 2)."""
-        if not self.density.zones.follow_ends:
-            return self.state.end_truncation
+        zones = self.density.zones
+        if not zones.follow_ends:
+            by_width = self.state.end_truncation
+            return by_width * (2 * zones.half / self.end_scales)[:, None]
         by_intensities = self._motions.local(self.state.whole.intensity_truncation)
         return np.asarray((by_intensities / self._width).T)
+
+    @cached_property
+    def end_scales(self) -> Array:
+        """Length to which errors of the ends of each zone are relative (Z,): mostly its width."""
+        return end_scales(self.density.zones, self.state.equation)
+
+    @cached_property
+    def narrow_rims(self) -> Mask:
+        """Mask of the zones (Z,) that are rims narrower than a gap or plateau beside them."""
+        return are_narrow(self.density.zones, self.state.equation)
 
     @cached_property
     def followed(self) -> Array:
@@ -239,11 +252,21 @@ class _Search:
         motion = self._newton_step(state)
         if motion is None:
             return self._undetermined(state)
+        motion = with_rim_steps(
+            motion,
+            state.density.zones,
+            self.equation,
+            state.intensity_noise,
+            self.options,
+            self.progress.tolerance,
+            self.last,
+        )
         corners = corners_of(state)
         by_places = np.where(motion.moves, place_rounding(state, corners), 0.0)
         motion = replace(motion, noise=motion.noise + by_places)
         opened = self.equation.open_condition is not None
-        rest = self.progress.after(self.zones, motion, corners, self.value, opened)
+        scales = end_scales(self.zones, self.equation)
+        rest = self.progress.after(self.zones, motion, corners, self.value, opened, scales)
         if rest.reached and not is_released and not loose:
             return self._converged(state, motion, rest)
         border = domain_limit(self.zones, self.equation, motion.delta)
@@ -316,9 +339,12 @@ class _Search:
         gaps = modes.gaps(self.zones, equation.kernel)[1]
         closes = motion.closes(gaps)
         vanishes = motion.vanishes(self.zones)
-        moves = damped(self.zones, equation, motion.delta, options)
         before = self.zones
+        narrow = None if motion.depth is None else are_narrow(before, equation)
+        moves = damped(before, equation, motion.delta, options, narrow)
         self.zones = zones = pinned_at_limits(before.moved(moves, keeps_places), options.limits)
+        if motion.depth is not None:
+            self.zones = zones = replace(zones, depth=motion.depth)
         if motion.residual is not None:
             moved = np.array([before.a - zones.a, zones.b - before.b])
             self.last = LastMoves(motion.residual, moved)

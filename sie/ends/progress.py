@@ -95,14 +95,21 @@ class Progress:
         return self.options.forcing * self.tolerance
 
     def after(
-        self, zones: Zones, motion: NewtonStep, corners: Array, value: float, opened: bool
+        self,
+        zones: Zones,
+        motion: NewtonStep,
+        corners: Array,
+        value: float,
+        opened: bool,
+        scales: Array,
     ) -> Convergence:
         """Record a Newton step, and decide whether the ends have converged.
 
         corners: distance of each end from the nearest kink (2, Z); value: value of the open
-        condition (whose value is an unknown); opened: whether there is one.
+        condition (whose value is an unknown); opened: whether there is one; scales: length to which
+        errors of each zone's ends are relative (Z,).
         """
-        width, delta, options = zones.b - zones.a, np.abs(motion.delta), self.options
+        width, delta, options = scales, np.abs(motion.delta), self.options
         relative = delta / width
         move = float(relative.max(initial=0.0))
         self.trace.append(Step(zones.table, move, value if opened else None))
@@ -215,7 +222,8 @@ class Progress:
             # If one zone counts as vanished, so do all zones that each of the last two undamped
             # steps would have removed. Only `Zones.rims` never vanish.
             insists = (self.leaving >= 2) & ~zones.rims
-        narrowest = np.minimum(width, self.first_width)
+        # A gap or plateau beside a rim has its own scale, however narrow the rim is.
+        narrowest = np.where(zones.rims, np.inf, np.minimum(width, self.first_width))
         closed = self.closing >= 2
         if not options.allow_loss:
             # Without `allow_loss`, a closed gap ends the search. So a gap that repeated

@@ -49,7 +49,8 @@ class NewtonStep:
     moves: mask of the free ends (2, Z); delta: their outward steps (2, Z); noise: the round-off of
     `delta`; change: step of the open condition's value; weak: mask of the zones (Z,) with an end
     next to which the density has the wrong sign, so that the step is only a guess; branch: None if
-    the prescribed intensities are zero.
+    the prescribed intensities are zero; depth: that of the rims after the step, see `Zones`; None
+    without rims.
     """
 
     moves: Mask
@@ -59,6 +60,7 @@ class NewtonStep:
     weak: Mask
     branch: Branch | None = None
     residual: Array | None = None
+    depth: Array | None = None
 
     @property
     def certain(self) -> bool:
@@ -262,26 +264,33 @@ def bordered(
         return delta + change * slope, float(change)
 
 
-def damped(zones: Zones, equation: Equation, delta: Array, options: NewtonOptions) -> Array:
+def damped(
+    zones: Zones,
+    equation: Equation,
+    delta: Array,
+    options: NewtonOptions,
+    narrow: Mask | None = None,
+) -> Array:
     """Outward steps (2, Z), limited to fractions of the zone, gap and distance to the border.
 
-    The border is that of the right side's domain.
+    The border is that of the right side's domain. narrow: mask of the rims whose changes of width
+    are limited already.
     """
     width = zones.b - zones.a
     gaps = np.array(modes.gaps(zones, equation.kernel))
     room = options.max_shrink * np.minimum(gaps, border_distances(zones, equation))
     outward = np.minimum(options.max_growth * width, room)
     plain = np.clip(delta, -options.max_shrink * width, outward)
-    far = zones.rims & (np.abs(delta[1] - delta[0]) > 2 * options.max_growth * width)
-    if not far.any():
+    shift, widens = 0.5 * (delta[1] - delta[0]), 0.5 * delta.sum(axis=0)
+    far = zones.rims & (np.abs(shift) > options.max_growth * width)
+    free = far if narrow is None else far | narrow
+    if not free.any():
         return plain
     # A rim is the transition zone beside a plateau. It may move by many of its widths in one step.
-    shift = np.clip(0.5 * (delta[1] - delta[0]), -room[0], room[1])
-    widens = np.clip(
-        0.5 * delta.sum(axis=0), -options.max_shrink * width, 0.5 * outward.min(axis=0)
-    )
-    moved = np.array([widens - shift, widens + shift])
-    return np.where(far, moved, plain)
+    limited = np.clip(widens, -options.max_shrink * width, 0.5 * outward.min(axis=0))
+    widens = limited if narrow is None else np.where(narrow, widens, limited)
+    shift = np.clip(shift, -room[0], room[1])
+    return np.where(free, [widens - shift, widens + shift], plain)
 
 
 def _coupled_step(

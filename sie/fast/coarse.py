@@ -67,7 +67,7 @@ class CoarseOperator:
         for shift in kernel.poles:
             d = np.maximum(np.abs(away - shift), w)
             product *= (0.5 / kernel.datum) * (d + np.sqrt((d - w) * (d + w)))
-        out = np.log(product)
+        out = np.log(product) + np.where(i == j, zones.depth[i], 0.0)
         if kernel.regular_potential is not None:
             out += kernel.regular_potential(x, xi)
         return np.asarray(w * (out - self.lowered))

@@ -134,7 +134,7 @@ class IterativeSystem(System):
         rows -= y[self.own]
         if self.layout.columns:
             rows -= y[self.layout.coefficients :] @ self.column_rows
-        return rows[self.kept], Applied(self, y, middle, self._with_own(y, mean))
+        return rows[self.kept], Applied(self, y, middle, self._with_own(y, mean, self.zones.depth))
 
     def felt(self, y: Array) -> Array:
         """Size of the field that the unknowns y of all other zones cause on each solved zone.
@@ -145,10 +145,12 @@ class IterativeSystem(System):
         zone = np.repeat(np.arange(len(count)), count)
         return np.asarray(np.bincount(zone, rows, minlength=len(count)), dtype=np.float64)
 
-    def _with_own(self, y: Array, mean: Array) -> Array:
+    def _with_own(self, y: Array, mean: Array, depth: Array) -> Array:
+        """Levels with the potential of each zone's own charge. depth: see `Zones`."""
         solved = self.zones.solved
         w = self.zones.half[solved]
-        level = mean + mean_potential(w, self.equation.kernel.datum) * y[self.layout.offset[solved]]
+        own = mean_potential(w, self.equation.kernel.datum, depth[solved])
+        level = mean + own * y[self.layout.offset[solved]]
         if self.layout.columns and self.wants_levels:
             level = level - y[self.layout.coefficients :] @ self.column_means
         return np.asarray(level)
@@ -197,7 +199,9 @@ class IterativeSystem(System):
 
     @property
     def _known_rest(self) -> Array:
-        return self._with_own(self.layout.flat(self.known), self.known_field[2])
+        # The known passage of the density on a rim lies at the middle, however wide the rim is.
+        none = np.zeros(len(self.zones))
+        return self._with_own(self.layout.flat(self.known), self.known_field[2], none)
 
     @property
     def integrated(self) -> bool:
