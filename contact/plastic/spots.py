@@ -136,19 +136,19 @@ def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
         plateaus = tables.in_cell(plateaus, contacts[0, 0], period)
     out: list[tuple[float, float]] = []
     for a, b in contacts.tolist():
-        rim = RIM * (b - a) if rims else 0.0
-        begin = a if a == lo else a + rim
-        end = b if b == hi else b - rim
         inside = plateaus[(plateaus[:, 1] > a) & (plateaus[:, 0] < b)]
-        part = np.clip(inside, begin, end)
+        rim = (RIM if rims else 0.0) * np.diff(np.clip(inside, a, b), axis=1)[:, 0]
+        begin = np.full(len(inside), a) if a == lo else a + rim
+        end = np.full(len(inside), b) if b == hi else b - rim
+        part = np.clip(inside, begin[:, None], end[:, None])
         kept = part[part[:, 1] > part[:, 0]].tolist()
-        out += [(p, q) for p, q in kept if not (p == begin == a and q == end == b)]
+        out += [(p, q) for p, q in kept if not (p == a and q == b)]
     return replace(spots, contacts=contacts, plateaus=np.array(out).reshape(-1, 2))
 
 
 # Least width of the elastic rim between a plateau and a gap in a first guess, divided by the width
-# of the contact. Newton's method finds the true width, which may be far smaller.
-RIM = 0.02
+# of the plateau. Newton's method finds the true width, which may be far smaller.
+RIM = 1e-4
 
 
 def index_of(table: Array, x: Array) -> Index:

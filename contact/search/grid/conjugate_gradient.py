@@ -446,8 +446,10 @@ class _Run:
         for _ in range(OPTIONS.max_stalled + int(4 * np.log2(self.influence.n))):
             before = self.iterations
             if not mask.any():
-                # One point stays in `mask`, to bear the load that the capped points cannot bear.
-                last = np.flatnonzero(capped)[np.argmax(self.shape[capped])]
+                # One point stays in `mask`, to bear the load that the capped points cannot bear:
+                # the next one to open.
+                overlap = self.influence.apply(np.where(capped, cap, 0.0)) + self.shape
+                last = np.flatnonzero(capped)[np.argmax(overlap[capped])]
                 mask[last], capped[last] = True, False
             p, u, level, error, solved = self._on_sets(load, mask, capped, p, tol)
             finer = max(self.tol, OPTIONS.first_tolerance * tol)
