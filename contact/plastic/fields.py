@@ -71,8 +71,10 @@ class PlasticFields(ZoneFields):
         scaled, zones = self._scaled(x), self.density.zones
         value = np.asarray(self.density(scaled))
         if zones.depth.any():
-            i = np.minimum(np.searchsorted(zones.b, wrapped(
-                scaled, float(zones.a[0]), self.problem.period)), len(zones) - 1)
+            i = np.minimum(
+                np.searchsorted(zones.b, wrapped(scaled, float(zones.a[0]), self.problem.period)),
+                len(zones) - 1,
+            )
             place = wrapped(scaled, float(zones.a[0]), self.problem.period)
             t = np.clip((place - zones.middle[i]) / zones.true_half[i], -1, 1)
             left, right = zones.values

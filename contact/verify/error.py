@@ -55,8 +55,8 @@ class SolvedZones(Solved):
         )
         # The pressure at equal normalised position on a narrow rim does not depend on its place.
         follows = ~self.free.narrow_rims
-        moved = ends[:, 0] * by_left + ends[:, 1] * by_right
-        moved = float(moved[follows].max(initial=0.0)) / peak
+        changes = (ends[:, 0] * by_left + ends[:, 1] * by_right)[follows]
+        moved = float(changes.max(initial=0.0)) / peak
         on_zones = (TOLERANCES.singular_end if singular else 1) * (
             state.density_error * state.size / peak + TOLERANCES.rounding
         ) + _kink_rounding(density) / peak

@@ -252,15 +252,7 @@ class _Search:
         motion = self._newton_step(state)
         if motion is None:
             return self._undetermined(state)
-        motion = with_rim_steps(
-            motion,
-            state.density.zones,
-            self.equation,
-            state.intensity_noise,
-            self.options,
-            self.progress.tolerance,
-            self.last,
-        )
+        motion = with_rim_steps(motion, state, self.options, self.progress.tolerance, self.last)
         corners = corners_of(state)
         by_places = np.where(motion.moves, place_rounding(state, corners), 0.0)
         motion = replace(motion, noise=motion.noise + by_places)

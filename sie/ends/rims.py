@@ -26,7 +26,7 @@ from sie.ends.limits import border_distances
 from sie.ends.options import NewtonOptions
 from sie.ends.steps import LastMoves, NewtonStep, wanted_signs
 from sie.equation.equation import Equation
-
+from sie.slits.system import AnyState
 
 OPTIONS = NewtonOptions()
 
@@ -66,55 +66,51 @@ def least_part(tolerance: float) -> float:
 
 def with_rim_steps(
     motion: NewtonStep,
-    zones: Zones,
-    equation: Equation,
-    noise: Array,
+    state: AnyState,
     options: NewtonOptions,
     tolerance: float,
     last: LastMoves | None,
 ) -> NewtonStep:
     """The Newton step, with those of narrow rims by their middle and the logarithm of the width.
 
-    noise: round-off of the intensities (2, Z). last: the last step, if it has left the same zones.
+    tolerance: of the ends. last: the last step, if it has left the same zones.
     """
-    narrow = are_narrow(zones, equation)
-    if not narrow.any() or motion.residual is None:
+    zones, equation = state.density.zones, state.equation
+    narrow = np.flatnonzero(are_narrow(zones, equation))
+    if len(narrow) == 0 or motion.residual is None:
         return motion
-    values, width, room = zones.values, 2 * zones.half, room_beside(zones, equation)
-    slope = np.abs(values[1] - values[0]) * np.sqrt(2 / zones.half) / np.pi
-    with np.errstate(divide="ignore", invalid="ignore"):
-        plain = 2 * motion.residual / (wanted_signs(zones, options.signs) * slope)
-        rounding = 2 * noise / slope
-        least = np.minimum(least_part(tolerance) * room, width)
-        # Near the root, the edge slopes of the density know how the right side varies on the rim.
-        # Farther away, c changes them.
-        change = plain.sum(axis=0) / width
-        near = (np.abs(change) < options.max_growth) & (np.log(width) + change > np.log(least))
-        near &= ~motion.weak
-        plain = np.where(near, motion.delta, plain)
-        rounding = np.where(near, motion.noise, rounding)
-        wanted = np.log(width) + plain.sum(axis=0) / width
-        most = np.maximum(options.max_shrink * room, width)
-        change = wanted - np.log(width)
-        if last is not None:
-            change = _less(change, -np.log1p(-np.minimum(last.moves.sum(axis=0) / width, 0.9)))
-        following = np.exp(np.clip(np.log(width) + change, np.log(least), np.log(most)))
-        # The level of the rim depends on the logarithm of the width that was assumed in it.
-        assumed, true = (
-            np.maximum(np.log(room / width) - part, 1.0)
-            for part in (zones.depth, wanted - np.log(width))
-        )
-    shift = 0.5 * (plain[1] - plain[0]) * assumed / true
-    if last is not None:
-        shift = _less(shift, 0.5 * (last.moves[1] - last.moves[0]))
-    wider = 0.5 * (following - width)
-    return replace(
-        motion,
-        delta=np.where(narrow, [wider - shift, wider + shift], motion.delta),
-        noise=np.where(narrow, rounding, motion.noise),
-        weak=motion.weak & ~narrow,
-        depth=np.where(narrow, np.minimum(wanted - np.log(following), 0.0), 0.0),
+    values, half = zones.values[:, narrow], zones.half[narrow]
+    width, room = 2 * half, room_beside(zones, equation)[narrow]
+    delta, noise, weak = motion.delta.copy(), motion.noise.copy(), motion.weak.copy()
+    slope = np.abs(values[1] - values[0]) * np.sqrt(2 / half) / np.pi
+    side = wanted_signs(zones, options.signs)[:, narrow]
+    plain = 2 * motion.residual[:, narrow] / (side * slope)
+    rounding = 2 * state.intensity_noise[:, narrow] / slope
+    least = np.log(np.minimum(least_part(tolerance) * room, width))
+    most = np.log(np.maximum(options.max_shrink * room, width))
+    # Near the root, the edge slopes of the density know how the right side varies on the rim.
+    # Farther away, c changes them.
+    change = plain.sum(axis=0) / width
+    near = (np.abs(change) < options.max_growth) & (np.log(width) + change > least) & ~weak[narrow]
+    plain = np.where(near, delta[:, narrow], plain)
+    noise[:, narrow] = np.where(near, noise[:, narrow], rounding)
+    change = plain.sum(axis=0) / width
+    # The level of a rim depends on the logarithm of the width that was assumed in it.
+    assumed, true = (
+        np.maximum(np.log(room / width) - part, 1.0) for part in (zones.depth[narrow], change)
     )
+    shift = 0.5 * (plain[1] - plain[0]) * assumed / true
+    wanted, limited = np.log(width) + change, change
+    if last is not None:
+        left, right = last.moves[:, narrow]
+        grown = np.minimum((left + right) / width, 1 - options.max_shrink**2)
+        limited, shift = _less(change, -np.log1p(-grown)), _less(shift, 0.5 * (right - left))
+    following = np.clip(np.log(width) + limited, least, most)
+    wider = 0.5 * (np.exp(following) - width)
+    depth = np.zeros(len(zones))
+    delta[:, narrow], weak[narrow] = [wider - shift, wider + shift], False
+    depth[narrow] = np.minimum(wanted - following, 0.0)
+    return replace(motion, delta=delta, noise=noise, weak=weak, depth=depth)
 
 
 def _less(step: Array, last: Array) -> Array:
