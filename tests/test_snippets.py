@@ -1,9 +1,12 @@
-"""Python of the pages: the blocks of a page, in their order, are a script that runs by itself."""
+"""Code of the pages: the Python of a page, in its order, is a script that runs by itself, and the
+commands of a page end well.
+"""
 
 from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import textwrap
@@ -56,6 +59,50 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(name: str, tmp_path: Path)
         stdin=subprocess.DEVNULL,
     )
     assert done.returncode == 0, done.stderr[-2000:]
+
+
+SHELL = re.compile(r"^```(?:bash|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+# Commands that measure for minutes, wait for a browser or a reader, or ask another machine.
+LEFT_OUT = {"bench", "stability", "figures", "explore"}
+
+
+def commands(page: Path) -> list[list[str]]:
+    """Arguments of the commands `contact ...` of a page."""
+    lines = [
+        line.strip()
+        for block in SHELL.findall(page.read_text(encoding="utf-8"))
+        for line in block.replace("\\\n", " ").splitlines()
+    ]
+    split = [shlex.split(line, comments=True)[1:] for line in lines if line.startswith("contact ")]
+    return [words for words in split if words[0] not in LEFT_OUT and "--scheduler" not in words]
+
+
+WITH_COMMANDS = [page for page in sorted((ROOT / "docs").glob("*.md")) if commands(page)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.stem)
+def test_the_commands_of_a_page_end_well(page: Path, tmp_path: Path) -> None:
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    settings = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "MPLBACKEND": "Agg"}
+    run = 0
+    for words in commands(page):
+        # A file that is neither an example nor written by a command before stands for the reader's.
+        if not (tmp_path / words[1]).exists():
+            continue
+        done = subprocess.run(
+            [sys.executable, "-m", "contact", *words],
+            cwd=tmp_path,
+            env=settings,
+            capture_output=True,
+            text=True,
+            timeout=300,
+            stdin=subprocess.DEVNULL,
+        )
+        assert done.returncode == 0, (words, done.stderr[-2000:])
+        run += 1
+    assert run
 
 
 def test_blocks_that_show_a_file_are_left_out(tmp_path: Path) -> None:
