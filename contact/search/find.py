@@ -24,7 +24,7 @@ from contact.search.strategies.continuation import from_previous
 from contact.search.strategies.full_contact import smallest_full
 from contact.search.strategies.guesses import Outcome, search
 from contact.search.strategies.load_controls import at_approach, at_level
-from contact.search.topology.failure import EXACT, NOT_APPLICABLE, Failure, attempted
+from contact.search.topology.failure import NOT_APPLICABLE, Failure, attempted
 
 # Modules that are imported only for the scenes that need them.
 _STRIPS = "contact.localized.strips"
@@ -57,12 +57,7 @@ def found(context: SolveContext) -> Outcome:
             # also fail from the last solution's own zones, so the warm start is dropped.
             context = context.with_warm_start(None)
     assert refused is not None and refused.refusal is not None
-    if not isinstance(refused.refusal, LevelOfFullGrid):
-        raise refused.refusal
-    instead = "give a load, a mean pressure or a contact fraction"
-    if not scene.interaction.exact:
-        instead = f"a localized contact cannot be full: give a smaller approach; {EXACT}"
-    raise OutOfRange(f"{refused.refusal}; {instead}")
+    raise refused.refusal
 
 
 def _says_more(later: Exception, first: Exception | None) -> bool:

@@ -26,7 +26,6 @@ from contact.studies.bench import (
     extremes,
     peers,
     report,
-    required,
     run,
     scaling,
     stability,
@@ -243,15 +242,15 @@ class TestVerdicts:
     @pytest.mark.slow
     def test_the_matrix_has_every_kind_of_extreme(self):
         assert {case.group for case in extremes.matrix(False)} >= {
-            "contact of the period",
+            "contact fraction",
             "gap between zones",
             "zones of very different width",
             "heights of very different scale",
             "moduli",
             "lengths",
-            "load below a merge by",
-            "load above a merge by",
-            "load below full contact by",
+            "load below a merge",
+            "load above a merge",
+            "load below full contact",
             "slopes",
             "measured with noise",
             "many equal zones",
@@ -291,10 +290,8 @@ class TestRuns:
             "scaling.png",
             "precision.md",
             "hierarchy.md",
+            "stated.md",
             "scaling.md",
-            "exponents.md",
-            "single.md",
-            "required.md",
             "machine.md",
             "curves.md",
             "imports.md",
@@ -331,7 +328,12 @@ class TestRuns:
         monkeypatch.setattr(stability, "matrix", lambda quick: [TestVerdicts.WAVE, impossible])
         result = CliRunner().invoke(main, ["stability", "--out", str(tmp_path)])
         assert result.exit_code == 3 and "1 of 2" in result.stderr
-        assert (tmp_path / "stability.md").read_text().count("\n| moduli") == 2
+        groups = (tmp_path / "stability.md").read_text()
+        assert groups.count("\n| moduli | 1 pass, 1 FAIL | E* = 1e-12 Pa |") == 1
+        exceptions = (tmp_path / "stability-exceptions.md").read_text()
+        assert exceptions.count("\n| moduli: ") == exceptions.count("| FAIL |") == 1
+        with (tmp_path / "stability.csv").open() as stream:
+            assert [row["outcome"] for row in csv.DictReader(stream)] == ["pass", "FAIL"]
 
     def test_a_bar_in_a_cell_does_not_break_a_page_s_table(self):
         assert (
@@ -361,42 +363,33 @@ def test_another_code_nears_the_same_contact_as_its_grid_is_refined(peer):
     assert mean_error(1024) < mean_error(64) / 8
 
 
-class TestRequired:
-    CASES = [cases.wave(0.4), cases.biquadratic()]
-    NAME = CASES[0].name
+class TestTables:
+    NAME = cases.wave(0.4).name
 
-    def rows(self, ours, peer):
-        """Runs of one scene: (seconds, error of p(x)) each; the stated measure is the same."""
-        made = [Row(self.NAME, "contact", 1e-2, t, e, e, e, 2 * e, 0, True) for t, e in ours]
-        return made + [Row(self.NAME, "tamaas", 0, t, e, e, None, None, 0, True) for t, e in peer]
+    def run(self, method, seconds, error, setting=1e-4, stated=None):
+        return Row(self.NAME, method, setting, seconds, error, 0.1 * error, error, stated, 0, True)
 
-    def told(self, rows, peers=("tamaas",)):
-        table = required.table(rows, self.CASES, [], 1.0, peers)
-        return {row[0].split(",")[0]: row[1:] for row in table.rows}
+    def test_a_true_error_above_the_stated_one_is_counted(self):
+        rows = [self.run("contact", 1e-3, 1e-5, stated=2e-5)]
+        assert [row[1] for row in report.stated_table(rows).rows] == ["1 of 1", "1 of 1"]
+        rows.append(self.run("contact", 1e-3, 1e-5, stated=0.9e-5))
+        rows.append(self.run("contact", 1e-3, 1e-5, stated=1.1e-3))
+        assert [row[1] for row in report.stated_table(rows).rows] == ["2 of 3", "2 of 3"]
 
-    def test_a_hundred_times_faster_is_met_and_ninety_times_is_missed_with_its_reason(self):
-        for seconds, word in ((0.11, "met"), (0.09, "missed: ")):
-            (measured, verdict) = self.told(self.rows([(1e-3, 1e-5)], [(seconds, 5e-5)]))[
-                "at an error of p(x) of 1e-4"
-            ]
-            assert verdict.startswith(word) and f"{1e3 * seconds:.3g}" in measured
-
-    def test_a_peer_that_never_gets_there_counts_with_its_longest_run(self):
-        measured, verdict = self.told(self.rows([(1e-3, 1e-5)], [(0.5, 5e-3)]))[
-            "at an error of p(x) of 1e-4"
+    def test_a_code_that_never_gets_there_is_listed_with_its_longest_run(self):
+        rows = [
+            self.run("contact", 1e-3, 1e-12),
+            self.run("tamaas", 0.1, 5e-3),
+            self.run("tamaas", 0.5, 2e-3),
         ]
-        assert "> 500" in measured and verdict == "met"
+        largest, mean = report.peers_tables(rows, ["tamaas"], [self.NAME])
+        assert largest.rows == [(self.NAME, "1 ms", "100 ms", "1 ms", "more than 500 ms")]
+        assert mean.rows == [(self.NAME, "1 ms", "100 ms", "1 ms", "more than 500 ms")]
 
-    def test_a_true_error_above_the_stated_one_is_a_miss(self):
-        rows = self.rows([(1e-3, 1e-5)], [])
-        assert self.told(rows, ())["the true error is at most the stated one"][1] == "met"
-        rows.append(dataclasses.replace(rows[0], stated=0.9e-5))
-        assert self.told(rows, ())["the true error is at most the stated one"][1].startswith(
-            "missed"
-        )
-
-    def test_without_peers_nothing_is_said_of_them(self):
-        assert not any("peer" in figure for figure in self.told(self.rows([(1e-3, 1e-5)], []), ()))
+    def test_a_tolerance_that_is_not_met_is_marked_and_one_that_was_not_run_is_empty(self):
+        row = dataclasses.replace(self.run("contact", 1e-3, 1e-5, stated=2e-5), met=False)
+        (found,) = report.precision_table([row]).rows
+        assert found == (self.NAME, "1 ms, not met", "1.0e-05", "2.0e-05", "-", "-", "-")
 
 
 class TestPages:
@@ -416,18 +409,17 @@ class TestPages:
             "precision",
             "hierarchy",
             "peers",
+            "peers-mean",
+            "stated",
             "scaling",
-            "exponents",
-            "single",
-            "required",
             "machine",
             "stability",
+            "stability-exceptions",
             "curves",
             "imports",
             "self-affine",
             "measured-trace",
             "sampling",
-            "kinds-10000",
             "kinds-20000",
             "many-intervals",
         }

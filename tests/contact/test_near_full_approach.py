@@ -72,15 +72,3 @@ def test_an_approach_near_full_contact_is_found_from_a_solution_near_by_too():
         contact.Scene(profile, 1e11, contact.Periodic(), approach=given.approach), near=near
     )
     assert true_error(again, given) < 3 * (again.error + given.error)
-
-
-@pytest.mark.parametrize("neighbours", [0, 3])
-def test_an_approach_that_fills_a_localized_strip_is_refused_with_the_true_advice(neighbours):
-    rng = np.random.default_rng(3)
-    profile = contact.Fourier(1.0, rng.normal(size=6) * 1e-3, rng.normal(size=6) * 1e-3)
-    model = contact.Localized("self-consistent", neighbours)
-    with pytest.raises(
-        contact.OutOfRange, match=r"localized contact cannot be full.* Periodic\(\)"
-    ) as raised:
-        solve(profile, model, E_star=1e9, approach=0.1)
-    assert type(raised.value) is contact.OutOfRange

@@ -85,8 +85,8 @@ class LevelOfFullGrid(OutOfRange):
 
 
 _AS_GOOD_AS_FULL = (
-    "the approach is the mean of the profile or more, as nearly as a grid can tell: contact is full "
-    "or as good as full"
+    "the approach is the mean of the profile, as nearly as a grid can tell: contact is full or as "
+    "good as full; give a load, a mean pressure or a contact fraction"
 )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import dataclasses
 import math
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,15 +29,6 @@ class Table(NamedTuple):
 
 
 OURS = "contact"
-
-
-@dataclasses.dataclass(frozen=True)
-class SingleZoneLimits:
-    """Upper bounds of the processor time of a single scene, as docs/benchmarks.md requires."""
-
-    seconds_per_zone: float = 5e-4
-    dense_solves: float = 0.12  # times 100 dense solves (`scaling.yardstick`), per zone
-    floors: float = 25.0  # times the floor of `scaling.floor_seconds`
 
 
 def write_csv(path: Path, rows: Sequence[Any]) -> None:
@@ -82,189 +74,143 @@ def names(rows: Iterable[Row]) -> list[str]:
     return list(dict.fromkeys(row.scene for row in rows))
 
 
-def precision_table(rows: list[Row]) -> Table:
-    """Table of the solver's time, true error and stated error at every second tolerance."""
+def precision_table(rows: list[Row], tols: Sequence[float] = (1e-4, 1e-12)) -> Table:
+    """Table of the solver's time, true error and stated error, one row for each scene."""
     out: list[tuple[str, ...]] = []
     for scene in names(rows):
-        for row in of(rows, scene, OURS):
-            if row.met and round(-math.log10(row.setting)) % 2:
-                continue
-            out.append(
-                (
-                    scene,
-                    f"{row.setting:.0e}",
-                    _time(row.seconds),
-                    _number(row.error),
-                    _number(row.stated),
-                    _number(row.at_x),
-                    "" if row.met else "not met: best state",
-                )
+        cells: list[str] = [scene]
+        for tol in tols:
+            row = next(
+                (r for r in of(rows, scene, OURS) if math.isclose(r.setting, tol, rel_tol=1e-6)),
+                None,
             )
-    return Table(
-        "precision",
-        "work and precision",
-        ("scene", "tol", "time", "true error", "stated", "at equal x, max", ""),
-        out,
-    )
+            if row is None:
+                cells += ["-", "-", "-"]
+            else:
+                late = "" if row.met else ", not met"
+                cells += [_time(row.seconds) + late, _number(row.error), _number(row.stated)]
+        out.append(tuple(cells))
+    columns = [
+        column for tol in tols for column in (f"time, tol {tol:.0e}", "true error", "stated")
+    ]
+    return Table("precision", "work and precision", ("scene", *columns), out)
+
+
+def stated_table(rows: list[Row]) -> Table:
+    """Table of how often the stated error is a bound of the true error, and how often it is sharp.
+
+    It is sharp if it is at most 100 max(true error, 1e-13).
+    """
+    mine = [
+        (row.error, row.stated)
+        for row in rows
+        if row.method == OURS and row.error is not None and row.stated is not None
+    ]
+    bounds = sum(error <= stated for error, stated in mine)
+    sharp = sum(stated <= 100 * max(error, 1e-13) for error, stated in mine)
+    out: list[tuple[str, ...]] = [
+        (what, f"{count} of {len(mine)}")
+        for what, count in (
+            ("true error at most the stated error", bounds),
+            ("stated error at most 100 times the true error, or 1e-11", sharp),
+        )
+    ]
+    return Table("stated", "stated errors", ("all scenes and tolerances", "runs"), out)
 
 
 def hierarchy_table(rows: list[Row]) -> Table:
-    """Table of the times and errors of the localized models."""
+    """Table of the true errors of the localized models, one row for each scene."""
     chosen = [row for row in rows if row.method.startswith("localized")]
-    out: list[tuple[str, ...]] = [
-        (row.scene, row.method, _time(row.seconds), _number(row.error), _number(row.stated))
-        for row in chosen
-    ]
-    columns = ("scene", "model", "time", "true error", "stated, of its own")
-    return Table("hierarchy", "localized models against the exact one", columns, out)
+    methods = list(dict.fromkeys(row.method for row in chosen))
+    out: list[tuple[str, ...]] = []
+    for scene in names(chosen):
+        errors = {row.method: row.error for row in chosen if row.scene == scene}
+        out.append((scene, *(_number(errors.get(method)) for method in methods)))
+    columns = ("scene", *(method.removeprefix("localized, ") for method in methods))
+    return Table("hierarchy", "true errors of the localized models", columns, out)
 
 
-def peers_table(
+def peers_tables(
+    rows: list[Row], peers: Sequence[str], scenes: Sequence[str]
+) -> tuple[Table, Table]:
+    """Tables of the times of all codes to reach a largest, and a mean, error of p(x).
+
+    An error counts as reached if all finer runs have at most this error as well.
+    """
+    return (
+        _peers_table("peers", rows, peers, scenes, "at_x", "max", (1e-2, 1e-3)),
+        _peers_table("peers-mean", rows, peers, scenes, "mean_at_x", "mean", (1e-3, 1e-4)),
+    )
+
+
+def _peers_table(
+    key: str,
     rows: list[Row],
     peers: Sequence[str],
     scenes: Sequence[str],
-    targets: Sequence[float] = (1e-2, 1e-3, 1e-4),
+    measure: str,
+    label: str,
+    targets: Sequence[float],
 ) -> Table:
-    """Table of the times of all codes to reach an error of p(x), and of ratios of these times.
-
-    The ratio is the time of the faster peer divided by ours. An error counts as reached if all
-    finer runs have at most this error as well.
-    """
-    out: list[tuple[str, ...]] = []
-    for measure, label in (("at_x", "max"), ("mean_at_x", "mean")):
-        for scene in scenes:
-            for target in targets:
-                ours = time_to(of(rows, scene, OURS), target, measure)
-                theirs = [time_to(of(rows, scene, peer), target, measure) for peer in peers]
-                known = [t for t in theirs if t is not None]
-                ratio = (
-                    f"{min(known) / ours:.3g}"
-                    if known and ours
-                    else "no peer reaches it"
-                    if ours
-                    else "-"
-                )
-                cells = [
-                    _reach(of(rows, scene, p), t, measure)
-                    for p, t in zip(peers, theirs, strict=True)
-                ]
-                out.append(
-                    (
-                        scene,
-                        f"{label} {target:.0e}",
-                        "-" if ours is None else _time(ours),
-                        *cells,
-                        ratio,
-                    )
-                )
-    return Table(
-        "peers",
-        "peers at equal error of p(x)",
-        ("scene", "error", OURS, *peers, "faster peer / contact"),
-        out,
-    )
+    codes = (OURS, *peers)
+    out: list[tuple[str, ...]] = [
+        (
+            scene,
+            *(
+                _reach(of(rows, scene, code), target, measure)
+                for target in targets
+                for code in codes
+            ),
+        )
+        for scene in scenes
+    ]
+    heads = [f"{label} {target:.0e}: {code}" for target in targets for code in codes]
+    return Table(key, f"time to a {label} error of p(x)", ("scene", *heads), out)
 
 
-def _reach(rows: list[Row], seconds: float | None, measure: str) -> str:
-    if seconds is not None:
-        return _time(seconds)
+def _reach(rows: list[Row], error: float, measure: str) -> str:
+    """Return the time to an error; if it is not reached, the time of the longest run."""
     if not rows:
         return "did not converge"
-    best = min(rows, key=lambda row: getattr(row, measure))
-    return f"not by {_time(max(row.seconds for row in rows))} (best {getattr(best, measure):.1e})"
+    seconds = time_to(rows, error, measure)
+    if seconds is not None:
+        return _time(seconds)
+    return f"more than {_time(max(row.seconds for row in rows))}"
 
 
 def scaling_table(rows: list[Scaled]) -> Table:
-    """Table of time and memory for every size of every series."""
-    out: list[tuple[str, ...]] = [
-        (
-            row.series,
-            str(row.size),
-            str(row.zones),
-            str(row.nodes),
-            str(row.unknowns),
-            _time(row.seconds),
-            f"{row.peak_bytes / 1e6:.3g} MB",
-            _time(row.floor),
-            f"{row.seconds / row.floor:.3g}",
-        )
-        for row in rows
-    ]
-    columns = (
-        "series",
-        "size",
-        "zones",
-        "nodes",
-        "unknowns",
-        "time",
-        "peak memory",
-        "floor",
-        "time / floor",
-    )
-    return Table("scaling", "cost against size, and against the floor", columns, out)
-
-
-def exponents_table(rows: list[Scaled]) -> Table:
-    """Table of the fitted exponents of time and memory for every series."""
+    """Table of the largest size of every series, and of the exponents of its time and memory."""
     out: list[tuple[str, ...]] = []
     for series in dict.fromkeys(row.series for row in rows):
         some = fitted([row for row in rows if row.series == series])
         if len(some) < 3:
             continue
-        sizes, nodes = (
-            np.array([float(getattr(row, name)) for row in some]) for name in ("size", "nodes")
-        )
-        time, memory = (
+        nodes, time, memory = (
             np.array([float(getattr(row, name)) for row in some])
-            for name in ("seconds", "peak_bytes")
+            for name in ("nodes", "seconds", "peak_bytes")
         )
+        last = some[-1]
         out.append(
             (
                 series,
-                f"{some[0].size} to {some[-1].size}" + (", fast sums" if some[-1].fast else ""),
-                f"{exponent(sizes, time):.2f}",
-                f"{exponent(nodes, time):.2f}",
-                f"{exponent(sizes, memory):.2f}",
+                f"{last.zones:,}",
+                f"{last.nodes:,}",
+                _time(last.seconds),
+                f"{last.peak_bytes / 1e6:.3g} MB",
+                f"nodes^{exponent(nodes, time):.2f}",
+                f"nodes^{exponent(nodes, memory):.2f}",
             )
         )
-    columns = ("series", "sizes fitted", "time by size", "time by nodes", "memory by size")
-    return Table("exponents", "fitted exponents", columns, out)
-
-
-def single_table(rows: list[Scaled], solves: float) -> Table:
-    """Table of the times of single scenes, and of the limits for these times."""
-    limits = SingleZoneLimits()
-    out: list[tuple[str, ...]] = [
-        (
-            row.series,
-            _time(row.seconds),
-            _time(row.zones * limits.seconds_per_zone),
-            f"{row.seconds / row.floor:.3g}",
-            f"{limits.floors:g}",
-            f"{row.seconds / solves:.3f}",
-            f"{row.zones * limits.dense_solves:g}",
-            "yes" if within(row, solves) else "no",
-        )
-        for row in rows
-    ]
     columns = (
-        "scene",
+        "series",
+        "zones",
+        "nodes",
         "time",
-        "at most",
-        "over the floor",
-        "at most",
-        "over 100 dense solves",
-        "at most",
-        "within",
+        "peak memory",
+        "time grows as",
+        "memory grows as",
     )
-    return Table("single", "single scenes to 1e-12", columns, out)
-
-
-def within(row: Scaled, solves: float) -> bool:
-    """Whether the time of a single scene is within all limits of `SingleZoneLimits`."""
-    limits = SingleZoneLimits()
-    by_zones = row.zones * min(limits.seconds_per_zone, limits.dense_solves * solves)
-    return row.seconds <= min(by_zones, limits.floors * row.floor)
+    return Table("scaling", "cost of the largest size, and its growth", columns, out)
 
 
 def stability_table(verdicts: list[Verdict]) -> Table:
@@ -283,7 +229,45 @@ def stability_table(verdicts: list[Verdict]) -> Table:
         for v in verdicts
     ]
     columns = ("what", "case", "condition", "allowed", "error", "stated", "time", "outcome")
-    return Table("stability", "stiff and extreme scenes", columns, out)
+    return Table("stability-scenes", "stiff and extreme scenes", columns, out)
+
+
+def stability_groups_table(verdicts: list[Verdict]) -> Table:
+    """Table of the groups of extreme scenes: outcomes, and the worst conditioned scene that passes."""
+    out: list[tuple[str, ...]] = []
+    for group in dict.fromkeys(v.group for v in verdicts):
+        some = [v for v in verdicts if v.group == group]
+        counts = Counter(v.outcome for v in some)
+        outcomes = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+        passed = [v for v in some if v.outcome == "pass"]
+        if not passed:
+            out.append((group, outcomes, *("-" for _ in range(5))))
+            continue
+        worst = max(passed, key=lambda v: (v.condition, v.error))
+        out.append(
+            (
+                group,
+                outcomes,
+                worst.name,
+                f"{worst.condition:.1e}",
+                _number(worst.allowed),
+                _number(worst.error),
+                _number(worst.stated),
+            )
+        )
+    columns = ("scenes", "outcome", "worst that passes", "condition", "allowed", "error", "stated")
+    return Table("stability", "groups of stiff and extreme scenes", columns, out)
+
+
+def stability_exceptions_table(verdicts: list[Verdict]) -> Table:
+    """Table of the extreme scenes that do not pass, with the reasons."""
+    out: list[tuple[str, ...]] = [
+        (f"{v.group}: {v.name}", _number(v.allowed), v.outcome, v.note)
+        for v in verdicts
+        if v.outcome != "pass"
+    ]
+    columns = ("scene", "allowed", "outcome", "reason")
+    return Table("stability-exceptions", "scenes that do not pass", columns, out)
 
 
 def _time(seconds: float) -> str:

@@ -15,7 +15,6 @@ from contact.studies.bench import (
     plots,
     precision,
     report,
-    required,
     scaling,
     stability,
 )
@@ -41,43 +40,26 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
     made = machine.commit()
     rows: list[Row] = []
     cases = suite(quick)
-    total = (
-        len(cases)
-        + sum(len(sizes) for _, sizes, _, _ in scaling.series(quick))
-        + len(scaling.single_scenes())
-    )
+    total = len(cases) + sum(len(sizes) for _, sizes, _, _ in scaling.series(quick))
     with unwarned():
         for k, case in enumerate(cases):
             progress("measured", k, total)
             rows += _case(case, quick, chosen)
             progress.say(report.line_of_scene(rows, case.name))
-    tables = [report.precision_table(rows), report.hierarchy_table(rows)]
+    tables = [report.precision_table(rows), report.stated_table(rows), report.hierarchy_table(rows)]
     if chosen:
-        tables.append(
-            report.peers_table(
-                rows,
-                [peer.name for peer in chosen],
-                [case.name for case in cases if _asks_peers(case)],
-            )
+        tables += report.peers_tables(
+            rows, [peer.name for peer in chosen], [case.name for case in cases if _asks_peers(case)]
         )
     scaled: list[Scaled] = []
-    single: list[Scaled] = []
-    for found, measured in ((scaled, scaling.measure(quick)), (single, scaling.floors(quick))):
-        for row in measured:
-            found.append(row)
-            progress("measured", len(cases) + len(scaled) + len(single), total)
-            progress.say(report.line_of_size(row))
-    solves = scaling.yardstick(0.2 if quick else 0.6)
-    tables += [
-        report.scaling_table(scaled),
-        report.exponents_table(scaled),
-        report.single_table(single, solves),
-    ]
-    tables += [curves.table(quick), imports.table()]
-    tables.append(required.table(rows, cases, single, solves, [peer.name for peer in chosen]))
+    for row in scaling.measure(quick):
+        scaled.append(row)
+        progress("measured", len(cases) + len(scaled), total)
+        progress.say(report.line_of_size(row))
+    tables += [report.scaling_table(scaled), curves.table(quick), imports.table()]
     tables.append(machine.table([peer.name for peer in chosen]))
     report.write_csv(folder / "precision.csv", rows)
-    report.write_csv(folder / "scaling.csv", [*scaled, *single])
+    report.write_csv(folder / "scaling.csv", scaled)
     plots.precision(rows, folder / "precision.png")
     if chosen:
         plots.peers(rows, folder / "peers.png")
@@ -102,14 +84,17 @@ def _asks_peers(case: Case) -> bool:
 
 
 def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Table, int]:
-    """Run the extreme scenes; return the table and the number of failures of unknown reason."""
+    """Run the extreme scenes; return a table of all, and the number of failures of unknown reason.
+
+    The folder, if any, gets the tables of the pages and a CSV file of all scenes.
+    """
     made = machine.commit()
     verdicts = stability.run_matrix(quick, progress)
-    table = report.stability_table(verdicts)
     if folder is not None:
         report.write_csv(folder / "stability.csv", verdicts)
-        _write(folder, [table], made)
-    return table, sum(verdict.outcome == "FAIL" for verdict in verdicts)
+        tables = (report.stability_groups_table, report.stability_exceptions_table)
+        _write(folder, [table(verdicts) for table in tables], made)
+    return report.stability_table(verdicts), sum(verdict.outcome == "FAIL" for verdict in verdicts)
 
 
 def _write(folder: Path, tables: list[Table], made: str) -> None:

@@ -22,15 +22,7 @@ from contact.model.scene import Scene
 from contact.solution.solution import Solution
 from contact.solver import solve
 from contact.studies.bench import clock
-from contact.studies.bench.cases import (
-    Case,
-    biquadratic,
-    designed,
-    parabola,
-    rough_profile,
-    wave,
-    wedge,
-)
+from contact.studies.bench.cases import designed, rough_profile
 
 Array = NDArray[np.float64]
 
@@ -147,29 +139,6 @@ def measure(quick: bool) -> Iterator[Scaled]:
     for name, sizes, scene_of, tol in series(quick):
         for size in sizes:
             yield one(name, size, scene_of(size), tol, 0.2 if quick else 0.5)
-
-
-def yardstick(patience: float) -> float:
-    """Processor time [s] of 100 solutions of a dense system of 33 unknowns by numpy."""
-    rng = np.random.default_rng(0)
-    matrix, right = rng.normal(size=(33, 33)), rng.normal(size=33)
-
-    def solves() -> None:
-        for _ in range(100):
-            np.linalg.solve(matrix, right)
-
-    return clock.seconds(solves, patience, 200)
-
-
-def single_scenes() -> list[Case]:
-    """Return four scenes of one zone and one scene of two zones."""
-    return [wave(0.4), wave(0.9), wedge(), parabola(), biquadratic()]
-
-
-def floors(quick: bool) -> Iterator[Scaled]:
-    """Measure the single scenes at the tolerance 1e-12."""
-    for case in single_scenes():
-        yield one(case.name, 1, case.scene, 1e-12, 0.2 if quick else 0.6)
 
 
 def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scaled:

@@ -30,7 +30,7 @@ def fractions() -> Iterator[Extreme]:
     valleys of periodic wedges and parabolas are kinks, which close only exponentially as the mean
     pressure grows. There p ~ artanh(sin A) and p ~ -ln cos A, and d ln a/d ln p is below one.
     """
-    group = "contact of the period"
+    group = "contact fraction"
     for rest in (1e-6, 1e-3, 0.1):
         angle = 0.5 * pi * rest
         yield Extreme(
@@ -110,11 +110,11 @@ def _row_of_parabolas(fraction: float) -> tuple[Scene, Exact]:
 
 def loads_near_full() -> Iterator[Extreme]:
     """Extreme scenes with mean pressures just below the mean pressure of full contact."""
-    group = "load below full contact by"
+    group = "load below full contact"
     for part in (1e-6, 1e-9, 1e-12):
         yield Extreme(
             group,
-            f"{part:g} of it",
+            f"by {part:g}",
             partial(near_full, part),
             1 / (pi * sqrt(part)),
             "1/(pi sqrt(part)): tan(A)/2A",
@@ -122,7 +122,7 @@ def loads_near_full() -> Iterator[Extreme]:
     for part in (1e-6, 1e-9, 1e-12):
         yield Extreme(
             group,
-            f"{part:g} of it, six harmonics",
+            f"by {part:g}, six harmonics",
             partial(_series_near_full, part),
             1 / sqrt(part),
             "1/sqrt(part)",
@@ -146,11 +146,11 @@ def merges() -> Iterator[Extreme]:
     g ~ w sqrt(part). A relative change eps of the load changes g/w by eps w/g. Above the merging
     load the solution is smooth in the load.
     """
-    groups = ("load below a merge by", "load above a merge by")
+    groups = ("load below a merge", "load above a merge")
     for part in (1e-3, 1e-6, 1e-9, 1e-12):
         yield Extreme(
             groups[0],
-            f"{part:g} of it",
+            f"by {part:g}",
             partial(_biquadratic, 1 - part),
             1 / sqrt(part),
             "w/g = 1/sqrt(part)",
@@ -158,7 +158,7 @@ def merges() -> Iterator[Extreme]:
         )
     for part in (1e-3, 1e-6, 1e-9, 1e-12):
         yield Extreme(
-            groups[1], f"{part:g} of it", partial(_biquadratic, 1 + part), 1.0, "smooth in the load"
+            groups[1], f"by {part:g}", partial(_biquadratic, 1 + part), 1.0, "smooth in the load"
         )
 
 
