@@ -108,7 +108,7 @@ class Session:
             else:
                 self._take_handles(self.solution)
         return {
-            "sliders": [_shown(handle) for handle in (*self.known, *self.moduli)],
+            "sliders": [_shown(handle, self.base) for handle in (*self.known, *self.moduli)],
             "steps": SLIDERS.steps,
             "branches": tension,
             "about": PRESETS[preset].about if preset in PRESETS else "",
@@ -340,9 +340,11 @@ def title(scene: Scene) -> str:
     return ", ".join(parts)
 
 
-def _shown(handle: Handle) -> dict[str, Any]:
+def _shown(handle: Handle, scene: Scene) -> dict[str, Any]:
     """A slider as the page makes it."""
     label = handle.name.replace("E_star", "E*").replace("_", " ")
+    if handle.name == "nu":  # nu1 and nu2 are those of the bodies
+        label = f"nu of the {scene.substrate.name}"
     shown = {"name": handle.name, "label": label, "unit": handle.unit, "value": handle.value}
     return shown | {
         "low": handle.low,

@@ -14,6 +14,17 @@ function colour(share) {
 
 const TABLE = Array.from({ length: BANDS }, (_, band) => colour((band + 0.5) / BANDS));
 
+/** Colours as the four bytes of a pixel. */
+function packed(colours) {
+  const bytes = new Uint8ClampedArray(4 * colours.length);
+  colours.forEach((one, k) => bytes.set([...one, 255], 4 * k));
+  return new Uint32Array(bytes.buffer);
+}
+
+const LINE = 0.72; // brightness of the lines between bands
+const BAND = packed(TABLE), EDGE = packed(TABLE.map(one => one.map(channel => LINE * channel)));
+const GREYS = 256, FRINGE = packed(Array.from({ length: GREYS }, (_, k) => Array(3).fill(255 * Math.sin(Math.PI * k / GREYS) ** 2)));
+
 /** A round number that is not below a stress; the last one while the stress is between two fifths of it and all. */
 export function scaled(last, top) {
   if (last && top <= last && top > 0.4 * last) return last;
@@ -25,33 +36,31 @@ export function scaled(last, top) {
 export function image(values, [rows, columns], width, height, kind, top) {
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [width, height];
-  const pen = canvas.getContext("2d"), data = pen.createImageData(width, height), pixels = data.data;
-  const left = new Int32Array(width), share = new Float64Array(width);
+  const pen = canvas.getContext("2d"), data = pen.createImageData(width, height), pixels = new Uint32Array(data.data.buffer);
+  const left = new Int32Array(width), share = new Float64Array(width), next = columns > 1 ? 1 : 0;
   for (let i = 0; i < width; i++) {
     const place = Math.min(Math.max((i + 0.5) * columns / width - 0.5, 0), columns - 1);
     left[i] = Math.min(Math.floor(place), Math.max(columns - 2, 0));
     share[i] = columns > 1 ? place - left[i] : 0;
   }
-  const above = new Int32Array(width).fill(-1), next = columns > 1 ? 1 : 0;
-  for (let j = 0; j < height; j++) {
+  const is_fringes = kind === "fringes", above = new Int32Array(width).fill(-1), row_values = new Float64Array(columns);
+  for (let j = 0, at = 0; j < height; j++) {
     const place = Math.min(Math.max((j + 0.5) * rows / height - 0.5, 0), rows - 1);
     const row = Math.min(Math.floor(place), Math.max(rows - 2, 0)), down = rows > 1 ? place - row : 0;
     const upper = columns * row, lower = rows > 1 ? upper + columns : upper;
-    let before = -1;
-    for (let i = 0; i < width; i++) {
-      const a = left[i], s = share[i];
-      const value = (1 - down) * ((1 - s) * values[upper + a] + s * values[upper + a + next]) + down * ((1 - s) * values[lower + a] + s * values[lower + a + next]);
-      const part = Number.isNaN(value) ? 1 : value / top, at = 4 * (width * j + i);
-      if (kind === "fringes") {
-        const bright = 255 * Math.sin(Math.PI * FRINGES * part) ** 2;
-        pixels[at] = pixels[at + 1] = pixels[at + 2] = bright;
+    for (let k = 0; k < columns; k++) {
+      const value = ((1 - down) * values[upper + k] + down * values[lower + k]) / top;
+      row_values[k] = value >= 0 ? value : 1; // no number stands for an infinite stress
+    }
+    for (let i = 0, before = -1; i < width; i++, at++) {
+      const k = left[i], part = row_values[k] + share[i] * (row_values[k + next] - row_values[k]);
+      if (is_fringes) {
+        pixels[at] = FRINGE[Math.floor(GREYS * FRINGES * part) % GREYS];
       } else {
-        const band = Math.min(Math.floor(BANDS * part), BANDS - 1), is_line = (before >= 0 && band !== before) || (above[i] >= 0 && band !== above[i]);
-        const [red, green, blue] = TABLE[Math.max(band, 0)], dim = is_line ? 0.72 : 1;
-        [pixels[at], pixels[at + 1], pixels[at + 2]] = [dim * red, dim * green, dim * blue];
+        const band = Math.min(Math.floor(BANDS * part), BANDS - 1);
+        pixels[at] = (before >= 0 && band !== before) || (above[i] >= 0 && band !== above[i]) ? EDGE[band] : BAND[band];
         before = above[i] = band;
       }
-      pixels[at + 3] = 255;
     }
   }
   pen.putImageData(data, 0, 0);

@@ -6,6 +6,7 @@ import { LoadCurve } from "./curve.js";
 import { Pictures } from "./pictures.js";
 
 const REST = 200; // without a change, after which a scene is at rest [ms]
+const BUSY = 250; // after which a request counts as slow [ms]
 const one = selector => document.querySelector(selector);
 const refused = one("#refused"), strip = one("dl"), warnings = one("#warnings"), text = one("textarea");
 const state = { session: "", values: {}, about: "", version: 0, changed: 0, is_fine: true, curve: 0, drawn: 0 };
@@ -14,10 +15,21 @@ let is_live = false, is_idle = false;
 const pictures = new Pictures(one("#contact"), () => chosen("below") !== "none" && change());
 const curve = new LoadCurve(one("#curve"));
 
+/** The bytes of the server's reply. A request that takes longer than a moment, and that a person waits for, shows a bar at the top. */
+async function bytes_of(request) {
+  const waited = request.ask === "curve" ? 0 : setTimeout(() => document.body.classList.add("busy"), BUSY);
+  try {
+    const answer = await fetch("ask", { method: "POST", body: JSON.stringify({ ...request, session: state.session }) });
+    return await answer.arrayBuffer();
+  } finally {
+    clearTimeout(waited);
+    document.body.classList.remove("busy");
+  }
+}
+
 /** The server's reply: a JSON object, and arrays of numbers. */
 async function ask(request) {
-  const answer = await fetch("ask", { method: "POST", body: JSON.stringify({ ...request, session: state.session }) });
-  const bytes = await answer.arrayBuffer(), length = Number(new DataView(bytes).getBigUint64(0, true));
+  const bytes = await bytes_of(request), length = Number(new DataView(bytes).getBigUint64(0, true));
   const reply = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 8, length)));
   let from = 8 + length;
   for (const [name, shape] of Object.entries(reply.arrays)) {
@@ -159,6 +171,10 @@ function slider(known, steps) {
 /** Begin with a preset, a text, or the scene that the server was given. */
 async function begin(scene) {
   let reply;
+  for (const button of document.querySelectorAll("#presets button")) {
+    button.setAttribute("aria-pressed", String(button.textContent === (scene.preset ?? (scene.text === undefined ? "given scene" : ""))));
+  }
+  document.body.dataset.rest = "no";
   try {
     reply = await ask({ ask: "begin", ...scene });
   } catch (error) {
