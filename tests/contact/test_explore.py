@@ -426,7 +426,7 @@ SIZES = (390, 768, 1280)
 
 def at_rest(page: Page) -> str:
     """The text of the scene file, once it is that of the scene that is shown."""
-    return page.until(lambda: page.run(f"document.body.dataset.rest === 'yes' && {TEXT}"), 120)
+    return page.until(lambda: page.run(f"document.body?.dataset.rest === 'yes' && {TEXT}"), 120)
 
 
 def shown(page: Page) -> dict[str, str]:
