@@ -58,6 +58,8 @@ with uncollected():
 
 if TYPE_CHECKING:
     from contact.derivatives.result import Derivative, Response, Sensitivity, sensitivity
+    from contact.design.objective import Measured, Objective
+    from contact.design.optimize import Design, optimize
     from contact.explorer.explore import explore
     from contact.inside.stress import Stress
     from contact.inside.yielding import Yield
@@ -87,6 +89,8 @@ _HOMES = {
     "contact.sweeps.path_table": "Event",
     "contact.sweeps.paths": "Path",
     "contact.sweeps.sweep.run": "sweep",
+    "contact.design.objective": "Measured Objective",
+    "contact.design.optimize": "Design optimize",
     "contact.derivatives.result": "Derivative Response Sensitivity sensitivity",
     "contact.slip.history": "load_history",
     "contact.slip.partial_slip": "partial_slip",
@@ -125,6 +129,7 @@ __all__ = [
     "ContactError",
     "Control",
     "Derivative",
+    "Design",
     "Dugdale",
     "E_star",
     "Event",
@@ -138,9 +143,11 @@ __all__ = [
     "Law",
     "Layer",
     "Localized",
+    "Measured",
     "MissingExtra",
     "ModelWarning",
     "NotConverged",
+    "Objective",
     "OutOfRange",
     "Parabola",
     "Path",
@@ -172,6 +179,7 @@ __all__ = [
     "laws",
     "load_history",
     "load_scene",
+    "optimize",
     "partial_slip",
     "path",
     "plan",

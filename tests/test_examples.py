@@ -79,9 +79,11 @@ def test_prints_that_differ_by_more_than_rounding_are_noticed() -> None:
 # ten times as much and more.
 COUNTS = {
     "adhesion": (300, 300, 1e6, 6e5),
+    "alike": (100, 500, 1e5, 1e6),
     "compare_models": (100, 72, 1e4, 1e5),
     "designed_texture": (36, 240, 3e4, 2e4),
     "flat_punch": (100, 48, 1e3, 4e3),
+    "identify": (300, 300, 1e6, 1e6),
     "own_condition": (27, 48, 4e3, 2e4),
     "own_interaction": (9, 72, 1e3, 1e4),
     "own_law": (3, 48, 3e2, 1e4),
@@ -91,6 +93,7 @@ COUNTS = {
     "rounded_punch": (24, 48, 1e2, 2.5e5),
     "textures": (900, 400, 1e5, 1e6),
     "fretting": (60, 700, 3e5, 5e5),
+    "stiff_joint": (100, 300, 1e5, 1e6),
     "wheel": (60, 300, 3e4, 5e5),
     "stylus_yield": (10, 300, 1e4, 2e6),
     "sliding_roller": (60, 48, 3e3, 6e5),
@@ -320,3 +323,15 @@ def test_the_trace_touches_where_its_page_says(name: str, part: float, zones: in
         part * scene.E_star * rms_slope(scene.profile), rel=2e-4
     )
     assert len(contact.solve(scene).zones) == zones
+
+
+def test_designs_are_what_their_pages_say() -> None:
+    bumps = module("alike").main()
+    assert np.ptp(bumps.solution.zone_loads) < 1e-6 * bumps.solution.load
+    found = module("identify").main()
+    deviations = np.sqrt(np.diag(found.covariance))
+    values = np.append(found.data["profile.cosine"], found.data["material.E_star"])
+    assert np.all(np.abs(values - [-1e-6, 1.5e-7, 7e9]) < 3 * deviations)
+    joint = module("stiff_joint").main()
+    assert joint.solution.max_pressure == pytest.approx(2e8, rel=1e-6)
+    assert joint.optimality < 1e-6

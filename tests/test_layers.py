@@ -28,7 +28,7 @@ ORDER = {
     "contact": """
         errors interrupts extras runtime model testing reference exact inverse axisymmetric
         formulation inside verify solution closed search localized adhesion tangential plastic solver
-        sweeps slip derivatives explorer __init__ paper studies commands __main__
+        sweeps slip derivatives design explorer __init__ paper studies commands __main__
     """,
     "contact.search": "options topology grid context feasibility strategies find refine __init__",
 }

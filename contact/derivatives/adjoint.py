@@ -1,8 +1,9 @@
 r"""The derivative of one number by all heights at once, from one solve of an adjoint equation.
 
-Let V be the potential and T = V' the transform of the kernel. The derivative p' along a change f' of
-the profile has V p' = f' + const on the zones, and a given load. V is symmetric. So a number J(p')
-is the integral of W f' over the zones, where V W is the functional J itself, up to a constant:
+Let V be the potential and T = V' the transform of the kernel. The derivative p' along a change f'
+of the profile has V p' = f' + const on the zones, and a given load. V is symmetric. So a number
+J(p') is the integral of W f' over the zones, where V W is the functional J itself, up to a
+constant:
 
     load of a zone      V W = 1 on this zone, 0 on the others
     approach            the pressure of a unit load under flat zones
@@ -15,8 +16,8 @@ The last two have a part W = -w' in closed form on their own zone, with t from -
     right end:  w ~ sqrt((1 + t) / (1 - t)),         T w ~ sqrt((z + 1) / (z - 1)) - 1
     left end:   w ~ sqrt((1 - t) / (1 + t)),         T w ~ 1 - sqrt((z - 1) / (z + 1))
 
-and T w = 1, -1, 1 on the zone. The rest of W solves the equation of the zones with T w as the change
-of the profile. The integral of w (f')' is a principal value.
+and T w = 1, -1, 1 on the zone. The rest of W solves the equation of the zones with T w as the
+change of the profile. The integral of w (f')' is a principal value.
 """
 
 from __future__ import annotations
@@ -92,8 +93,8 @@ class Functional:
     """A number as a functional of the derivative of a contact, with the factor of each part.
 
     ends: of outward motions [m] (n, 2). loads: of loads of zones (n,). approach: of the approach of
-    heights f. gap: of the mean of f. peak: place [m] and factor of the pressure there. tip: factor of
-    f at its lowest place. Zones are in the order of the fields.
+    heights f. mean: of the mean of f. peak: place [m] and factor of the pressure there. tip: factor
+    of f at its lowest place. Zones are in the order of the fields.
     """
 
     ends: Array

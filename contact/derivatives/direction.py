@@ -28,10 +28,14 @@ class MovedPlaces(Exception):
     """A parameter moves the places of kinks, jumps or corners of a profile."""
 
 
-# Step of differences by a parameter over the parameter. Their round-off, EPS over the step, is 1e-13;
-# their truncation is the eighth power of the step times the relative change by the parameter: 1e-11
+# Step of differences by a parameter over the parameter. Their round-off, EPS over the step, is
+# 1e-13; their truncation is the eighth power of the step times the relative change by the parameter: 1e-11
 # for |x|^n, whose exponent n changes it by the factor ln|x|, where |x| is 1e-4.
 STEP = EPS ** (1 / 6)
+# Steps over the parameter if the profile is linear in it. The difference is exact then, and its
+# round-off is the smaller, the larger the step; values far away may not be allowed.
+LINEAR_STEPS = (2.0**10, 0.5)
+
 # Weights of the central difference of order 8 at the steps 1, 2, 3, 4 (B. Fornberg, Math. Comp. 51,
 # 1988, 699-706).
 WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
@@ -215,13 +219,14 @@ class Direction(Profile):
         of = _Varied(profile, to)
         if isinstance(profile, Sampled) and to.name == "height":
             return cls(profile, (of.unit_height(),), (1.0,)), TOLERANCES.rounding
-        try:
-            one, other = of.stencil(cls, (0.5,), 0.5), of.stencil(cls, (0.5,), 0.25)
-            if _differ(one, other, x) <= TOLERANCES.rounding:  # linear in the parameter
-                _ = one.kinks, one.jumps, one.algebraic_points
-                return one, TOLERANCES.rounding
-        except SceneError:  # a value so far away is not allowed
-            pass
+        for step in LINEAR_STEPS:
+            try:
+                one, other = of.stencil(cls, (0.5,), step), of.stencil(cls, (0.5,), 0.5 * step)
+                if _differ(one, other, x) <= TOLERANCES.rounding:  # linear in the parameter
+                    _ = one.kinks, one.jumps, one.algebraic_points
+                    return one, TOLERANCES.rounding
+            except (SceneError, MovedPlaces):  # a value so far away is not allowed
+                continue
         one, other = of.stencil(cls, WEIGHTS, STEP), of.stencil(cls, WEIGHTS, 0.5 * STEP)
         return one, _differ(one, other, x)
 
@@ -301,8 +306,11 @@ class _Varied:
 
 def _differ(one: Direction, other: Direction, x: Array) -> float:
     """Largest relative difference of two changes at places x, apart from a constant."""
-    first, second = one.height(x), other.height(x)
+    with np.errstate(all="ignore"):
+        first, second = one.height(x), other.height(x)
     known = np.isfinite(first) & np.isfinite(second)
+    if not known.any():
+        return np.inf
     size = float(np.ptp(first[known]))
     return float(np.ptp(first[known] - second[known])) / size if size else 0.0
 

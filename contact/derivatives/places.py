@@ -22,8 +22,8 @@ from contact.solution.solution import Solution
 from contact.verify.minima import SAMPLING
 from sie import Array
 
-# Half width, over the shortest length, of the window in which the place of a maximum is corrected by
-# a polynomial of degree 5. Its truncation, the fifth power, is then as small as round-off.
+# Half width, over the shortest length, of the window in which the place of a maximum is corrected
+# by a polynomial of degree 5. Its truncation, the fifth power, is then as small as round-off.
 WINDOW = EPS ** (1 / 5)
 
 

@@ -208,9 +208,9 @@ class Sensitivity(sie.Kept):
     >>> import contact
     >>> hertz = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), load=1e4)
     >>> by_data = contact.sensitivity(contact.solve(hertz))
-    >>> for key, value in (("control.load", 1e4), ("profile.radius", 1.0), ("material.E_star", 1e9)):
+    >>> for key, size in (("control.load", 1e4), ("profile.radius", 1.0), ("material.E_star", 1e9)):
     ...     by = by_data.of("max_pressure", to=key)
-    ...     print(key, round(by.value * value / by_data.solution.max_pressure, 9))
+    ...     print(key, round(by.value * size / by_data.solution.max_pressure, 9))
     control.load 0.5
     profile.radius -0.5
     material.E_star 0.5

@@ -1,0 +1,117 @@
+"""What a design is judged by: one number of its contact at one or several values of the control."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.derivatives.result import NUMBERS
+from contact.errors import SceneError
+from contact.model.checks import one_of
+from sie import Array
+
+Judged = Callable[[Sequence[Array]], tuple[float, Sequence[ArrayLike]]]
+
+
+@dataclass(frozen=True)
+class Objective:
+    """A function of a number of the contact, to be made as small as possible.
+
+    Parameters
+    ----------
+    number : str
+        A number that has derivatives, see `contact.Response.of`.
+    of : callable
+        Takes a list with the number at each value of the control (an array for zones, their widths
+        and loads) and returns its value and the list of its derivatives by them.
+
+    Raises
+    ------
+    SceneError
+        If the number is not known, or `of` is no function.
+
+    Examples
+    --------
+    The sum of squares of the differences between the loads of zones and their mean.
+
+    >>> import contact
+    >>> def spread(loads):
+    ...     away = loads[0] - loads[0].mean()
+    ...     return away @ away, [2 * away]
+    >>> contact.Objective("zone_loads", spread).number
+    'zone_loads'
+    """
+
+    number: str
+    of: Judged
+
+    def __post_init__(self) -> None:
+        one_of("objective.number", self.number, NUMBERS)
+        if not callable(self.of):
+            raise SceneError.of("objective.of", self.of, "a function of a list of numbers")
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """The sum of squares of the differences between a number and measured values of it.
+
+    Parameters
+    ----------
+    number : str
+        A number of the contact that has derivatives, and is no array.
+    values : array_like
+        Its measured value at each value of the control.
+    deviation : array_like
+        Standard deviation of each measured value; differences are divided by it.
+
+    Raises
+    ------
+    SceneError
+        If the number is not known or is an array, or values and deviations are not finite.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.Measured("load", [1e3, 4e3], deviation=10.0).deviation.tolist()
+    [10.0, 10.0]
+    """
+
+    number: str
+    values: Array
+    deviation: Array
+
+    def __init__(self, number: str, values: ArrayLike, deviation: ArrayLike = 1.0) -> None:
+        one_of("objective.number", number, NUMBERS)
+        if number.startswith("zone"):
+            raise SceneError.of("objective.number", number, "a number that is no array")
+        try:
+            measured = np.atleast_1d(np.asarray(values, dtype=float))
+            spread = np.broadcast_to(np.asarray(deviation, dtype=float), measured.shape)
+        except ValueError:
+            raise SceneError.of("deviation", deviation, "numbers, as many as values") from None
+        if not (np.isfinite(measured).all() and np.isfinite(spread).all() and np.all(spread > 0)):
+            raise SceneError.of("values", values, "finite numbers, with positive deviations")
+        for name, value in (("number", number), ("values", measured), ("deviation", spread)):
+            object.__setattr__(self, name, value)
+
+
+def objective_of(given: Any) -> Objective | Measured:
+    """The objective that a user means: a name, a name with a minus sign, or an object."""
+    if isinstance(given, (Objective, Measured)):
+        return given
+    if not isinstance(given, str):
+        raise SceneError.of("objective", given, "the name of a number, or a contact.Objective")
+    sign, number = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
+    one_of("objective", number, NUMBERS)
+    if number.startswith("zone"):
+        raise SceneError.of("objective", given, "a number that is no array, or a contact.Objective")
+
+    def mean(values: Sequence[Array]) -> tuple[float, Sequence[ArrayLike]]:
+        share = sign / len(values)
+        return share * float(np.sum(values)), [share] * len(values)
+
+    return Objective(number, mean)

@@ -1,0 +1,120 @@
+"""Data of a scene that a design may change, in one vector whose entries lie between 0 and 1."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contact.derivatives.result import Sensitivity
+from contact.errors import SceneError
+from contact.model.scene import Scene
+from contact.sweeps.sweep.keys import MODULUS, tables, varied
+from sie import Array
+
+
+@dataclass(frozen=True)
+class Variables:
+    """Names of the data, how many entries each has, and the bounds of all entries."""
+
+    scene: Scene
+    names: tuple[str, ...]
+    counts: tuple[int, ...]
+    low: Array
+    high: Array
+
+    @classmethod
+    def of(cls, scene: Scene, over: Any) -> Variables:
+        """Checked variables; raises SceneError for unknown names and bounds that are none."""
+        if not isinstance(over, Mapping) or not over:
+            raise SceneError.of(
+                "over",
+                over,
+                "a mapping of one or more names, such as 'profile.amplitude', to bounds",
+            )
+        counts, low, high = [], [], []
+        for name, bounds in over.items():
+            value = np.asarray(_value(scene, name), dtype=float)
+            try:
+                # Profiles leave out zeros at the end of their coefficients: bounds may have more.
+                count = max(value.size, *(np.size(bound) for bound in bounds)) if value.ndim else 1
+                lo, hi = (np.broadcast_to(np.asarray(b, dtype=float), (count,)) for b in bounds)
+            except (TypeError, ValueError):
+                raise SceneError.of(name, bounds, "(lowest, highest), numbers or arrays") from None
+            if not (np.isfinite(lo).all() and np.isfinite(hi).all() and np.all(lo < hi)):
+                raise SceneError.of(name, bounds, "finite bounds, the lowest below the highest")
+            first = _padded(value, count)
+            if np.any((first < lo) | (first > hi)):
+                raise SceneError.of(name, bounds, f"bounds around the scene's own value, {value}")
+            counts.append(count)
+            low.append(lo)
+            high.append(hi)
+        return cls(scene, tuple(over), tuple(counts), np.concatenate(low), np.concatenate(high))
+
+    @property
+    def start(self) -> Array:
+        """The vector of the scene itself."""
+        values = [
+            _padded(_value(self.scene, name), count)
+            for name, count in zip(self.names, self.counts, strict=True)
+        ]
+        return np.asarray((np.concatenate(values) - self.low) / (self.high - self.low))
+
+    def values(self, vector: Array) -> dict[str, Any]:
+        """The data by name."""
+        entries = self.low + vector * (self.high - self.low)
+        # A zero at the end would be left out, and with it the derivative by it.
+        entries = np.where(entries == 0.0, np.finfo(float).tiny, entries)
+        parts = np.split(entries, np.cumsum(self.counts)[:-1])
+        return {
+            name: part if np.ndim(_value(self.scene, name)) else float(part[0])
+            for name, part in zip(self.names, parts, strict=True)
+        }
+
+    def scene_of(self, vector: Array) -> Scene:
+        """The scene with these data."""
+        single: dict[str, Any] = {}
+        bodies: dict[str, dict[str, Any]] = {}
+        for name, value in self.values(vector).items():
+            table, _, key = name.partition(".")
+            if table in self.scene.profile.bodies:
+                bodies.setdefault(table, {})[key] = value
+            else:
+                single[name] = value
+        profile = self.scene.profile.varied(bodies) if bodies else self.scene.profile
+        return varied(replace(self.scene, profile=profile), single)
+
+    def gradient(self, by: Sensitivity, number: str) -> Array:
+        """Derivatives of a number by the vector: (entries of the vector, *shape of the number)."""
+        parts = []
+        for name in self.names:
+            value = np.asarray(by.of(number, to=name).value)
+            parts.append(value if np.ndim(_value(self.scene, name)) else value[None])
+        table = np.concatenate(parts)
+        return np.asarray(table * (self.high - self.low).reshape((-1,) + (1,) * (table.ndim - 1)))
+
+
+def _padded(value: Any, count: int) -> Array:
+    entries = np.ravel(np.asarray(value, dtype=float))
+    return np.append(entries, np.zeros(count - entries.size))
+
+
+def _value(scene: Scene, name: Any) -> Any:
+    table, _, key = str(name).partition(".")
+    known = tables(scene)
+    if name == MODULUS:
+        return scene.E_star
+    if table in ("interaction", "substrate") or key not in known.get(table, {}):
+        names = [
+            f"{one}.{key}"
+            for one, values in known.items()
+            if one not in ("interaction", "substrate")
+            for key in values
+        ]
+        raise SceneError.of("over", name, f"one of {', '.join([MODULUS, *names])}")
+    value = known[table][key]
+    if np.asarray(value).dtype.kind not in "fi":
+        raise SceneError.of(name, value, "a number, or an array of numbers")
+    return value
