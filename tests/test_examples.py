@@ -325,6 +325,7 @@ def test_the_trace_touches_where_its_page_says(name: str, part: float, zones: in
     assert len(contact.solve(scene).zones) == zones
 
 
+@pytest.mark.slow
 def test_designs_are_what_their_pages_say() -> None:
     bumps = module("alike").main()
     assert np.ptp(bumps.solution.zone_loads) < 1e-6 * bumps.solution.load

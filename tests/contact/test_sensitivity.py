@@ -192,7 +192,11 @@ def test_without_adhesion_no_derivative_depends_on_an_edge_intensity(route: str)
     assert np.abs(left.zones).max(initial=0) <= 1e-9 * np.abs(values.zones).max(initial=1)
 
 
-@pytest.mark.parametrize("route", ["zones", "gaps", "layer", "one zone", "adhesion"])
+@pytest.mark.parametrize(
+    "route",
+    ["zones", "one zone"]
+    + [pytest.param(r, marks=pytest.mark.slow) for r in ("gaps", "layer", "adhesion")],
+)
 def test_the_stated_error_of_a_derivative_bounds_its_error(route: str) -> None:
     scene, keys = ROUTES[route]
     exact = contact.sensitivity(contact.solve(scene, TOL))
