@@ -140,8 +140,11 @@ def openings(fields: ZoneFields, unresolved_fraction: float = 0.0) -> Openings:
     zones = fields.density.zones
     # The exact gap on the zones is zero, so the values computed there measure the error of all
     # values.
-    places = (zones.middle[:, None] + zones.true_half[:, None] * chebyshev_nodes(4)).ravel()
-    on_zones = float(np.quantile(np.abs(fields.formal_gap(places)), 1.0 - unresolved_fraction))
+    # On a rim that is narrower than its zone they measure the error of its place instead.
+    wide = np.flatnonzero(zones.depth == 0.0)
+    places = (zones.middle[wide, None] + zones.half[wide, None] * chebyshev_nodes(4)).ravel()
+    errors = np.abs(fields.formal_gap(places)) if len(places) else np.zeros(1)
+    on_zones = float(np.quantile(errors, 1.0 - unresolved_fraction))
     rounding = fields.gap_rounding + allowed_overlap(on_zones=on_zones)
     return Openings(*_gaps(fields, rounding), on_zones)
 

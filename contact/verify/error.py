@@ -53,12 +53,11 @@ class SolvedZones(Solved):
             _is_singular(density),
             reference(density, problem.end, problem.borne(density), has_tips(density, problem)),
         )
-        # The pressure at equal normalised position on a narrow rim does not depend on its place.
         follows = ~self.free.narrow_rims
         changes = (ends[:, 0] * by_left + ends[:, 1] * by_right)[follows]
         moved = float(changes.max(initial=0.0)) / peak
         on_zones = (TOLERANCES.singular_end if singular else 1) * (
-            state.density_error * state.size / peak + TOLERANCES.rounding
+            self._density_error / peak + TOLERANCES.rounding
         ) + _kink_rounding(density) / peak
         error = max(
             float(ends.max(initial=0.0)) + TOLERANCES.rounding,
@@ -74,6 +73,18 @@ class SolvedZones(Solved):
         return error + abs(
             rounding * fields.stiffness * units.height / (units.load * fields.load_size)
         )
+
+    @property
+    def _density_error(self) -> float:
+        """Error of the pressure on the present zones.
+
+        At equal normalised position on a narrow rim the pressure is the same, wherever the rim is
+        and however wide. An error of its level only moves the rim.
+        """
+        state, narrow = self.fields.state, self.free.narrow_rims
+        if not narrow.any():
+            return float(state.density_error * state.size)
+        return float((state.whole.zone_errors * state.whole.zone_sizes)[~narrow].max(initial=0.0))
 
     def error_with(self, slopes: float) -> float:
         """The stated error if the profile's slopes have the relative error `slopes`.

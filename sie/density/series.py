@@ -205,6 +205,11 @@ class Series(DensityBase):
             out = out + self.jumps.density(zone.ravel(), left.ravel(), right.ravel()).reshape(
                 out.shape
             )
+        if self.zones.depth.any():
+            # On a rim that is narrower than its zone the density passes from one value to the other.
+            at_left, at_right = self.zones.values[:, zone]
+            passed = at_right + (at_left - at_right) * interval.theta(left, right) / np.pi
+            out = np.where(self.zones.depth[zone] < 0.0, passed, out)
         return np.asarray(out)
 
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:

@@ -97,7 +97,8 @@ def _of_levels(state: Solved) -> Array | float:
     # logarithm log(R / 2w) is used, and at least 1. The intensity K changes by `edge_scale` times
     # the change of c_0.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
-    logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
+    logarithm = np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w) - zones.depth
+    logarithm = np.maximum(logarithm, 1.0)
     return np.asarray(zones.edge_scale * 2 * _level_noise(state) / (logarithm * 2 * w))
 
 

@@ -446,11 +446,8 @@ class _Run:
         for _ in range(OPTIONS.max_stalled + int(4 * np.log2(self.influence.n))):
             before = self.iterations
             if not mask.any():
-                # One point stays in `mask`, to bear the load that the capped points cannot bear:
-                # the next one to open.
-                overlap = self.influence.apply(np.where(capped, cap, 0.0)) + self.shape
-                last = np.flatnonzero(capped)[np.argmax(overlap[capped])]
-                mask[last], capped[last] = True, False
+                mask = self._next_to_change(load, capped)
+                capped &= ~mask
             p, u, level, error, solved = self._on_sets(load, mask, capped, p, tol)
             finer = max(self.tol, OPTIONS.first_tolerance * tol)
             if self.iterations == before and tol > self.tol:
@@ -498,6 +495,20 @@ class _Run:
         return GridState(
             p, gap, level + self.lowest, load, self.iterations, converged, self.f, self.influence
         )
+
+    def _next_to_change(self, load: float, capped: Mask) -> Mask:
+        """The fewest points that bear what the points `capped` bear too little or too much.
+
+        They are the first ones to close, or the first ones to open.
+        """
+        borne = self.influence.cap * self.influence.h
+        number = load / borne - np.count_nonzero(capped)
+        gap = self.influence.apply(np.where(capped, self.influence.cap, 0.0)) + self.shape
+        some = np.flatnonzero(self.allowed & ~capped if number > 0.0 else capped)
+        order = np.argsort(gap[some] if number > 0.0 else -gap[some])
+        out = np.zeros(len(capped), dtype=bool)
+        out[some[order[: max(1, math.ceil(abs(number)))]]] = True
+        return out
 
     def _on_sets(
         self, load: float, mask: Mask, capped: Mask, guess: Array | None, tol: float
