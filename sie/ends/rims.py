@@ -99,7 +99,10 @@ def with_rim_steps(
     assumed, true = (
         np.maximum(np.log(room / width) - part, 1.0) for part in (zones.depth[narrow], change)
     )
-    shift = 0.5 * (plain[1] - plain[0]) * assumed / true
+    # The charge is known better than its intensity, which curvature of the right side changes.
+    charge = np.asarray(state.density.totals)[narrow] - half * values.sum(axis=0)
+    by_charge = charge / (values[0] - values[1])
+    shift = np.where(near, 0.5 * (plain[1] - plain[0]), by_charge) * assumed / true
     wanted, limited = np.log(width) + change, change
     if last is not None:
         left, right = last.moves[:, narrow]

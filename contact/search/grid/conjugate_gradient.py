@@ -504,8 +504,10 @@ class _Run:
         borne = self.influence.cap * self.influence.h
         number = load / borne - np.count_nonzero(capped)
         gap = self.influence.apply(np.where(capped, self.influence.cap, 0.0)) + self.shape
-        some = np.flatnonzero(self.allowed & ~capped if number > 0.0 else capped)
-        order = np.argsort(gap[some] if number > 0.0 else -gap[some])
+        free = self.allowed & ~capped
+        closes = number > 0.0 and bool(free.any())
+        some = np.flatnonzero(free if closes else capped)
+        order = np.argsort(gap[some] if closes else -gap[some])
         out = np.zeros(len(capped), dtype=bool)
         out[some[order[: max(1, math.ceil(abs(number)))]]] = True
         return out
