@@ -22,7 +22,7 @@ from sie.ends.limits import DomainLimit, domain_limit, pinned_at_limits, release
 from sie.ends.motions import DirectMotions, IteratedMotions, motions_of
 from sie.ends.options import NewtonOptions, WarmStart
 from sie.ends.progress import Convergence, Progress, Step
-from sie.ends.rims import are_narrow, end_scales, with_rim_steps
+from sie.ends.rims import are_narrow, end_scales, with_rim_steps, without_alternation
 from sie.ends.steps import (
     LastMoves,
     NewtonStep,
@@ -252,7 +252,7 @@ class _Search:
         motion = self._newton_step(state)
         if motion is None:
             return self._undetermined(state)
-        motion = with_rim_steps(motion, state, self.options, self.progress.tolerance, self.last)
+        motion = with_rim_steps(motion, state, self.options, self.progress.tolerance)
         corners = corners_of(state)
         by_places = np.where(motion.moves, place_rounding(state, corners), 0.0)
         motion = replace(motion, noise=motion.noise + by_places)
@@ -333,6 +333,8 @@ class _Search:
         vanishes = motion.vanishes(self.zones)
         before = self.zones
         narrow = None if motion.depth is None else are_narrow(before, equation)
+        if narrow is not None and self.last is not None:
+            motion = without_alternation(motion, before, narrow, self.last)
         moves = damped(before, equation, motion.delta, options, narrow)
         self.zones = zones = pinned_at_limits(before.moved(moves, keeps_places), options.limits)
         if motion.depth is not None:

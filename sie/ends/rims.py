@@ -65,15 +65,11 @@ def least_part(tolerance: float) -> float:
 
 
 def with_rim_steps(
-    motion: NewtonStep,
-    state: AnyState,
-    options: NewtonOptions,
-    tolerance: float,
-    last: LastMoves | None,
+    motion: NewtonStep, state: AnyState, options: NewtonOptions, tolerance: float
 ) -> NewtonStep:
     """The Newton step, with those of narrow rims by their middle and the logarithm of the width.
 
-    tolerance: of the ends. last: the last step, if it has left the same zones.
+    tolerance: of the ends.
     """
     zones, equation = state.density.zones, state.equation
     narrow = np.flatnonzero(are_narrow(zones, equation))
@@ -103,12 +99,8 @@ def with_rim_steps(
     charge = np.asarray(state.density.totals)[narrow] - half * values.sum(axis=0)
     by_charge = charge / (values[0] - values[1])
     shift = np.where(near, 0.5 * (plain[1] - plain[0]), by_charge) * assumed / true
-    wanted, limited = np.log(width) + change, change
-    if last is not None:
-        left, right = last.moves[:, narrow]
-        grown = np.minimum((left + right) / width, 1 - options.max_shrink**2)
-        limited, shift = _less(change, -np.log1p(-grown)), _less(shift, 0.5 * (right - left))
-    following = np.clip(np.log(width) + limited, least, most)
+    wanted = np.log(width) + change
+    following = np.clip(wanted, least, most)
     wider = 0.5 * (np.exp(following) - width)
     depth = np.zeros(len(zones))
     delta[:, narrow], weak[narrow] = [wider - shift, wider + shift], False
@@ -116,10 +108,30 @@ def with_rim_steps(
     return replace(motion, delta=delta, noise=noise, weak=weak, depth=depth)
 
 
-def _less(step: Array, last: Array) -> Array:
-    """The steps; one that turns back is at most half as long as the last one.
+def without_alternation(
+    motion: NewtonStep, zones: Zones, narrow: Mask, last: LastMoves
+) -> NewtonStep:
+    """The step; where a narrow rim turns back, it is at most half as long as the last one.
 
     The right side on a rim may vary within the length of a step, so that steps would alternate.
+    last: the last step, after which the zones are as they are.
     """
+    assert motion.depth is not None
+    width, (left, right) = 2 * zones.half, motion.delta
+    least = OPTIONS.max_shrink**2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        change = np.log(np.maximum(1 + (left + right) / width, 0.0))
+        before = -np.log(np.maximum(1 - last.moves.sum(axis=0) / width, least))
+        limited = _less(change, before)
+    shift = _less(0.5 * (right - left), 0.5 * (last.moves[1] - last.moves[0]))
+    wider = 0.5 * width * np.expm1(limited)
+    return replace(
+        motion,
+        delta=np.where(narrow, [wider - shift, wider + shift], motion.delta),
+        depth=np.where(narrow, np.minimum(motion.depth + change - limited, 0.0), 0.0),
+    )
+
+
+def _less(step: Array, last: Array) -> Array:
     turns = (step * last < 0.0) & (np.abs(step) > 0.5 * np.abs(last))
     return np.where(turns, -0.5 * last, step)
