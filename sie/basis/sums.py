@@ -168,9 +168,11 @@ def sum_and_slope(u: Array, rho: NDArray[Any], zone: Index) -> tuple[NDArray[Any
     order, point_rho, row, active = _sorted_pairs(rho, zone, _seen_terms(rho, u.shape[1]))
     value, slope = np.zeros((2, len(order)), dtype=rho.dtype)
     for k in range(len(active) - 1, -1, -1):
-        n = active[k]
-        slope[:n] = slope[:n] * point_rho[:n] + value[:n]
-        value[:n] = value[:n] * point_rho[:n] + u[row[:n], k]
+        here, its_rho = slice(active[k]), point_rho[: active[k]]
+        slope[here] *= its_rho
+        slope[here] += value[here]
+        value[here] *= its_rho
+        value[here] += u[row[here], k]
     out = np.empty((2, len(order)), dtype=rho.dtype)
     out[:, order] = value, slope * point_rho
     return out[0], out[1]

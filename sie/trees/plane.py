@@ -7,15 +7,16 @@ from functools import cached_property, partial
 import numpy as np
 
 from sie.basis.data import Array, Index, Kept, record
-from sie.basis.interval import Complex, InPlane, What, decay_rate, of_t, of_t_with_slope
+from sie.basis.interval import Complex, InPlane, What, of_t, of_t_with_slope
 from sie.basis.kernels import Kernel, Regular
 from sie.basis.sums import OPTIONS as SUMS
 from sie.trees.tree import SEPARATION, TERMS, Tree
 
-# Limit of |rho| for far points. Here rho = zeta - sqrt(zeta^2 - 1), and zeta is the point's
-# position from the middle of a tree node, in half widths. Below this limit, the node's field
-# follows from its first TERMS moments.
-_FAR = float(np.exp(-decay_rate(SEPARATION)))
+# A point is far from a tree node if its distances from the ends of the node have at least this sum,
+# in half widths: it is on an ellipse about the node, or beyond. Then |rho|, with rho = zeta -
+# sqrt(zeta^2 - 1) and the position zeta from the middle in half widths, is so small that the field
+# of the node follows from its first TERMS moments.
+_FAR = 2 * (1 + SEPARATION)
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def fields_of_tree(
             while len(point):
                 at, w = x[point] - shift, tree.half[node]
                 seen = InPlane.of((at - tree.lo[node]) / w, (at - tree.hi[node]) / w, y[point] / w)
-                far = np.abs(seen.rho) < _FAR
+                far = np.abs(seen.left) + np.abs(seen.less) > _FAR
                 some, here = seen[far], point[far]
                 for total, value in zip(out, of(some, w[far], node[far]), strict=True):
                     np.add.at(total, here, value)
