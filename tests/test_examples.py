@@ -83,6 +83,7 @@ COUNTS = {
     "compare_models": (100, 72, 1e4, 1e5),
     "designed_texture": (36, 240, 3e4, 2e4),
     "flat_punch": (100, 48, 1e3, 4e3),
+    "plateau": (200, 300, 1e6, 1e6),
     "identify": (300, 300, 1e6, 1e6),
     "own_condition": (27, 48, 4e3, 2e4),
     "own_interaction": (9, 72, 1e3, 1e4),
@@ -333,6 +334,9 @@ def test_designs_are_what_their_pages_say() -> None:
     deviations = np.sqrt(np.diag(found.covariance))
     values = np.append(found.data["profile.cosine"], found.data["material.E_star"])
     assert np.all(np.abs(values - [-1e-6, 1.5e-7, 7e9]) < 3 * deviations)
+    plateau = module("plateau").main()
+    fractions = [one.contact_fraction for one in plateau.solutions]
+    assert np.ptp(fractions) < 0.14 and plateau.optimality < 1e-5
     joint = module("stiff_joint").main()
     assert joint.solution.max_pressure == pytest.approx(2e8, rel=1e-6)
     assert joint.optimality < 1e-6

@@ -19,7 +19,6 @@ from contact.formulation.tolerances import TOLERANCES
 from contact.model.profiles.base import Array, Profile
 from contact.model.profiles.derive import DETAIL
 from contact.model.profiles.noise import EPS
-from contact.model.profiles.sampled import Sampled
 
 Function = Callable[[Array], Array]
 
@@ -217,8 +216,9 @@ class Direction(Profile):
             If the parameter moves kinks, jumps or corners.
         """
         of = _Varied(profile, to)
-        if isinstance(profile, Sampled) and to.name == "height":
-            return cls(profile, (of.unit_height(),), (1.0,)), TOLERANCES.rounding
+        unit = None if to.index is None else profile.unit_of(to.name, to.index)
+        if unit is not None:
+            return cls(profile, (unit,), (1.0,)), TOLERANCES.rounding
         for step in LINEAR_STEPS:
             try:
                 one, other = of.stencil(cls, (0.5,), step), of.stencil(cls, (0.5,), 0.5 * step)
@@ -276,13 +276,6 @@ class _Varied:
         """The size of the parameter, over which steps are counted."""
         largest = float(np.abs(np.asarray(self.value, dtype=float)).max())
         return abs(self.at) if self.to.index is None and self.at else largest or 1.0
-
-    def unit_height(self) -> Profile:
-        """The spline through the heights 1 at the point `index` and 0 elsewhere."""
-        assert isinstance(self.profile, Sampled) and self.to.index is not None
-        heights = np.zeros(len(self.profile.x))
-        heights[self.to.index] = 1.0
-        return Sampled(self.profile.x, heights, self.profile.period)
 
     def stencil(self, kind: type[Direction], weights: tuple[float, ...], step: float) -> Direction:
         """The central difference with these weights at steps 1, 2, ... times `step`."""

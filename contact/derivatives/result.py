@@ -221,6 +221,7 @@ class Sensitivity(sie.Kept):
         self.solution = solution
         self.linearized = Linearized(solution, stated)
         self._known: dict[str, Response] = {}
+        self._weighted: dict[tuple[str, tuple[int, ...]], Weighted] = {}
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -405,7 +406,9 @@ class Sensitivity(sie.Kept):
             not 0 <= k < n for k, n in zip(at, value.shape, strict=True)
         ):
             raise SceneError.of("index", index, f"an index of an array of shape {value.shape}")
-        return Functionals(self.linearized).weights(number, at)
+        if (number, at) not in self._weighted:
+            self._weighted[number, at] = Functionals(self.linearized).weights(number, at)
+        return self._weighted[number, at]
 
     def _by_weights(
         self, weighted: Weighted, table_of: Callable[[Weights], Array], number: str

@@ -287,6 +287,12 @@ class Profile(Named, sie.Kept):
         """
         return construct(cls, f"profile {cls.name!r}", table)
 
+    def unit_of(self, name: str, index: int) -> "Profile | None":
+        """The profile that one unit of an entry of an array of parameters adds, if heights are a
+        sum over these entries; None if they are not, or if it is not known.
+        """
+        return None
+
     def parameters(self) -> dict[str, Any]:
         """Arguments by name from which the class can make an equal profile."""
         return parameters(self)

@@ -69,6 +69,12 @@ class Fourier(Profile):
     def __repr__(self) -> str:
         return f"Fourier(period={self.period!r}, {np.size(self.cosine)} harmonics)"
 
+    def unit_of(self, name: str, index: int) -> Profile | None:
+        if name not in ("cosine", "sine"):
+            return None
+        wave = np.append(np.zeros(index), 1.0)
+        return Fourier(self.period, *((wave, [0.0]) if name == "cosine" else ([0.0], wave)))
+
     def height(self, x: ArrayLike) -> Array:
         return self._waves[0](self.wrap(np.asarray(x, dtype=np.float64)))
 

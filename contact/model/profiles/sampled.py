@@ -293,6 +293,11 @@ class Sampled(Profile):
     def trace_summary(self) -> dict[str, Any]:
         return {"history": list(self.history), **vars(require(_ROUGHNESS).roughness(self))}
 
+    def unit_of(self, name: str, index: int) -> Profile | None:
+        if name != "height":
+            return None
+        return Sampled(self.x, np.where(np.arange(self.x.size) == index, 1.0, 0.0), self.period)
+
     def height(self, x: ArrayLike) -> Array:
         return np.asarray(-self._spline(self._inside(x)))
 
