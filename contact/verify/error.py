@@ -25,6 +25,7 @@ from contact.formulation.tables import located
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.profiles.noise import EPS
 from contact.verify.certificate import Solved
+from contact.verify.minima import SAMPLING
 from sie import Array, record, wrapped
 
 
@@ -59,10 +60,12 @@ class SolvedZones(Solved):
         on_zones = (TOLERANCES.singular_end if singular else 1) * (
             self._density_error / peak + TOLERANCES.rounding
         ) + _kink_rounding(density) / peak
+        of_rims = _bent_rims(self)
         error = max(
-            float(ends.max(initial=0.0)) + TOLERANCES.rounding,
+            float((ends + of_rims[0]).max(initial=0.0)) + TOLERANCES.rounding,
             position_rounding(self) + TOLERANCES.rounding,
             moved + on_zones,
+            float(of_rims[1].max()) / peak,
         ) + _error_of_body(self)
         if self.control.approach is None:
             return error
@@ -102,6 +105,32 @@ class SolvedZones(Solved):
     def main_cause(self) -> str:
         """Message about what causes most of the error; empty unless a subclass overrides it."""
         return ""
+
+
+def _bent_rims(found: SolvedZones) -> tuple[Array, Array]:
+    """Errors of places (Z, 1) and of the pressure (Z,) by the widths of narrow rims.
+
+    On a narrow rim the pressure passes evenly from one value to the other, up to a difference that
+    is proportional to the width. The true width may be less than that of the zone (`Zones.depth`),
+    or have an error. The charge of the difference moves the rim by its share of the width.
+    """
+    density, scales = found.fields.state.density, found.free.end_scales
+    zones, none = density.zones, np.zeros(len(density.zones))
+    narrow = np.flatnonzero(found.free.narrow_rims)
+    if len(narrow) == 0:
+        return none[:, None], none
+    assert isinstance(density, sie.Density)
+    left, right = sides(np.arccos(chebyshev_nodes(SAMPLING.min_points)))
+    solved = replace(density, zones=replace(zones, depth=none)).at(narrow[:, None], left, right)
+    passage = density.passage(narrow[:, None], left, right)
+    value, width = np.abs(zones.values[:, narrow]).max(axis=0), 2 * zones.half[narrow]
+    bent, deep = np.abs(solved - passage).max(axis=1), zones.depth[narrow] < 0.0
+    of_width = found.ends[narrow].sum(axis=1) * scales[narrow] / width
+    part = np.where(deep, bent / value, np.minimum(of_width, 1.0))
+    pressures, places = none.copy(), none.copy()
+    pressures[narrow] = TOLERANCES.margin * bent * part * np.exp(zones.depth[narrow])
+    places[narrow] = np.where(deep, bent / value * width / scales[narrow], 0.0)
+    return places[:, None], pressures
 
 
 def _error_of_body(found: SolvedZones) -> float:

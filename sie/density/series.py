@@ -206,11 +206,17 @@ class Series(DensityBase):
                 out.shape
             )
         if self.zones.depth.any():
-            # On a rim that is narrower than its zone the density passes from one value to the other.
-            at_left, at_right = self.zones.values[:, zone]
-            passed = at_right + (at_left - at_right) * interval.theta(left, right) / np.pi
-            out = np.where(self.zones.depth[zone] < 0.0, passed, out)
+            # The difference from an even passage is proportional to the width of a rim.
+            part = np.exp(self.zones.depth)[zone]
+            out = np.where(
+                part < 1.0, part * out + (1 - part) * self.passage(zone, left, right), out
+            )
         return np.asarray(out)
+
+    def passage(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
+        """The density on a rim so narrow that the right side does not vary on it; see `at`."""
+        at_left, at_right = self.zones.values[:, np.asarray(zone)]
+        return np.asarray(at_right + (at_left - at_right) * interval.theta(left, right) / np.pi)
 
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
         """Integral of the density from a zone's left end to the place t = cos(angle)."""

@@ -120,6 +120,10 @@ class Progress:
         # sqrt(2 log n) times their root mean square.
         largest_noise = np.sqrt(2 * np.log(2 + delta.size)) * motion.noise
         at_rest = delta <= np.maximum(self.tolerance * np.minimum(width, corners), largest_noise)
+        if zones.have_values:
+            # A rim also needs its own width, which may be far below its scale.
+            wider, own = np.abs(motion.delta.sum(axis=0)), self.tolerance * 4 * zones.half
+            at_rest &= ~zones.rims | (wider <= np.maximum(own, largest_noise.sum(axis=0)))
         few_move = bool(np.mean(at_rest) >= 1.0 - fraction)
         rests = bool(np.all(at_rest)) or (len(self.trace) > options.patience and few_move)
         self.stalled = self.stalled + 1 if move > 0.5 * self.best else 0

@@ -39,7 +39,7 @@ def room_beside(zones: Zones, equation: Equation) -> Array:
 
 def are_narrow(zones: Zones, equation: Equation) -> Mask:
     """Mask of the rims that are much narrower than the gaps or plateaus beside them (Z,)."""
-    if not zones.have_values:
+    if not zones.have_values or not zones.weight.is_half:
         return np.zeros(len(zones), dtype=bool)
     part = OPTIONS.max_shrink
     return np.asarray(zones.rims & (2 * zones.half < part * room_beside(zones, equation)))
@@ -51,7 +51,7 @@ def end_scales(zones: Zones, equation: Equation) -> Array:
     It is the width of the zone or, for a narrow rim, that of the narrower gap or plateau beside it.
     """
     width = 2 * zones.half
-    if not zones.have_values:
+    if not zones.have_values or not zones.weight.is_half:
         return width
     return np.where(zones.rims, np.maximum(width, room_beside(zones, equation)), width)
 

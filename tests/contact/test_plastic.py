@@ -83,6 +83,38 @@ def test_full_contact_that_yields_mirrors_contact_of_the_troughs(amplitude):
     np.testing.assert_allclose(found.plateaus, [[half - 0.5, 0.5 - half]], atol=1e-10)
 
 
+def rough_scene(seed, points, slope_over_hardness, share):
+    """A self-affine trace whose rms slope times E* is a multiple of the hardness."""
+    k = np.arange(1, points // 8)
+    phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(k))
+    x = np.arange(points) / points
+    profile = contact.Sampled(x, np.cos(2 * np.pi * x[:, None] * k + phase) @ k**-1.3, period=1.0)
+    hardness = float(np.std(profile.slope(np.linspace(0, 1, 5000)))) / slope_over_hardness
+    law = contact.Plastic(hardness)
+    return contact.Scene(profile, 1.0, contact.Periodic(), law=law, mean_pressure=share * hardness)
+
+
+@pytest.mark.parametrize("slope_over_hardness", [5.0, 60.0])
+def test_steep_rough_traces_agree_with_tighter_solutions(slope_over_hardness):
+    scene = rough_scene(3, 256, slope_over_hardness, 0.3)
+    rough, fine = contact.solve(scene, tol=1e-3), contact.solve(scene, tol=1e-9)
+    assert fine.certificate.holds and len(fine.plateaus) > 2
+    width = np.diff(fine.zones, axis=1).min()
+    np.testing.assert_allclose(rough.zones, fine.zones, atol=1e-3 * width)
+    x = np.linspace(0, 1, 20001)[:-1]
+    assert fine.pressure(x).mean() == pytest.approx(scene.mean_pressure, rel=2e-4)
+    assert np.all(fine.gap(x) >= 0) and np.all(fine.pressure(x) <= scene.law.hardness)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("slope_over_hardness", [2.0, 20.0, 200.0])
+@pytest.mark.parametrize("share", [0.05, 0.5, 0.95])
+def test_large_steep_traces_are_solved(seed, slope_over_hardness, share):
+    found = contact.solve(rough_scene(seed, 2000, slope_over_hardness, share), tol=1e-6)
+    assert found.certificate.holds and found.error <= 1e-6
+
+
 def bounded_grid(profile, hardness, mean, count):
     """Pressures with 0 <= p <= H on a grid, by projected conjugate directions of the energy."""
     x = (np.arange(count) + 0.5) / count
