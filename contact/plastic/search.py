@@ -61,7 +61,8 @@ def _solved(context: SolveContext, scaled: ScaledScene, spots: Spots) -> SolvedZ
     """The contact from first spots; the tolerance falls while the error is above `tol`."""
     problem, control = scaled.problem, scaled.control
     limit = context.scene.law.pressure_range.highest / problem.units.pressure
-    loop = PlasticLoop(problem, control, limit, context.tolerance)
+    # With a looser tolerance, rims still move when the ends count as found.
+    loop = PlasticLoop(problem, control, limit, min(context.tolerance, SEARCH.intermediate))
     with context.plan.timed("zone ends"):
         outcome = loop.solved(spots)
         while isinstance(outcome, SolvedZones) and outcome.error > context.tol:
