@@ -25,7 +25,6 @@ from contact.formulation.tables import located
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.profiles.noise import EPS
 from contact.verify.certificate import Solved
-from contact.verify.minima import SAMPLING
 from sie import Array, record, wrapped
 
 
@@ -119,12 +118,8 @@ def _bent_rims(found: SolvedZones) -> tuple[Array, Array]:
     narrow = np.flatnonzero(found.free.narrow_rims)
     if len(narrow) == 0:
         return none[:, None], none
-    assert isinstance(density, sie.Density)
-    left, right = sides(np.arccos(chebyshev_nodes(SAMPLING.min_points)))
-    solved = replace(density, zones=replace(zones, depth=none)).at(narrow[:, None], left, right)
-    passage = density.passage(narrow[:, None], left, right)
     value, width = np.abs(zones.values[:, narrow]).max(axis=0), 2 * zones.half[narrow]
-    bent, deep = np.abs(solved - passage).max(axis=1), zones.depth[narrow] < 0.0
+    bent, deep = found.free.bent_rims[narrow], zones.depth[narrow] < 0.0
     of_width = found.ends[narrow].sum(axis=1) * scales[narrow] / width
     part = np.where(deep, bent / value, np.minimum(of_width, 1.0))
     pressures, places = none.copy(), none.copy()

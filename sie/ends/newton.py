@@ -16,8 +16,10 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis.data import HALF_DIGITS, Array, Index, Mask
+from sie.basis.interval import sides
 from sie.basis.zones import Zones
 from sie.dense import modes
+from sie.density.density import Density
 from sie.ends.limits import DomainLimit, domain_limit, pinned_at_limits, released
 from sie.ends.motions import DirectMotions, IteratedMotions, motions_of
 from sie.ends.options import NewtonOptions, WarmStart
@@ -36,6 +38,7 @@ from sie.equation.equation import Equation
 from sie.fast.iteration import OPTIONS as ITERATION
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 from sie.states.options import OPTIONS as ERRORS
+from sie.states.options import THETA
 from sie.states.rounding import density_changes
 from sie.states.sizes import Sizes, first_sizes, sizes_like
 from sie.states.solve import SingularSystem
@@ -147,6 +150,22 @@ class Free:
     def narrow_rims(self) -> Mask:
         """Mask of the zones (Z,) that are rims narrower than a gap or plateau beside them."""
         return are_narrow(self.density.zones, self.state.equation)
+
+    @cached_property
+    def bent_rims(self) -> Array:
+        """Largest difference of the density from an even passage on narrow rims (Z,), else 0.
+
+        It is that of the solved width, and is proportional to the width, see `Zones.depth`.
+        """
+        density, out = self.density, np.zeros(len(self.density.zones))
+        if not self.narrow_rims.any():
+            return out
+        assert isinstance(density, Density)
+        rims = np.flatnonzero(self.narrow_rims)
+        at = rims[:, None], *sides(THETA)
+        solved = replace(density, zones=replace(density.zones, depth=out))
+        out[rims] = np.abs(solved.at(*at) - density.passage(*at)).max(axis=1)
+        return out
 
     @cached_property
     def followed(self) -> Array:
